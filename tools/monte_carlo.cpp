@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// monte-carlo: draws the errors of a scan many times, and counts how often its DEM passes.
+// monte-carlo: draws a scan or its errors many times, and counts how often its DEM passes.
 #include <unistd.h>
 
+#include <algorithm>
 #include <iostream>
 #include <memory>
 #include <optional>
@@ -13,6 +14,7 @@
 #include "cli/tool.h"
 #include "config/dem_config.h"
 #include "config/draws_config.h"
+#include "exports/terrain_output.h"
 #include "files/table_reader.h"
 #include "report/draws_page.h"
 #include "runs/campaign.h"
@@ -27,6 +29,7 @@ constexpr const char* kExamples = R"(Examples:
     --set scan.noise.range_sigma_m=0.02 --set metrics=verdict --table
   monte-carlo scan.h5 --terrain terrain.h5 -c mc.json --samples lhs.csv \
     -o draws.h5
+  monte-carlo -c traced.json --terrain terrain.h5 -o draws.h5
   monte-carlo --pair a/scan.h5:a/terrain.h5 --pair b/scan.h5:b/terrain.h5 \
     -c mc.json -o draws.h5
   monte-carlo scan.h5 --terrain terrain.h5 -c mc.json -o a.h5 --draws 0:150
@@ -38,6 +41,8 @@ Configuration: --print-schema, man monte-carlo, docs/user/monte-carlo.md.)";
 constexpr const char* kDescription =
     R"(Draws the errors of a traced scan many times, builds the DEM of each draw and judges it by the landing requirements, in memory: the true ranges are read once. Draw i gives the same metrics, bit for bit, as scan-sim --ranges-from scan.h5 --seed (seed + i), regrid and dem-eval --metrics-only.
 
+Without a scan each draw traces its own rays, so that any key may vary: trajectory, pointing, scanner, and the ground itself, which --terrain or the section terrain gives. Draw i then equals terrain-gen, scan-sim, regrid and dem-eval with its seeds and values.
+
 The output has one row per draw, and maps: the probability that a bin is empty and that a footprint exceeds a limit, mean and standard deviation of the errors. The table says how many draws passed each requirement and what probability of passing follows.
 
 A run that was ended resumes when it is started again with the same configuration. --draws A:B runs a part; merge joins the parts of one campaign. With --pair, repeated, the draws run over several scans: a verdict for each and one for all of them, and no maps.)";
@@ -46,14 +51,16 @@ void check_config(const cli::Session& session, const cli::CampaignOptions& o) {
   if (o.merges()) return;
   std::optional<NumberTable> samples;
   if (!o.samples.empty()) samples = read_number_table(o.samples, {.all = true});
-  check_draws_config(session.config(), session.config_name(), samples ? &*samples : nullptr);
+  check_draws_config(session.config(), session.config_name(), !o.traces(), samples ? &*samples : nullptr);
 }
 
 void write_report(OutputPath& file, const std::string& title, const Draws& draws,
                   const nlohmann::ordered_json& verdict, const Provenance& provenance) {
   const EvaluationParameters parameters =
       evaluation_config(provenance.config.at("eval"), "monte-carlo: /eval");
-  write_text(file, html_report::draws_page({draws, verdict, parameters}, provenance, title));
+  const bool traces =
+      std::ranges::find(provenance.inputs, "scan", &InputRecord::role) == provenance.inputs.end();
+  write_text(file, html_report::draws_page({draws, verdict, parameters, traces}, provenance, title));
 }
 
 ExitCode conclude(cli::Session& session, const cli::CampaignOptions& o,
@@ -98,7 +105,8 @@ ExitCode merge(cli::Session& session, const cli::CampaignOptions& o) {
 ExitCode run(cli::Session& session, const cli::CampaignOptions& o) {
   cli::check_campaign(session.options(), o);
   if (o.merges()) return merge(session, o);
-  const CampaignSources sources = o.sources();
+  CampaignSources sources = o.sources();
+  sources.make_terrain = make_terrain;
   const std::optional<DrawSpan> part = o.part();
   std::vector<std::string> inputs = {sources.samples};
   for (const ScanPair& pair : sources.pairs) inputs.insert(inputs.end(), {pair.scan, pair.terrain});
@@ -134,11 +142,15 @@ int main(int argc, char** argv) {
   cli::CampaignOptions options;
   cli::Tool tool;
   tool.name = "monte-carlo";
-  tool.summary = "Draws the errors of a scan many times, and counts how often its DEM passes.";
+  tool.summary = "Draws a scan or its errors many times, and counts how often its DEM passes.";
   tool.description = kDescription;
   tool.examples = kExamples;
   tool.schema = "draws";
+  tool.has_seed = true;
+  tool.seed_key = "/scan/seed";
   tool.bind = [&](CLI::App& app) { cli::bind_campaign(app, options); };
+  tool.expand = [](JsonSource& source, const cli::CommonOptions&) { expand_sections(source); };
+  tool.complete = [](JsonSource& source) { expand_sections(source); };
   tool.check = [&](const cli::Session& session) { check_config(session, options); };
   tool.run = [&](cli::Session& session) { return run(session, options); };
   return cli::tool_main(argc, argv, tool);

@@ -39,6 +39,8 @@ enum class RandomStream : std::uint64_t {
   background = 52,
   timing_jitter = 53,
   pixel_offset = 54,
+  touchdown = 60,
+  landing_yaw = 61,
 };
 
 /// Random numbers as a pure function of (seed, stream, i, j): Philox4x64-10 (Salmon et al. 2011) with the key

@@ -78,9 +78,9 @@ bool DeviceJudge::take_maps(std::int64_t draws, DrawMaps& maps) {
   part.draws = draws;
   const DeviceSums sums{.counts = {part.invalid.values(), part.fail_rel_x.values(), part.fail_rel_y.values(),
                                    part.fail_rel_z.values(), part.fail_absolute.values(),
-                                   part.e_z.count.values(), part.e_map.count.values()},
-                        .sums = {part.count.values(), part.e_z.sum.values(), part.e_map.sum.values()},
-                        .squares = {part.e_z.squares.values(), part.e_map.squares.values()}};
+                                   part.e_z.count.values(), part.e_map->count.values()},
+                        .sums = {part.count.values(), part.e_z.sum.values(), part.e_map->sum.values()},
+                        .squares = {part.e_z.squares.values(), part.e_map->squares.values()}};
   if (!gridder_.attempt([&](DeviceDraws& device) { device.take_sums(sums); })) return false;
   maps.merge(part);
   return true;

@@ -30,16 +30,16 @@ void require_layers(DrawnDem& dem, const GridSpec& grid) {
 
 }  // namespace
 
-DrawGridder::DrawGridder(const TrueRanges& truth, const TerrainSurface& terrain, const GridSpec& grid,
+DrawGridder::DrawGridder(const TrueRanges& truth, const GridSpec& grid,
                          const std::optional<OpenClOptions>& device)
-    : truth_(truth), terrain_(terrain), grid_(grid) {
+    : truth_(truth), grid_(grid) {
   if (device) device_ = std::make_unique<DeviceGridder>(truth, grid, *device);
 }
 
 template <class Bins>
-void DrawGridder::take_values(const Bins& bins, TruthAt truth_at) {
+void DrawGridder::take_values(const Bins& bins, TruthAt truth_at, const TerrainSurface& truth) {
   require_layers(dem_, grid_);
-  const auto elevation = [&](double x_m, double y_m) { return terrain_.elevation(x_m, y_m); };
+  const auto elevation = [&](double x_m, double y_m) { return truth.elevation(x_m, y_m); };
   parallel_for(static_cast<std::size_t>(grid_.rows), 16, [&](std::size_t begin, std::size_t end) {
     std::vector<BinValues> row(static_cast<std::size_t>(grid_.cols));
     for (auto r = static_cast<std::int64_t>(begin); r < static_cast<std::int64_t>(end); ++r) {
@@ -57,21 +57,22 @@ void DrawGridder::take_values(const Bins& bins, TruthAt truth_at) {
   });
 }
 
-DrawnDem& DrawGridder::draw(const Simulation& simulation, Method method, TruthAt truth_at) {
+DrawnDem& DrawGridder::draw(const Simulation& simulation, Method method, TruthAt truth_at,
+                            const TerrainSurface& truth) {
   if (device_ && device_->draw(simulation, method)) {
-    take_values(*device_, truth_at);
+    take_values(*device_, truth_at, truth);
     return dem_;
   }
   Accumulator& bins = empty_bins(method);
-  const auto pixels = static_cast<std::int64_t>(simulation.pixel_count());
-  const std::int64_t pulses_per_pass = std::max<std::int64_t>(1, kBatchPoints / pixels);
+  const auto rows = static_cast<std::int64_t>(simulation.rows_per_pulse());
+  const std::int64_t pulses_per_pass = std::max<std::int64_t>(1, kBatchPoints / rows);
   do {
     for (std::int64_t first = 0; first < simulation.pulse_count(); first += pulses_per_pass) {
       fill(simulation, {first, std::min(pulses_per_pass, simulation.pulse_count() - first)});
       bins.add(take_returns());
     }
   } while (bins.end_pass());
-  take_values(bins, truth_at);
+  take_values(bins, truth_at, truth);
   return dem_;
 }
 
@@ -85,20 +86,24 @@ Accumulator& DrawGridder::empty_bins(Method method) {
 }
 
 void DrawGridder::fill(const Simulation& simulation, PulseSpan pulses) {
-  const auto pixels = static_cast<std::int64_t>(simulation.pixel_count());
-  batch_.resize(static_cast<std::size_t>(pulses.count), static_cast<std::size_t>(pixels));
-  const std::int64_t per_piece = std::max<std::int64_t>(1, kPointsPerPiece / pixels);
+  const std::size_t rows = simulation.rows_per_pulse();
+  batch_.resize(static_cast<std::size_t>(pulses.count), rows, PointContent::all, simulation.columns());
+  const std::int64_t per_piece = std::max<std::int64_t>(1, kPointsPerPiece / static_cast<std::int64_t>(rows));
   parallel_for(static_cast<std::size_t>((pulses.count + per_piece - 1) / per_piece), 1,
                [&](std::size_t begin, std::size_t end) {
                  const std::int64_t slot = static_cast<std::int64_t>(begin) * per_piece;
                  const std::int64_t count =
                      std::min(static_cast<std::int64_t>(end) * per_piece, pulses.count) - slot;
-                 const PulseSpan piece{pulses.first + slot, count};
-                 simulation.replay_slots(piece,
-                                         truth_.part(static_cast<std::size_t>(piece.first * pixels),
-                                                     static_cast<std::size_t>(count * pixels)),
-                                         static_cast<std::size_t>(slot), batch_);
+                 fill_slots(simulation, {pulses.first + slot, count}, static_cast<std::size_t>(slot));
                });
+}
+
+void DrawGridder::fill_slots(const Simulation& simulation, PulseSpan pulses, std::size_t first_slot) {
+  if (simulation.can_trace()) return simulation.simulate_slots(pulses, first_slot, batch_);
+  const std::size_t pixels = simulation.pixel_count();
+  const TrueRanges seen = truth_.part(static_cast<std::size_t>(pulses.first) * pixels,
+                                      static_cast<std::size_t>(pulses.count) * pixels);
+  simulation.replay_slots(pulses, seen, first_slot, batch_);
 }
 
 GridPoints DrawGridder::take_returns() {
@@ -107,10 +112,14 @@ GridPoints DrawGridder::take_returns() {
   constexpr auto kPerPiece = static_cast<std::size_t>(kPointsPerPiece);
   const std::size_t pieces = (size + kPerPiece - 1) / kPerPiece;
   const auto end_of = [&](std::size_t piece) { return std::min((piece + 1) * kPerPiece, size); };
+  const auto is_kept = [&](std::size_t row) {
+    return is_return(points.status[row]) &&
+           (points.return_number.empty() || points.return_number[row] != PulseBatch::kNoSuchReturn);
+  };
   std::vector<std::size_t> first(pieces + 1);  // return of each piece
   parallel_for(pieces, 1, [&](std::size_t piece, std::size_t) {
-    const std::span rows = std::span(points.status).first(end_of(piece)).subspan(piece * kPerPiece);
-    first[piece + 1] = static_cast<std::size_t>(std::ranges::count_if(rows, is_return));
+    for (std::size_t row = piece * kPerPiece; row < end_of(piece); ++row)
+      first[piece + 1] += is_kept(row) ? 1U : 0U;
   });
   std::partial_sum(first.begin(), first.end(), first.begin());
   for (std::vector<double>& column : returns_) column.resize(std::max(column.size(), first.back()));
@@ -119,7 +128,7 @@ GridPoints DrawGridder::take_returns() {
       const std::vector<double>& from = points.*kCoordinates[i];
       double* to = returns_[i].data() + first[piece];
       for (std::size_t row = piece * kPerPiece; row < end_of(piece); ++row)
-        if (is_return(points.status[row])) *to++ = from[row];
+        if (is_kept(row)) *to++ = from[row];
     }
   });
   // No layer of the DEM that is judged needs the times of the returns.

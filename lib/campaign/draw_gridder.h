@@ -6,6 +6,7 @@
 #include <memory>
 #include <optional>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "campaign/device_gridder.h"
@@ -15,9 +16,11 @@
 #include "gridding/layers.h"
 #include "gridding/method.h"
 #include "raster/grid.h"
+#include "ray/engine.h"
 #include "returns/columns.h"
 #include "simulation/simulation.h"
 #include "terrain/surface.h"
+#include "terrain/surface_albedo.h"
 
 namespace landfall {
 
@@ -27,34 +30,48 @@ struct DrawnDem {
   Grid<std::int32_t> count;  ///< returns of each bin
 };
 
-/// Redraws the errors of a scan on its true ranges and grids the returns, without files: scan-sim
-/// --ranges-from and regrid in memory, by the same simulation and gridding. On all threads; the result does
-/// not depend on their number. Memory beside the ranges: 2^17 points, and the sums of the method.
+/// The true ground of a draw. What it points to outlives the draw.
+struct DrawGround {
+  const TerrainSurface& surface;
+  const RayEngine* engine = nullptr;  ///< null: the draw takes the ranges of the traced scan
+  const SurfaceAlbedo* albedo = nullptr;
+
+  [[nodiscard]] Simulation simulate(ScanModel model) const {
+    return {std::move(model), engine, &surface, albedo};
+  }
+};
+
+/// Makes the returns of a draw and grids them, without files: scan-sim, or scan-sim --ranges-from, and regrid
+/// in memory, by the same simulation and gridding. On all threads; the result does not depend on their
+/// number. Memory beside the ranges: 2^17 points, and the sums of the method.
 class DrawGridder {
  public:
-  /// `truth` holds one range per pixel and pulse (RangeFile), and its echo if the receiver sees waveforms.
-  /// Both must outlive this object. With `device`, an OpenCL device makes the draws, as DeviceGridder can.
-  DrawGridder(const TrueRanges& truth, const TerrainSurface& terrain, const GridSpec& grid,
+  /// `truth` holds one range per pixel and pulse (RangeFile), and its echo if the receiver sees waveforms; it
+  /// is empty for draws that trace. It must outlive this object. With `device`, an OpenCL device makes the
+  /// draws, as DeviceGridder can.
+  DrawGridder(const TrueRanges& truth, const GridSpec& grid,
               const std::optional<OpenClOptions>& device = std::nullopt);
 
   /// Null without a device.
   [[nodiscard]] DeviceGridder* device() const { return device_.get(); }
 
-  /// The DEM of the draw, which the next call replaces; the caller may take layers out of it. `simulation`
-  /// has as many pulses and pixels as the ranges: throws FormatError where it has not.
-  [[nodiscard]] DrawnDem& draw(const Simulation& simulation, Method method, TruthAt truth_at);
+  /// The DEM of the draw, which the next call replaces; the caller may take layers out of it. `simulation` is
+  /// of the ground `truth`. It traces if it can; else it has as many pulses and pixels as the ranges: throws
+  /// FormatError where it has not.
+  [[nodiscard]] DrawnDem& draw(const Simulation& simulation, Method method, TruthAt truth_at,
+                               const TerrainSurface& truth);
 
  private:
   [[nodiscard]] Accumulator& empty_bins(Method method);
   void fill(const Simulation& simulation, PulseSpan pulses);
+  void fill_slots(const Simulation& simulation, PulseSpan pulses, std::size_t first_slot);
   /// The returns of the batch, in order; valid until the next call.
   [[nodiscard]] GridPoints take_returns();
   /// `bins` are those of the device, or an Accumulator.
   template <class Bins>
-  void take_values(const Bins& bins, TruthAt truth_at);
+  void take_values(const Bins& bins, TruthAt truth_at, const TerrainSurface& truth);
 
   TrueRanges truth_;
-  const TerrainSurface& terrain_;
   GridSpec grid_;
   // Reused by all draws: the system clears fresh memory, which costs as much as gridding.
   PulseBatch batch_;

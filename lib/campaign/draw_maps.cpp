@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 #include <string>
+#include <utility>
 
 #include "base/error.h"
 #include "evaluation/evaluate.h"
@@ -90,9 +91,9 @@ DrawMaps::DrawMaps(const GridSpec& grid)
       fail_absolute(grid),
       count(grid),
       e_z(grid),
-      e_map(grid) {}
+      e_map(std::in_place, grid) {}
 
-void DrawMaps::add_dem(const DrawnDem& dem, const Grid<double>& z_true_map) {
+void DrawMaps::add_dem(const DrawnDem& dem, const Grid<double>* z_true_map) {
   const auto z_est = dem.layers.z_est.values();
   const auto z_true = dem.layers.truth->z.values();
   for_each_index(z_est.size(), [&](std::size_t i) {
@@ -102,7 +103,7 @@ void DrawMaps::add_dem(const DrawnDem& dem, const Grid<double>& z_true_map) {
       return;
     }
     e_z.add(i, z_true[i] - z_est[i]);
-    e_map.add(i, z_true_map.values()[i] - z_est[i]);
+    if (e_map) e_map->add(i, z_true_map->values()[i] - z_est[i]);
   });
   ++draws;
 }
@@ -126,7 +127,7 @@ void DrawMaps::merge(const DrawMaps& other) {
                    [&](std::size_t i) { (this->*member).values()[i] += (other.*member).values()[i]; });
   for_each_index(spec().size(), [&](std::size_t i) { count.values()[i] += other.count.values()[i]; });
   e_z.merge(other.e_z);
-  e_map.merge(other.e_map);
+  if (e_map) e_map->merge(*other.e_map);
   if (safety) safety->merge(*other.safety);
 }
 

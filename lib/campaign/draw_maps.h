@@ -50,16 +50,17 @@ struct DrawMaps {
   Grid<std::int32_t> fail_rel_y;
   Grid<std::int32_t> fail_rel_z;
   Grid<std::int32_t> fail_absolute;
-  Grid<std::int64_t> count;            ///< returns
-  ErrorSums e_z;                       ///< z_true - z_est
-  ErrorSums e_map;                     ///< H(X, Y) - z_est, (X, Y) the bin's centre
+  Grid<std::int64_t> count;  ///< returns
+  ErrorSums e_z;             ///< z_true - z_est
+  /// H(X, Y) - z_est, (X, Y) the bin's centre; none where the ground varies.
+  std::optional<ErrorSums> e_map;
   std::optional<SafetyCounts> safety;  ///< of a campaign that judges hazards
 
   explicit DrawMaps(const GridSpec& grid);
   [[nodiscard]] const GridSpec& spec() const { return invalid.spec(); }
 
-  /// Adds the DEM of one draw. `z_true_map` is H(X, Y), NaN off the terrain.
-  void add_dem(const DrawnDem& dem, const Grid<double>& z_true_map);
+  /// Adds the DEM of one draw. `z_true_map` is H(X, Y), NaN off the terrain; null only without e_map.
+  void add_dem(const DrawnDem& dem, const Grid<double>* z_true_map);
   /// Adds the verdicts on the footprints of the same draw: FailFlag bits (evaluate.h), 0 outside the region.
   void add_verdicts(const Grid<std::int8_t>& fail);
   /// Adds the draws of another part. Both lie on one grid.

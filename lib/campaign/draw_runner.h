@@ -1,19 +1,24 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Decisions: D379
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <memory>
 #include <optional>
 #include <span>
 #include <variant>
 
+#include "campaign/campaign_scene.h"
 #include "campaign/device_judge.h"
 #include "campaign/draw_gridder.h"
 #include "campaign/draw_maps.h"
+#include "campaign/predicted_sigma.h"
 #include "evaluation/judge/verdict.h"
 #include "evaluation/metrics.h"
 #include "evaluation/parameters.h"
 #include "hazards/hazard_map.h"
+#include "hazards/landing.h"
 
 namespace landfall {
 
@@ -21,14 +26,6 @@ namespace landfall {
 enum class MetricsKind {
   full,     ///< all of metrics.json
   verdict,  ///< what decides the six requirements: no percentiles, several times faster
-};
-
-/// The inputs that the draws of a campaign share.
-struct CampaignScene {
-  TrueRanges truth;  ///< one range per pixel and pulse, and its echo if the receiver sees waveforms
-  const TerrainSurface& terrain;
-  GridSpec grid;
-  BinMask region;  ///< judged_region(), which no draw changes
 };
 
 /// By MetricsKind.
@@ -40,9 +37,31 @@ struct DrawHazards {
   std::optional<LandingSite> best;  ///< the chosen place; none where no place is safe
 };
 
+/// How a campaign's draws land.
+struct LandingParameters {
+  double drift_time_s = 0;              ///< for which the velocity error acts after the last pulse
+  std::optional<double> yaw_deg;        ///< none: drawn, uniform in [0, 360)
+  std::optional<double> blind_sigma_m;  ///< dispersion without a lidar; none: that with it
+};
+
+/// The landing of a draw.
+struct LandingSetup {
+  LandingParameters parameters;
+  std::uint64_t seed = 0;
+  std::array<double, 2> velocity_error_mps{};  ///< x, y
+};
+
+/// The landing at the draw's best site, at the origin where it has none, and the same draw without a lidar,
+/// which lands at the origin.
+struct DrawLandings {
+  Landing lidar;
+  Landing blind;
+};
+
 struct DrawResult {
   DrawMetrics metrics;
   std::optional<DrawHazards> hazards;
+  std::optional<DrawLandings> landings = std::nullopt;
   bool is_on_device = false;  ///< the maps do not have it yet: DrawRunner::take_from_device()
 };
 
@@ -53,28 +72,32 @@ struct DrawSetup {
   TruthAt truth_at = TruthAt::bin_center;
   EvaluationParameters evaluation;
   std::optional<HazardParameters> hazard = std::nullopt;
+  std::optional<LandingSetup> landing = std::nullopt;  ///< only with hazard
+  /// Makes the 1-sigma layers of the DEM; only with the method bilinear_nearest.
+  std::optional<UncertaintyParameters> uncertainty = std::nullopt;
 };
 
-/// Runs draws one after the other, each on all threads: replays, grids and judges in memory. Memory does not
-/// depend on the number of draws. A device judges them too (DeviceJudge) where the metrics are
+/// Runs draws one after the other, each on all threads: traces or replays, grids and judges in memory. Memory
+/// does not depend on the number of draws. A device judges them too (DeviceJudge) where the metrics are
 /// MetricsKind::verdict, no hazards are asked for and the ground is a grid in memory.
 class DrawRunner {
  public:
-  /// The scene's data must outlive this object. With maps H at the bins' centres is computed once. With
-  /// `device`, an OpenCL device draws and bins (DeviceGridder).
+  /// The scene's data must outlive this object. With maps H at the bins' centres is computed once, if all
+  /// draws have one ground. With `device`, an OpenCL device draws and bins (DeviceGridder).
   DrawRunner(CampaignScene scene, bool with_maps, const std::optional<OpenClOptions>& device = std::nullopt);
 
   [[nodiscard]] const CampaignScene& scene() const { return scene_; }
-  /// H at the bins' centres, NaN off the terrain; only with maps.
+  /// H at the bins' centres, NaN off the terrain; only with maps of one ground.
   [[nodiscard]] const std::optional<Grid<double>>& z_true_map() const { return z_true_map_; }
 
   /// Throws UsageError, naming the key, for a draw that the device must make and cannot.
   void check_device(DrawSetup setup) const;
 
-  /// The metrics of the draw: those of scan-sim --ranges-from, regrid and dem-eval --metrics-only, bit for
-  /// bit; score and best site those of hazard-map --terrain. Adds the draw to `maps` unless it is null,
-  /// or leaves it on the device at first. Throws as Simulation, DrawGridder, evaluate() and map_hazards() do.
-  [[nodiscard]] DrawResult run(DrawSetup setup, MetricsKind kind, DrawMaps* maps);
+  /// The metrics of the draw on this ground: those of scan-sim (without an engine, of scan-sim
+  /// --ranges-from), regrid and dem-eval --metrics-only, bit for bit; score and best site those of hazard-map
+  /// --terrain. Adds the draw to `maps` unless it is null, or leaves it on the device at first. Throws as
+  /// Simulation, DrawGridder, evaluate() and map_hazards() do.
+  [[nodiscard]] DrawResult run(DrawSetup setup, const DrawGround& ground, MetricsKind kind, DrawMaps* maps);
 
   /// Adds the draws on the device, whose number is given, to `maps`. Returns false if the device has lost
   /// them and the CPU takes over: they must be run again.
@@ -83,8 +106,12 @@ class DrawRunner {
  private:
   [[nodiscard]] std::optional<DecisiveMetrics> judge_on_device(const Simulation& simulation,
                                                                const DrawSetup& setup, MetricsKind kind);
-  [[nodiscard]] DrawHazards judge_hazards(const DemLayers& dem, const HazardParameters& parameters,
-                                          DrawMaps* maps) const;
+  [[nodiscard]] static DrawHazards judge_hazards(const DemLayers& dem, const SigmaLayers* sigma,
+                                                 const TerrainSurface& ground,
+                                                 const HazardParameters& parameters, DrawMaps* maps);
+
+  [[nodiscard]] DrawLandings land(const Simulation& simulation, const DrawSetup& setup,
+                                  const DrawHazards& hazards, const TerrainSurface& ground) const;
 
   CampaignScene scene_;
   DrawGridder gridder_;

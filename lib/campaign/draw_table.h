@@ -32,6 +32,10 @@ struct DrawTable {
 /// The varied column with the number of the scan, in a campaign over several scans.
 inline constexpr const char* kPairColumn = "pair";
 
+/// Metrics of a campaign whose draws land: whether the landing is safe, 0 or 1.
+inline constexpr const char* kLandingSafe = "landing.safe";
+inline constexpr const char* kBlindSafe = "blind.safe";
+
 /// Appends `next`, whose first draw follows the last one of `table` and which has the same columns.
 void append(DrawTable& table, const DrawTable& next);
 

@@ -3,7 +3,6 @@
 #include "campaign/predicted_sigma.h"
 
 #include <algorithm>
-#include <utility>
 #include <vector>
 
 #include "base/parallel.h"
@@ -48,10 +47,13 @@ GriddedReturns gridded_returns(const CampaignScene& scene, const Simulation& sim
   PulseBatch batch;
   for (std::int64_t first = 0; first < simulation.pulse_count(); first += per_batch) {
     const PulseSpan span{first, std::min(per_batch, simulation.pulse_count() - first)};
-    simulation.replay(span,
-                      scene.truth.part(static_cast<std::size_t>(first * pixels),
-                                       static_cast<std::size_t>(span.count * pixels)),
-                      batch);
+    if (simulation.can_trace())
+      simulation.simulate(span, batch);
+    else
+      simulation.replay(span,
+                        scene.truth.part(static_cast<std::size_t>(first * pixels),
+                                         static_cast<std::size_t>(span.count * pixels)),
+                        batch);
     batch.keep_returns();
     gridded.add(batch, first, simulation);
   }
@@ -60,24 +62,28 @@ GriddedReturns gridded_returns(const CampaignScene& scene, const Simulation& sim
 
 }  // namespace
 
-Grid<float> predicted_sigma(const CampaignScene& scene, ScanModel scan,
+SigmaLayers predicted_sigma(const CampaignScene& scene, const Simulation& simulation,
                             const UncertaintyParameters& parameters) {
-  const Simulation simulation(std::move(scan), nullptr, &scene.terrain);
   const GriddedReturns gridded = gridded_returns(scene, simulation);
   const Grid<Slope> slopes = slope_layer(gridded.bins);
   const PoseTrack poses({estimated_poses("the scan", gridded.pulses)});
   const UncertaintyMap map(gridded.bins, gridded.moments, slopes, poses, parameters);
-  auto sigma = Grid<float>::unset(scene.grid);
+  const auto unset = [&] { return Grid<float>::unset(scene.grid); };
+  SigmaLayers layers{unset(), unset(), unset()};
   parallel_for(static_cast<std::size_t>(scene.grid.rows), 16, [&](std::size_t begin, std::size_t end) {
     std::vector<BinValues> row(static_cast<std::size_t>(scene.grid.cols));
     for (auto r = static_cast<std::int64_t>(begin); r < static_cast<std::int64_t>(end); ++r) {
       gridded.bins.values({r, 0}, row);
-      for (std::int64_t c = 0; c < scene.grid.cols; ++c)
-        sigma.at({r, c}) = static_cast<float>(
-            row[static_cast<std::size_t>(c)].count > 0 ? map.sigmas({r, c}).z_abs : BinSigmas::kUnknown);
+      for (std::int64_t c = 0; c < scene.grid.cols; ++c) {
+        const bool is_filled = row[static_cast<std::size_t>(c)].count > 0;
+        const BinSigmas sigmas = is_filled ? map.sigmas({r, c}) : BinSigmas{};
+        layers.z_abs.at({r, c}) = static_cast<float>(sigmas.z_abs);
+        layers.z_rel.at({r, c}) = static_cast<float>(sigmas.z_rel);
+        layers.z_noise.at({r, c}) = static_cast<float>(sigmas.z_noise);
+      }
     }
   });
-  return sigma;
+  return layers;
 }
 
 }  // namespace landfall

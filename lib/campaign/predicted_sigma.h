@@ -1,14 +1,23 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include "campaign/draw_runner.h"
+#include "campaign/campaign_scene.h"
 #include "gridding/uncertainty.h"
 
 namespace landfall {
 
-/// z_sigma_abs of the DEM that the scan gives by the method bilinear_nearest: the layer of regrid
-/// --uncertainty, the same bits. NaN in bins without a return or a slope. 170 bytes per bin while it runs.
-[[nodiscard]] Grid<float> predicted_sigma(const CampaignScene& scene, ScanModel scan,
+/// 1-sigma layers of a DEM, as the file of regrid --uncertainty holds them. NaN in bins without a return or a
+/// slope.
+struct SigmaLayers {
+  Grid<float> z_abs;
+  Grid<float> z_rel;
+  Grid<float> z_noise;
+};
+
+/// The layers of the DEM that the scan gives by the method bilinear_nearest: those of regrid --uncertainty,
+/// the same bits. The simulation traces if it can, else it takes the ranges of the scene. 170 bytes per bin
+/// while it runs.
+[[nodiscard]] SigmaLayers predicted_sigma(const CampaignScene& scene, const Simulation& simulation,
                                           const UncertaintyParameters& parameters);
 
 }  // namespace landfall

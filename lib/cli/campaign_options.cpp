@@ -38,7 +38,7 @@ CampaignSources CampaignOptions::sources() const {
     sources.device = {.on_failure = engine == "opencl" ? DeviceFailure::throws : DeviceFailure::falls_back,
                       .use = std::make_shared<DeviceUse>()};
   for (const std::string& pair : pairs) sources.pairs.push_back(pair_of(pair));
-  if (sources.pairs.empty()) sources.pairs.push_back({inputs.front(), terrain});
+  if (sources.pairs.empty()) sources.pairs.push_back({traces() ? "" : inputs.front(), terrain});
   return sources;
 }
 
@@ -47,9 +47,13 @@ std::optional<DrawSpan> CampaignOptions::part() const {
 }
 
 void bind_campaign(CLI::App& app, CampaignOptions& o) {
-  app.add_option("scan", o.inputs, "Traced scan (scan.h5); or: merge, and the parts of a campaign (draws.h5)")
+  app.add_option(
+         "scan", o.inputs,
+         "Traced scan (scan.h5); without one each draw traces its own rays. Or: merge, and the parts of "
+         "a campaign (draws.h5)")
       ->type_name("FILE...");
-  app.add_option("--terrain", o.terrain, "Terrain that was scanned (terrain.h5)")->type_name("FILE");
+  app.add_option("--terrain", o.terrain, "Terrain that was scanned (terrain.h5), or that each draw scans")
+      ->type_name("FILE");
   app.add_option("--pair", o.pairs,
                  "A scan and its terrain, in place of scan and --terrain; repeated: draws over each")
       ->type_name("SCAN:TERRAIN")
@@ -81,7 +85,8 @@ void check_campaign(const CommonOptions& common, const CampaignOptions& o) {
   if (!o.pairs.empty() && (!o.inputs.empty() || !o.terrain.empty()))
     throw UsageError("--pair names scan and terrain; omit " +
                      (o.inputs.empty() ? "--terrain" : o.inputs.front()));
-  if (o.inputs.empty() && o.pairs.empty()) throw UsageError("a scan is required");
+  if (o.traces() && o.engine != "cpu")
+    throw UsageError("--engine " + o.engine + ": draws without a scan are traced by the CPU");
   if (o.table && common.json_summary) throw UsageError("--table and --json both write to standard output");
   if (!o.title.empty() && o.report.empty()) throw UsageError("--title needs --report");
   if (o.report == "-") throw UsageError("--report needs a file");
@@ -95,7 +100,7 @@ void check_campaign(const CommonOptions& common, const CampaignOptions& o) {
     return;
   }
   if (o.inputs.size() > 1) throw UsageError("one scan at a time; " + o.inputs[1] + " is a second one");
-  if (o.terrain.empty() && o.pairs.empty()) throw UsageError("--terrain is required");
+  if (!o.traces() && o.terrain.empty() && o.pairs.empty()) throw UsageError("--terrain is required");
 }
 
 }  // namespace landfall::cli

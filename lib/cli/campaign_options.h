@@ -12,7 +12,7 @@ namespace landfall::cli {
 
 /// The options of monte-carlo; empty where they are not given.
 struct CampaignOptions {
-  std::vector<std::string> inputs;  ///< a scan, or merge and parts
+  std::vector<std::string> inputs;  ///< a scan or none, or merge and parts
   std::vector<std::string> pairs;
   std::string terrain, samples, draws, verdict, report, title;
   std::string engine = "cpu";
@@ -20,6 +20,8 @@ struct CampaignOptions {
   bool require_pass = false;
 
   [[nodiscard]] bool merges() const { return !inputs.empty() && inputs.front() == "merge"; }
+  /// Whether each draw traces its own rays.
+  [[nodiscard]] bool traces() const { return inputs.empty() && pairs.empty(); }
   /// The sources of a run that does not merge. Throws UsageError.
   [[nodiscard]] CampaignSources sources() const;
   /// The rows of --draws. Throws UsageError.

@@ -14,20 +14,26 @@ using VerdictJson = nlohmann::ordered_json;
 /// Probabilities near 1 need their last digits.
 std::string p_text(const VerdictJson& p) { return print("%.4f", p.get<double>()); }
 
-std::string rate_line(const VerdictJson& rate) {
+std::string rate_line(const std::string& name, const VerdictJson& rate) {
   const auto passed = rate.at("passed").get<std::int64_t>();
   const auto draws = rate.at("draws").get<std::int64_t>();
-  return print("%-20s %8s of %-8s %-17s %s\n", rate.at("requirement").get<std::string>().c_str(),
-               grouped(passed).c_str(), grouped(draws).c_str(),
+  return print("%-20s %8s of %-8s %-17s %s\n", name.c_str(), grouped(passed).c_str(), grouped(draws).c_str(),
                (p_text(rate.at("wilson_low")) + " .. " + p_text(rate.at("wilson_high"))).c_str(),
                p_text(rate.at("exact_lower_bound")).c_str());
 }
 
 std::string rate_lines(const VerdictJson& result) {
   std::string text;
-  for (const VerdictJson& rate : result.at("rates")) text += rate_line(rate);
-  if (result.contains("hazard")) text += rate_line(result.at("hazard").at("chosen_place_safe"));
-  return text;
+  for (const VerdictJson& rate : result.at("rates")) text += rate_line(rate.at("requirement"), rate);
+  if (result.contains("hazard"))
+    text += rate_line("chosen_place_safe", result.at("hazard").at("chosen_place_safe"));
+  if (!result.contains("landing")) return text;
+  const VerdictJson& landing = result.at("landing");
+  const VerdictJson& difference = landing.at("difference");
+  text += rate_line("safe landing", landing.at("safe")) + rate_line("without a lidar", landing.at("blind"));
+  return text + print("difference %+.4f, %+.4f .. %+.4f (Newcombe, 95 %%), McNemar p %.2g\n",
+                      difference.at("value").get<double>(), difference.at("low").get<double>(),
+                      difference.at("high").get<double>(), landing.at("mcnemar_p").get<double>());
 }
 
 }  // namespace

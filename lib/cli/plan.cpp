@@ -35,6 +35,17 @@ GridSpec plan_grid(const PlanOptions& o) {
   return GridSpec::centered(bins * o.resolution_m, o.resolution_m, "--plan-radius, --plan-resolution");
 }
 
+/// A plan is of the configured path, from which the true one departs.
+nlohmann::json planned_scan(Session& session) {
+  nlohmann::json config = session.config();
+  const nlohmann::json none = {0, 0, 0};
+  for (auto& [key, value] : config.at("trajectory_dispersion").items()) {
+    if (value != none) session.warn("/trajectory_dispersion/" + key + ": has no effect on a plan");
+    value = none;
+  }
+  return config;
+}
+
 }  // namespace
 
 void bind_plan(CLI::App& app, PlanOptions& o) {
@@ -56,7 +67,8 @@ ExitCode run_plan(Session& session, const PlanOptions& o, std::int64_t batch_poi
   Provenance provenance = session.provenance();
   provenance.options = {{"plan", {{"radius_m", o.radius_m}, {"resolution_m", o.resolution_m}}}};
   Grid<std::int8_t> region = circular_region(plan_grid(o), o.radius_m);
-  ScanModel model = scan_model(session.config(), session.config_name(), recording_table_loader(provenance));
+  ScanModel model =
+      scan_model(planned_scan(session), session.config_name(), recording_table_loader(provenance));
   std::optional<LandfallFileWriter> file;
   if (!session.options().output_path.empty()) file.emplace(session.output(), "plan", provenance);
   const double pulse_rate_hz = model.pulse_rate_hz;

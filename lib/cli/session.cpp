@@ -107,7 +107,7 @@ void Session::resolve_config(const Tool& tool) {
                       return default_at(config, embedded_schema(schema_), pointer);
                     });
   if (tool.complete) tool.complete(source);
-  if (options_.seed) source.value["seed"] = *options_.seed;
+  if (options_.seed) source.value[nlohmann::json::json_pointer(tool.seed_key)] = *options_.seed;
   config_name_ = source.name;
   config_ = resolved_config(source, schema_);
 }

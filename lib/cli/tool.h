@@ -23,6 +23,7 @@ struct Tool {
   std::string examples;
   std::string schema;  ///< name for embedded_schema(); empty for a tool without a configuration
   bool has_seed = false;
+  std::string seed_key = "/seed";       ///< what --seed sets, a JSON pointer
   bool writes_hdf5 = true;              ///< false: the tool checks the extension of its output itself
   bool writes = true;                   ///< false: no -o, no summary of the run
   std::function<void(CLI::App&)> bind;  ///< declares the tool's own options; opens nothing

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Decisions: D377
 #include "config/draws_config.h"
 
 #include <algorithm>
@@ -9,12 +10,14 @@
 #include <set>
 #include <utility>
 
+#include "base/abbreviated.h"
 #include "base/error.h"
 #include "config/config_path.h"
-#include "config/hazard_config.h"
 #include "config/key_effects.h"
+#include "config/presets.h"
 #include "config/scan_config.h"
 #include "config/schema.h"
+#include "config/terrain_config.h"
 #include "config/uncertainty_config.h"
 
 namespace landfall {
@@ -45,16 +48,85 @@ void merge(Json& base, const Json& changes, const std::string& where) {
   }
 }
 
-Json resolve_stage(const std::string& stage, const Json& config, const std::string& name) {
-  Json resolved = resolve_config({name + ": /" + stage, config}, embedded_schema(stage));
-  if (stage == "scan") complete_scan_config(resolved);
-  return resolved;
+/// With the defaults of the schema.
+Json filled_stage(const std::string& stage, const Json& config, const std::string& name) {
+  const JsonSource source{name + ": /" + stage, config};
+  return stage == "terrain" ? resolve_terrain_config(source) : resolve_config(source, embedded_schema(stage));
 }
 
-/// A stage's configuration merged over `base` and completed.
-Json merged_stage(const std::string& stage, Json base, const Json& changes, const std::string& name) {
-  merge(base, changes, name + ": /" + stage);
-  return resolve_stage(stage, base, name);
+Json completed_scan(Json filled) {
+  complete_scan_config(filled);
+  return filled;
+}
+
+Json resolve_stage(const std::string& stage, const Json& config, const std::string& name) {
+  Json filled = filled_stage(stage, config, name);
+  return stage == "scan" ? completed_scan(std::move(filled)) : filled;
+}
+
+/// Merges as RFC 7396 does, but keeps a null: it removes a key from what the result is merged over.
+void merge_keeping_nulls(Json& base, const Json& changes) {
+  if (!changes.is_object() || !base.is_object()) {
+    base = changes;
+    return;
+  }
+  for (const auto& [key, value] : changes.items())
+    if (base.contains(key))
+      merge_keeping_nulls(base[key], value);
+    else
+      base[key] = value;
+}
+
+/// A part of a section: a configuration or "preset:NAME".
+Json part_of(const Json& part, const std::string& stage, const std::string& where) {
+  if (part.is_object()) return part;
+  const std::string text = part.is_string() ? part.get<std::string>() : part.dump();
+  if (!part.is_string() || !text.starts_with("preset:"))
+    throw UsageError(where + ": " + abbreviated(text) + " is neither a configuration nor preset:NAME");
+  return at_path(where + ": ", [&] { return read_config({text}, stage).value; });
+}
+
+/// An object such as {"0": 0.1}, which changes elements of an array.
+bool has_indices(const Json& node) {
+  if (!node.is_object()) return false;
+  for (const auto& [key, value] : node.items())
+    if (!is_index(key)) return false;
+  return !node.empty();
+}
+
+Json without_indices(Json node) {
+  if (!node.is_object()) return node;
+  for (auto item = node.begin(); item != node.end();) {
+    if (has_indices(*item)) {
+      item = node.erase(item);
+    } else {
+      *item = without_indices(std::move(*item));
+      ++item;
+    }
+  }
+  return node;
+}
+
+/// Turns objects of indices into the arrays that are the defaults of the configuration without them, with
+/// changed elements.
+void take_indices(Json& node, const std::string& stage, const Json& without, const std::string& pointer,
+                  const std::string& name) {
+  if (!node.is_object()) return;
+  if (!has_indices(node)) {
+    for (auto& [key, inner] : node.items()) take_indices(inner, stage, without, pointer + "/" + key, name);
+    return;
+  }
+  Json changed = default_at(without, embedded_schema(stage), pointer);
+  merge(changed, node, name + ": /" + stage + pointer);
+  node = std::move(changed);
+}
+
+/// A section merged over `base`, with the defaults of the schema.
+Json merged_stage(const std::string& stage, Json base, const Json& section, const std::string& name) {
+  const std::string where = name + ": /" + stage;
+  merge(base, section, where);
+  take_indices(base, stage, without_indices(base), "", name);
+  return filled_stage(stage, base, name);
 }
 
 /// The stage and the pointer within it of "scan.noise.range_sigma_m".
@@ -74,20 +146,27 @@ KeyPath split_key(const std::string& key) {
   return {key.substr(0, dot), pointer};
 }
 
-/// Why a key cannot vary on the same rays, grid and region; empty if it can.
+/// Why a key cannot vary on the rays of a scan; empty if it can.
+std::string moves_rays_because(const Json::json_pointer& pointer, const Json& scan) {
+  const std::optional<KeyEffect> effect = effect_of(pointer.to_string(), scan);
+  if (effect == KeyEffect::beam)
+    return "changes the rays, and the draws of a scan share them; leave out the scan, so that each draw "
+           "traces its own";
+  if (effect == KeyEffect::echo)
+    return "changes the echoes that the scan keeps; leave out the scan, so that each draw traces its own";
+  return {};
+}
+
+/// Why a key cannot vary in any campaign; empty if it can.
 std::string fixed_because(const std::string& key) {
   if (key == "scan.seed") return "is set by the number of the draw";
-  if (const auto& [stage, pointer] = split_key(key); stage == "scan") {
-    const std::optional<KeyEffect> effect = effect_of(pointer.to_string());
-    if (effect == KeyEffect::beam)
-      return "changes the rays, and only errors are redrawn; trace a scan for each value "
-             "(docs/user/studies)";
-    if (effect == KeyEffect::echo)
-      return "changes the echoes that the scan keeps; trace a scan for each value (docs/user/studies)";
-  }
-  static constexpr std::array kGrid = {"regrid.half_width_m", "regrid.resolution_m", "eval.region"};
+  if (key == "terrain.seed") return "is set by /terrain_seed";
+  if (key.starts_with("landing.")) return "is the same in all draws";
+  static constexpr std::array kGrid = {"regrid.half_width_m", "regrid.resolution_m", "eval.region",
+                                       "hazard.region_radius_m"};
   for (const char* const prefix : kGrid)
     if (key.starts_with(prefix)) return "changes the bins that are judged, and all draws share them";
+  if (key.starts_with("terrain.grid")) return "changes the grid of the ground, and all draws share it";
   return {};
 }
 
@@ -96,6 +175,14 @@ Variation<double> variation_of(const Json& json) {
   if (type == "normal") return NormalVariation{json.at("mean"), json.at("sigma")};
   if (type == "uniform") return UniformVariation{json.at("low"), json.at("high")};
   return ListVariation<double>{json.at("values").get<std::vector<double>>()};
+}
+
+LandingParameters landing_of(const Json& json) {
+  LandingParameters landing;
+  landing.drift_time_s = json.at("drift_time_s");
+  if (json.at("yaw_deg").is_number()) landing.yaw_deg = json.at("yaw_deg").get<double>();
+  if (!json.at("blind_sigma_m").is_null()) landing.blind_sigma_m = json.at("blind_sigma_m").get<double>();
+  return landing;
 }
 
 /// The standard deviation of the values.
@@ -111,11 +198,43 @@ double sigma_of(const ListVariation<double>& variation) {
   return n > 1 ? std::sqrt(squares / (n - 1)) : 0;
 }
 
-const Json& stage_of(const DrawStages& stages, const std::string& stage) {
-  return stage == "scan" ? stages.scan : stage == "regrid" ? stages.regrid : stages.eval;
+template <class Stages>
+auto& stage_of(Stages& stages, const std::string& stage) {
+  return stage == "scan"     ? stages.scan
+         : stage == "regrid" ? stages.regrid
+         : stage == "eval"   ? stages.eval
+         : stage == "hazard" ? stages.hazard
+                             : stages.terrain;
+}
+
+constexpr std::array kRedrawn = {"scan", "regrid", "eval"};
+constexpr std::array kStages = {"scan", "regrid", "eval", "hazard", "terrain"};
+
+/// Sets a value of a configuration that has only some of the keys of the completed one: the default that
+/// holds the value becomes part of it as a whole.
+void set_value(Json& config, const Json& completed, const Json::json_pointer& where, double value) {
+  Json::json_pointer missing = where;
+  while (!config.contains(missing.parent_pointer())) missing = missing.parent_pointer();
+  if (!config.contains(missing)) config[missing] = completed.at(missing);
+  config[where] = value;
 }
 
 }  // namespace
+
+void expand_sections(JsonSource& source) {
+  for (const char* const stage : kStages) {
+    if (!source.value.contains(stage)) continue;
+    Json& section = source.value[stage];
+    if (!section.is_string() && !section.is_array()) continue;
+    const std::string where = source.name + ": /" + stage;
+    Json merged = Json::object();
+    for (const Json& part : section.is_array() ? section : Json::array({section}))
+      merge_keeping_nulls(merged, part_of(part, stage, where));
+    merged.erase("$schema");
+    merged.erase("$comment");
+    section = std::move(merged);
+  }
+}
 
 DrawsConfig::DrawsConfig(const Json& resolved, std::string name, const Json& scanned,
                          const NumberTable* samples)
@@ -123,30 +242,57 @@ DrawsConfig::DrawsConfig(const Json& resolved, std::string name, const Json& sca
       json_(resolved),
       draw_count_(resolved.at("draws")),
       metrics_(resolved.at("metrics") == "full" ? MetricsKind::full : MetricsKind::verdict),
-      has_layers_(resolved.at("layers")) {
+      has_layers_(resolved.at("layers")),
+      traces_(scanned.is_null()),
+      has_uncertainty_(resolved.at("uncertainty")),
+      has_terrain_seeds_(resolved.at("terrain_seed") == "each") {
   if (const Json& stop = resolved.at("stop"); stop.at("type") == "sprt") {
     sprt_ = {stop.at("p0"), stop.at("p1"), stop.at("alpha"), stop.at("beta")};
     at_path(name_ + ": /stop/", [&] { check(*sprt_); });
+    tests_landing_ = stop.at("of") == "landing";
   }
-  const auto defaults = [&](const char* stage) { return resolve_stage(stage, Json::object(), name_); };
-  stages_ = {merged_stage("scan", scanned, resolved.at("scan"), name_),
-             merged_stage("regrid", defaults("regrid"), resolved.at("regrid"), name_),
-             merged_stage("eval", defaults("eval"), resolved.at("eval"), name_)};
+  if (!traces_) require_scanned(resolved);
+  const auto stage = [&](const char* which, Json base) {
+    const Json& section = resolved.at(which);
+    return section.is_null() ? Json() : merged_stage(which, std::move(base), section, name_);
+  };
+  scan_ = stage("scan", traces_ ? Json::object() : scanned);
+  stages_ = {completed_scan(scan_), stage("regrid", Json::object()), stage("eval", Json::object()),
+             stage("hazard", Json::object()), stage("terrain", Json::object())};
   seed_ = stages_.scan.at("seed");
-  for (const char* const stage : {"scan", "regrid", "eval"}) json_[stage] = stage_of(stages_, stage);
-  if (!resolved.at("hazard").is_null()) {
-    json_["hazard"] = resolve_stage("hazard", resolved.at("hazard"), name_);
-    hazard_ = hazard_config(json_["hazard"]);
-  }
+  for (const char* const each : kStages) json_[each] = stage_of(stages_, each);
+  if (!resolved.at("landing").is_null()) landing_ = landing_of(resolved.at("landing"));
+  if (landing_ && !has_hazards())
+    throw UsageError(name_ + ": /landing: needs the section hazard, which finds the site");
+  if (tests_landing_ && !landing_)
+    throw UsageError(name_ + ": /stop/of: \"landing\" needs the section landing");
+  if (has_terrain_seeds_ && !stages_.terrain.contains("seed"))
+    throw UsageError(name_ + ": /terrain_seed: \"each\" needs a section terrain that has a seed");
+  if (has_uncertainty_ && stages_.regrid.at("method") != "bilinear_nearest")
+    throw UsageError(name_ + ": /uncertainty: needs the method bilinear_nearest, not " +
+                     stages_.regrid.at("method").get<std::string>());
   if (samples != nullptr) take_samples(*samples);
   json_["draws"] = draw_count_;
   for (const auto& [key, json] : resolved.at("vary").items())
     add_variation(name_ + ": /vary/", key, variation_of(json));
+  ground_varies_ = has_terrain_seeds_ || std::ranges::any_of(vary_, [](const auto& each) {
+                     return each.first.starts_with("terrain.");
+                   });
   if (resolved.at("sigma")) predict();
+}
+
+void DrawsConfig::require_scanned(const Json& resolved) const {
+  const auto refuse_if = [&](bool is_given, const char* key) {
+    if (is_given) throw UsageError(name_ + ": /" + key + ": is for draws that trace; leave out the scan");
+  };
+  refuse_if(!resolved.at("terrain").is_null(), "terrain");
+  refuse_if(has_terrain_seeds_, "terrain_seed");
+  refuse_if(has_uncertainty_, "uncertainty");
 }
 
 void DrawsConfig::predict() {
   if (!has_layers_) throw UsageError(name_ + ": /sigma: is a map, and /layers is false");
+  if (ground_varies_) throw UsageError(name_ + ": /sigma: is a map of one ground, and the ground varies");
   if (const std::string method = stages_.regrid.at("method"); method != "bilinear_nearest")
     throw UsageError(name_ + ": /sigma: needs the method bilinear_nearest, not " + method);
   Json regrid = stages_.regrid;
@@ -188,10 +334,17 @@ void DrawsConfig::add_variation(const std::string& owner, const std::string& key
   const std::string where = owner + key + ": ";
   if (vary_.contains(key)) throw UsageError(where + "is a column of the samples too");
   const auto [stage, pointer] = split_key(key);
-  if (stage != "scan" && stage != "regrid" && stage != "eval")
-    throw UsageError(where + "unknown key; its first part is scan, regrid or eval");
   if (const std::string why = fixed_because(key); !why.empty()) throw UsageError(where + why);
+  const bool is_known = traces_ ? std::ranges::find(kStages, stage) != kStages.end()
+                                : std::ranges::find(kRedrawn, stage) != kRedrawn.end();
+  if (!is_known)
+    throw UsageError(where + "unknown key; its first part is scan, regrid" +
+                     (traces_ ? ", eval, hazard or terrain" : " or eval"));
+  if (!traces_ && stage == "scan")
+    if (const std::string why = moves_rays_because(pointer, stages_.scan); !why.empty())
+      throw UsageError(where + why);
   const Json& config = stage_of(stages_, stage);
+  if (config.is_null()) throw UsageError(where + "there is no section " + stage);
   if (pointer.empty() || !config.contains(pointer)) throw UsageError(where + "unknown key of " + stage);
   if (!config.at(pointer).is_number())
     throw UsageError(where + "is not a number; an element of an array is its index, " + key + ".0");
@@ -241,26 +394,36 @@ std::vector<std::int64_t> DrawsConfig::deciding_draws(std::int64_t first, std::i
 
 DrawStages DrawsConfig::stages(std::int64_t draw) const {
   DrawStages stages = stages_;
+  stages.scan = scan_;
   stages.scan["seed"] = seed(draw);
+  if (has_terrain_seeds_) stages.terrain["seed"] = stages_.terrain.at("seed").get<std::int64_t>() + draw;
   const std::vector<double> drawn = values(draw);
   std::size_t i = 0;
   for (const auto& [key, variation] : vary_) {
     const auto [stage, pointer] = split_key(key);
-    (stage == "scan" ? stages.scan : stage == "regrid" ? stages.regrid : stages.eval)[pointer] = drawn[i++];
+    set_value(stage_of(stages, stage), stage_of(stages_, stage), pointer, drawn[i++]);
   }
   const std::string name = name_ + ": draw " + std::to_string(draw);
-  return {resolve_stage("scan", stages.scan, name), resolve_stage("regrid", stages.regrid, name),
-          resolve_stage("eval", stages.eval, name)};
+  for (const char* const stage : kStages)
+    if (Json& config = stage_of(stages, stage); !config.is_null())
+      config = resolve_stage(stage, config, name);
+  return stages;
 }
 
-void check_draws_config(const Json& resolved, const std::string& name, const NumberTable* samples) {
+void check_draws_config(const Json& resolved, const std::string& name, bool has_scan,
+                        const NumberTable* samples) {
+  if (!has_scan) {
+    const DrawsConfig config(resolved, name, nullptr, samples);
+    return static_cast<void>(config.stages(0));
+  }
   static constexpr std::array kErrors = {"noise", "pointing_error", "navigation_error", "seed"};
   const Json& known = embedded_schema("scan").at("properties");
   Json config = resolved;
-  for (const auto& [key, value] : resolved.at("scan").items()) {
-    if (std::ranges::find(kErrors, key) != kErrors.end()) continue;
-    if (known.contains(key)) config["scan"].erase(key);  // an unknown key is refused with the others
-  }
+  if (resolved.at("scan").is_object())
+    for (const auto& [key, value] : resolved.at("scan").items()) {
+      if (std::ranges::find(kErrors, key) != kErrors.end()) continue;
+      if (known.contains(key)) config["scan"].erase(key);  // an unknown key is refused with the others
+    }
   static_cast<void>(DrawsConfig(config, name, resolve_stage("scan", Json::object(), name), samples));
 }
 

@@ -12,8 +12,8 @@
 #include "campaign/draw_runner.h"
 #include "campaign/sprt.h"
 #include "campaign/variation.h"
+#include "config/json_source.h"
 #include "gridding/uncertainty.h"
-#include "hazards/hazard_map.h"
 
 namespace landfall {
 
@@ -22,16 +22,24 @@ struct DrawStages {
   nlohmann::json scan;
   nlohmann::json regrid;
   nlohmann::json eval;
+  nlohmann::json hazard;   ///< null: no hazards
+  nlohmann::json terrain;  ///< null: the ground is a file's
 };
+
+/// Replaces the sections of a campaign that are "preset:NAME", or a list of such and of configurations, by
+/// the configuration to which these merge in order. Throws UsageError that begins with the name of the
+/// source.
+void expand_sections(JsonSource& source);
 
 /// A campaign (docs/user/monte-carlo.md).
 class DrawsConfig {
  public:
-  /// `resolved` is the configuration of monte-carlo, `scanned` the resolved configuration of the traced scan;
-  /// `samples` may be null. Throws UsageError that begins with `name`: for a configuration of a stage that
-  /// its schema refuses, a varied key that does not exist, is no number, or changes the rays, the grid or the
-  /// judged region, a key that both `vary` and the samples have; FormatError for samples without a row or
-  /// with a value that is not finite.
+  /// `resolved` is the configuration of monte-carlo, `scanned` the resolved configuration of the traced scan,
+  /// null for draws that trace; `samples` may be null. Throws UsageError that begins with `name`: for a
+  /// configuration of a stage that its schema refuses, a varied key that does not exist, is no number, or
+  /// changes the grid or a judged region (over a traced scan, the rays, too), a key that both `vary` and the
+  /// samples have, a section for draws that trace over a traced scan; FormatError for samples without a row
+  /// or with a value that is not finite.
   DrawsConfig(const nlohmann::json& resolved, std::string name, const nlohmann::json& scanned,
               const NumberTable* samples);
 
@@ -43,10 +51,20 @@ class DrawsConfig {
   /// The parameters of the predicted 1-sigma map: /regrid/uncertainty; what it lacks is taken from the varied
   /// navigation errors, and the range noise from the scan (D318). Empty where the map is not asked for.
   [[nodiscard]] const std::optional<UncertaintyParameters>& predicted() const { return predicted_; }
-  /// How hazards are judged on the DEM of each draw; empty where they are not.
-  [[nodiscard]] const std::optional<HazardParameters>& hazard() const { return hazard_; }
+  /// Whether hazards are judged on the DEM of each draw.
+  [[nodiscard]] bool has_hazards() const { return !stages_.hazard.is_null(); }
+  /// Whether each draw traces its rays; else they are those of the scan.
+  [[nodiscard]] bool traces() const { return traces_; }
+  /// Whether draws have different grounds.
+  [[nodiscard]] bool ground_varies() const { return ground_varies_; }
+  /// Whether each DEM has its 1-sigma map.
+  [[nodiscard]] bool has_uncertainty() const { return has_uncertainty_; }
+  /// How the draws land; empty where they do not.
+  [[nodiscard]] const std::optional<LandingParameters>& landing() const { return landing_; }
   /// Empty for the rule `fixed`.
   [[nodiscard]] const std::optional<SprtParameters>& sprt() const { return sprt_; }
+  /// Whether the sequential test is one of the landings.
+  [[nodiscard]] bool tests_landing() const { return tests_landing_; }
   /// The varied keys in the order of their names.
   [[nodiscard]] std::vector<std::string> varied_keys() const;
   /// The stages before a draw changes them.
@@ -68,6 +86,8 @@ class DrawsConfig {
   /// `owner` begins messages about the key.
   void add_variation(const std::string& owner, const std::string& key, Variation<double> variation);
   void take_samples(const NumberTable& samples);
+  /// Refuses what only draws that trace have.
+  void require_scanned(const nlohmann::json& resolved) const;
   void predict();
 
   std::string name_;
@@ -76,15 +96,22 @@ class DrawsConfig {
   MetricsKind metrics_;
   bool has_layers_;
   std::optional<SprtParameters> sprt_;
+  bool tests_landing_ = false;
+  std::optional<LandingParameters> landing_;
   std::optional<UncertaintyParameters> predicted_;
-  std::optional<HazardParameters> hazard_;
+  bool traces_;
+  bool has_uncertainty_;
+  bool has_terrain_seeds_;
+  bool ground_varies_ = false;
   std::int64_t seed_ = 0;
   DrawStages stages_;
+  nlohmann::json scan_;  ///< without the defaults that other keys of the scan decide
   std::map<std::string, Variation<double>> vary_;
 };
 
 /// Checks what can be checked without the scan: as DrawsConfig, but sections of the scan that a campaign
-/// cannot change are only checked for their names.
-void check_draws_config(const nlohmann::json& resolved, const std::string& name, const NumberTable* samples);
+/// cannot change are only checked for their names. Without a scan, of draws that trace: as DrawsConfig.
+void check_draws_config(const nlohmann::json& resolved, const std::string& name, bool has_scan,
+                        const NumberTable* samples);
 
 }  // namespace landfall

@@ -27,6 +27,16 @@ std::optional<KeyEffect> effect_at(const Json& node, std::optional<KeyEffect> in
   return node.contains("effect") ? std::optional(named(kNames, node["effect"])) : inherited;
 }
 
+/// Whether another key has a value with which the keys below this node move the beams.
+bool moves_beams_in(const Json& node, const Json& config) {
+  if (!node.contains("beam_with")) return false;
+  for (const auto& [pointer, value] : node["beam_with"].items()) {
+    const Json::json_pointer where(pointer);
+    if (config.contains(where) && config.at(where) == value) return true;
+  }
+  return false;
+}
+
 CoveringSigma sigma_at(const Json& node) {
   static constexpr std::array kNames = {
       std::pair{"range", CoveringSigma::range}, std::pair{"given", CoveringSigma::given},
@@ -80,19 +90,30 @@ bool is_chosen(const Json& option, const Json& value) {
   return !type.contains("const") || value.value("type", Json()) == type["const"];
 }
 
-void add_keys(const Json& node, const Json& value, std::optional<KeyEffect> inherited,
-              const std::string& pointer, std::vector<EffectiveKey>& keys) {
-  const std::optional<KeyEffect> effect = effect_at(node, inherited);
-  const bool is_stated = node.contains("drawn") || node.contains("sigma");
-  if (is_stated && !is_off(value, node))
-    keys.push_back({pointer, effect.value(), node.value("drawn", false), sigma_at(node)});
-  if (!value.is_object()) return;
-  for (const Json* const option : alternatives(node)) {
-    if (!option->contains("properties") || !is_chosen(*option, value)) continue;
-    for (const auto& [key, inner] : (*option)["properties"].items())
-      if (value.contains(key)) add_keys(inner, value[key], effect, pointer + "/" + key, keys);
+class EffectiveKeys {
+ public:
+  explicit EffectiveKeys(const Json& config) : config_(config) { add(schema(), config, std::nullopt, ""); }
+  [[nodiscard]] std::vector<EffectiveKey> take() { return std::move(keys_); }
+
+ private:
+  void add(const Json& node, const Json& value, std::optional<KeyEffect> inherited,
+           const std::string& pointer) {
+    const std::optional<KeyEffect> effect =
+        moves_beams_in(node, config_) ? KeyEffect::beam : effect_at(node, inherited);
+    const bool is_stated = node.contains("drawn") || node.contains("sigma");
+    if (is_stated && !is_off(value, node))
+      keys_.push_back({pointer, effect.value(), node.value("drawn", false), sigma_at(node)});
+    if (!value.is_object()) return;
+    for (const Json* const option : alternatives(node)) {
+      if (!option->contains("properties") || !is_chosen(*option, value)) continue;
+      for (const auto& [key, inner] : (*option)["properties"].items())
+        if (value.contains(key)) add(inner, value[key], effect, pointer + "/" + key);
+    }
   }
-}
+
+  const Json& config_;
+  std::vector<EffectiveKey> keys_;
+};
 
 }  // namespace
 
@@ -100,10 +121,13 @@ std::optional<KeyEffect> effect_of(const std::string& pointer) {
   return effect_below(schema(), std::nullopt, pointer);
 }
 
-std::vector<EffectiveKey> keys_in_effect(const Json& config) {
-  std::vector<EffectiveKey> keys;
-  add_keys(schema(), config, std::nullopt, "", keys);
-  return keys;
+std::optional<KeyEffect> effect_of(const std::string& pointer, const Json& config) {
+  const Json& sections = schema().at("properties");
+  const std::string section = pointer.substr(1, pointer.find('/', 1) - 1);
+  if (sections.contains(section) && moves_beams_in(sections[section], config)) return KeyEffect::beam;
+  return effect_of(pointer);
 }
+
+std::vector<EffectiveKey> keys_in_effect(const Json& config) { return EffectiveKeys(config).take(); }
 
 }  // namespace landfall

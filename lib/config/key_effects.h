@@ -9,7 +9,8 @@
 namespace landfall {
 
 // The effects of the keys of a scan's configuration, as schemas/scan.schema.json says beside each key:
-// "effect", which the keys below inherit, "drawn" and "sigma".
+// "effect", which the keys below inherit, "drawn" and "sigma"; "beam_with", for a whole section, the value of
+// another key with which its keys move the beams.
 
 /// The part of a scan that a key changes.
 enum class KeyEffect {
@@ -33,6 +34,10 @@ struct EffectiveKey {
   bool is_drawn;  ///< the seed draws an error of this size
   CoveringSigma sigma;
 };
+
+/// The effect of a key in a configuration: `beam` for a navigation error of a scan whose pattern aims from
+/// the estimate ("beam_with" in the schema), else effect_of(pointer).
+[[nodiscard]] std::optional<KeyEffect> effect_of(const std::string& pointer, const nlohmann::json& config);
 
 /// The effect of a key, "/noise/range_bias_m" or, of an element, "/detector/ifov_rad/0". Of a key that
 /// several scanners have the first of KeyEffect's list; of an unknown one that of the nearest known key above

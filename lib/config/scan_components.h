@@ -57,6 +57,9 @@ std::unique_ptr<const Component> make_component(std::span<const ComponentMaker<C
                                                           const ComponentContext& context);
 [[nodiscard]] std::unique_ptr<const Trajectory> make_trajectory(const nlohmann::json& trajectory,
                                                                 const ComponentContext& context);
+/// The path with the departure that /trajectory_dispersion describes; the path itself where it is zero.
+[[nodiscard]] std::unique_ptr<const Trajectory> dispersed(std::unique_ptr<const Trajectory> path,
+                                                          const nlohmann::json& dispersion);
 [[nodiscard]] RangeErrors make_range_errors(const nlohmann::json& noise, const ComponentContext& context);
 [[nodiscard]] PointingError make_pointing_error(const nlohmann::json& pointing_error,
                                                 const ComponentContext& context);

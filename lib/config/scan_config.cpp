@@ -2,7 +2,9 @@
 #include "config/scan_config.h"
 
 #include <algorithm>
+#include <utility>
 
+#include "base/error.h"
 #include "config/config_path.h"
 #include "config/json_values.h"
 #include "config/receiver_config.h"
@@ -30,6 +32,14 @@ AttitudeKnowledge attitude_knowledge_of(const Json& navigation_error) {
                                                         : AttitudeKnowledge::truth;
 }
 
+/// Whether the pattern aims from the estimated poses.
+bool aims_from_estimate(const Json& scanner) {
+  if (!scanner.contains("pattern") || scanner["pattern"].at("aim") == "nominal") return false;
+  if (!scanner["pattern"].at("compensated"))
+    throw UsageError("aim: \"estimate\" needs /scanner/pattern/compensated true");
+  return true;
+}
+
 ScanModel build(const Json& resolved, const TableLoader& load_table) {
   const Json& laser = resolved.at("laser");
   const ComponentContext context{load_table, resolved.at("seed").get<std::uint64_t>(),
@@ -44,17 +54,20 @@ ScanModel build(const Json& resolved, const TableLoader& load_table) {
   const ComponentContext stamped = until_last_stamp(context, pointing);
   Detector detector = make("detector", make_detector, context);
   std::vector<double> link_constants = make_link_constants(resolved, detector);
+  std::unique_ptr<const Trajectory> path = make("trajectory", make_trajectory, stamped);
   ScanModel model{
       {std::move(detector), make("scanner", make_scanner, context),
        at_path("scanner/pattern/", [&] { return make_pattern(scanner, context); }),
        mount_of(resolved.at("mount")), make("noise", make_range_errors, context), pointing,
        make_receiver(resolved, context), make_range_timer(resolved, context), std::move(link_constants)},
-      make("trajectory", make_trajectory, stamped),
+      at_path("trajectory_dispersion/",
+              [&] { return dispersed(std::move(path), resolved.at("trajectory_dispersion")); }),
       make("navigation_error", make_navigation_error, stamped),
       laser.at("pulse_rate_hz").get<double>(),
       context.scan_time_s,
       make("navigation_error", make_estimate, context),
-      attitude_knowledge_of(navigation)};
+      attitude_knowledge_of(navigation),
+      at_path("scanner/pattern/", [&] { return aims_from_estimate(scanner); })};
   static_cast<void>(at_path("laser/", [&] { return pulse_count(model); }));
   return model;
 }

@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include <utility>
+
 #include "config/json_values.h"
 #include "config/scan_components.h"
 #include "trajectory/constant_velocity.h"
+#include "trajectory/dispersed_trajectory.h"
 #include "trajectory/dynamics.h"
 #include "trajectory/table_trajectory.h"
 #include "trajectory/trajectory_columns.h"
@@ -74,6 +77,15 @@ constexpr ComponentMaker<Trajectory> kTrajectories[] = {
 
 std::unique_ptr<const Trajectory> make_trajectory(const Json& trajectory, const ComponentContext& context) {
   return make_component<Trajectory>(kTrajectories, trajectory, context);
+}
+
+std::unique_ptr<const Trajectory> dispersed(std::unique_ptr<const Trajectory> path, const Json& json) {
+  const DispersionParameters departure{{vector3(json.at("position_m"))},
+                                       {vector3(json.at("velocity_mps"))},
+                                       roll_pitch_yaw(json.at("rpy_rad"), 1),
+                                       roll_pitch_yaw(json.at("rpy_rate_radps"), 1)};
+  if (departure == DispersionParameters{}) return path;
+  return std::make_unique<DispersedTrajectory>(std::move(path), departure);
 }
 
 }  // namespace landfall

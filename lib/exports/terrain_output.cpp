@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "exports/terrain_output.h"
 
+#include <memory>
 #include <utility>
 #include <variant>
 
@@ -56,6 +57,19 @@ void write_own(const TerrainOutput& output, const Write& write) {
   output.phase("write", [&](const ProgressCallback&) { write(file); });
 }
 
+using Warn = std::function<void(const std::string&)>;
+
+CleanMesh read_clean_mesh(const MeshImport& import, Provenance& provenance, const Warn& warn,
+                          const ProgressCallback& progress) {
+  MeshFile read = read_mesh_file(import.path);
+  report(progress, 0.5);
+  provenance.add_input("mesh", read.content_id, {});
+  for (const std::string& unread : read.soup.unread) warn(import.path + ": " + unread + " is not read");
+  CleanMesh mesh = clean_mesh(std::move(read.soup), import.placement, import.path);
+  report(progress, 1);
+  return mesh;
+}
+
 TerrainContent build_mesh(const MeshImport& import, TerrainOutput& output) {
   if (file_extension(output.file.path) == ".nc")
     throw UsageError("output " + output.file.path.string() +
@@ -63,13 +77,8 @@ TerrainContent build_mesh(const MeshImport& import, TerrainOutput& output) {
   TerrainContent content;
   const IndexedTriangles& mesh = content.mesh.emplace().mesh;
   output.phase("mesh", [&](const ProgressCallback& progress) {
-    MeshFile read = read_mesh_file(import.path);
-    report(progress, 0.5);
-    output.provenance.add_input("mesh", read.content_id, {});
-    for (const std::string& unread : read.soup.unread)
-      content.warnings.push_back(import.path + ": " + unread + " is not read");
-    content.mesh = clean_mesh(std::move(read.soup), import.placement, import.path);
-    report(progress, 1);
+    const auto warn = [&](const std::string& text) { content.warnings.push_back(text); };
+    content.mesh = read_clean_mesh(import, output.provenance, warn, progress);
   });
   require_sound(mesh, import.path);
   if (format_of(output.file.path) == Format::landfall)
@@ -91,6 +100,25 @@ std::vector<std::string> posting_warnings(const DemBase& dem, const DemRaster& r
     return {subject + ", the grid one node per " + short_number(site.resolution_m) +
             " m: that is more than 1,000 times finer"};
   return {};
+}
+
+/// Loads rasters, and records and warns of what it finds in them.
+DemLoader recording_dem_loader(RasterLinks links, Provenance& provenance, const Warn& warn) {
+  return [links, &provenance, warn](const DemBase& dem, const GridSpec& site) {
+    screen_raster(dem, links);
+    DemRaster raster = dem_loader(links)(dem, site);
+    provenance.add_input("raster", raster_id(raster), {}, raster.source.assumed);
+    for (const std::string& assumed : raster.source.assumed) warn(dem.path + ": " + assumed);
+    for (const std::string& warning : posting_warnings(dem, raster, site)) warn(warning);
+    return raster;
+  };
+}
+
+/// The albedo of a terrain in memory.
+std::shared_ptr<const SurfaceAlbedo> albedo_map(Grid<float> albedo) {
+  const GridSpec spec = albedo.spec();
+  return std::make_shared<const AlbedoMap>(spec, BinIndex{spec.rows, spec.cols},
+                                           [albedo = std::move(albedo)](const GridSpec&) { return albedo; });
 }
 
 std::map<std::string, std::int64_t> count_by_kind(const std::vector<PlacedFeature>& features) {
@@ -142,14 +170,8 @@ TerrainContent build_terrain(const TerrainConfig& config, RasterLinks links, Ter
   std::vector<std::string> warnings;
   if (config.model.albedo && !is_own)
     warnings.push_back("/albedo has no effect: only a .h5 or .nc terrain has that layer");
-  const DemLoader load = [&](const DemBase& dem, const GridSpec& site) {
-    screen_raster(dem, links);
-    DemRaster raster = dem_loader(links)(dem, site);
-    output.provenance.add_input("raster", raster_id(raster), {}, raster.source.assumed);
-    for (const std::string& assumed : raster.source.assumed) warnings.push_back(dem.path + ": " + assumed);
-    for (std::string& warning : posting_warnings(dem, raster, site)) warnings.push_back(std::move(warning));
-    return raster;
-  };
+  const DemLoader load = recording_dem_loader(
+      links, output.provenance, [&](const std::string& warning) { warnings.push_back(warning); });
   if (is_own && config.grid.rows * config.grid.cols > StripSize().max_nodes) {
     TerrainContent content = build_in_strips(config, load, output);
     content.warnings = std::move(warnings);
@@ -168,6 +190,24 @@ TerrainContent build_terrain(const TerrainConfig& config, RasterLinks links, Ter
                  {terrain.crs_wkt, output.provenance.file_id()});
   }
   return content;
+}
+
+TerrainInput make_terrain(const TerrainConfig& config, Provenance& provenance, const Warn& warn) {
+  TerrainInput made;
+  if (config.mesh) {
+    CleanMesh read = read_clean_mesh(*config.mesh, provenance, warn, {});
+    made.crs_wkt = kLocalSiteCrsWkt;
+    made.mesh = std::make_shared<const TriangleMesh>(std::move(read.mesh), config.mesh->path);
+    made.surface = made.mesh;
+    return made;
+  }
+  GeneratedTerrain terrain = generate_terrain(config.model, config.grid,
+                                              recording_dem_loader(RasterLinks::refused, provenance, warn));
+  made.crs_wkt = std::move(terrain.crs_wkt);
+  if (terrain.albedo) made.albedo = albedo_map(*std::move(terrain.albedo));
+  made.grid = std::make_shared<const TriangulatedGrid>(std::move(terrain.nodes));
+  made.surface = made.grid;
+  return made;
 }
 
 TerrainContent export_terrain(const std::string& path, const TerrainOutput& output) {

@@ -44,6 +44,12 @@ struct TerrainContent {
 /// a mesh is a GeoTIFF, and as generate_terrain(), read_mesh_file(), clean_mesh() and the writers do.
 TerrainContent build_terrain(const TerrainConfig& config, RasterLinks links, TerrainOutput output);
 
+/// Makes the terrain of a configuration in memory, with the values that terrain.h5 would hold, and no
+/// identity. Adds its rasters or its mesh to the inputs of `provenance`. `warn` gets
+/// TerrainContent::warnings. Throws as generate_terrain(), read_mesh_file() and clean_mesh() do.
+[[nodiscard]] TerrainInput make_terrain(const TerrainConfig& config, Provenance& provenance,
+                                        const std::function<void(const std::string&)>& warn);
+
 /// Writes the terrain of a terrain.h5 in another format. Throws UsageError if the output's extension is .h5,
 /// and as build_terrain() and read_terrain() do.
 TerrainContent export_terrain(const std::string& path, const TerrainOutput& output);

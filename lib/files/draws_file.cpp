@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <deque>
 #include <functional>
 #include <limits>
 #include <memory>
@@ -13,6 +14,7 @@
 #include "base/key_unit.h"
 #include "base/number_text.h"
 #include "campaign/draw_layers.h"
+#include "campaign/paired_rates.h"
 #include "campaign/pass_rate.h"
 #include "files/contents.h"
 #include "files/field_json.h"
@@ -47,12 +49,12 @@ void write_layers(LandfallFileWriter& file, const Draws& draws, const std::strin
   }
   layers.write("e_z_mean", mean_of(maps.e_z));
   layers.write("e_z_std", std_of(maps.e_z));
-  layers.write("e_map_std", std_of(maps.e_map));
+  if (maps.e_map) layers.write("e_map_std", std_of(*maps.e_map));
   if (draws.z_sigma_abs) {
     layers.write("z_sigma_abs", *draws.z_sigma_abs);
-    layers.write("e_map_std_over_sigma", std_over_sigma(maps.e_map, *draws.z_sigma_abs));
+    layers.write("e_map_std_over_sigma", std_over_sigma(*maps.e_map, *draws.z_sigma_abs));
   }
-  layers.write("z_true_map", *draws.z_true_map);
+  if (draws.z_true_map) layers.write("z_true_map", *draws.z_true_map);
   layers.write("count_mean", mean_count(maps));
   layers.write("in_region", *draws.region);
 }
@@ -75,7 +77,7 @@ class StateTable {
     add("fail_absolute", maps.fail_absolute, "1", footprint + "the absolute horizontal error");
     add("count", maps.count, "1", "returns");
     add("e_z", maps.e_z);
-    add("e_map", maps.e_map);
+    if (maps.e_map) add("e_map", *maps.e_map);
     if (!maps.safety) return;
     add("safety_known", maps.safety->known, "1",
         "draws in which the safety of the place is known in map and truth");
@@ -142,6 +144,14 @@ std::string unit_of_column(std::string name) {
   return std::string(unit.empty() ? "1" : unit);
 }
 
+bool is_landing_flag(const std::string& name) { return name == kLandingSafe || name == kBlindSafe; }
+
+std::vector<std::int8_t> flags_of(const DrawColumn& column) {
+  std::vector<std::int8_t> flags;
+  for (const double value : column.values) flags.push_back(static_cast<std::int8_t>(value));
+  return flags;
+}
+
 void write_rows(const LandfallFileWriter& file, const DrawTable& table) {
   using enum h5::Type;
   std::vector<ColumnSpec> columns = {{"seed", int64, "1", "seed of the draw"}};
@@ -151,9 +161,15 @@ void write_rows(const LandfallFileWriter& file, const DrawTable& table) {
         {column.name, float64, unit_of_column(column.name), "value of this key of the configuration"});
     rows.emplace_back(std::span(column.values));
   }
+  std::deque<std::vector<std::int8_t>> flags;
   for (const DrawColumn& column : table.metrics) {
+    if (is_landing_flag(column.name)) {
+      columns.push_back({column.name, int8, "1", "whether the landing is safe", {0, 1}, "no yes"});
+      rows.emplace_back(std::span<const std::int8_t>(flags.emplace_back(flags_of(column))));
+      continue;
+    }
     columns.push_back({column.name, float64, unit_of_column(column.name),
-                       "metric of metrics.json, score.json or of the best site"});
+                       "metric of metrics.json, score.json, of the best site or of a landing"});
     rows.emplace_back(std::span(column.values));
   }
   columns.push_back({"pass", int8, "1", "whether all six requirements passed", {0, 1}, "no yes"});
@@ -164,7 +180,7 @@ void write_rows(const LandfallFileWriter& file, const DrawTable& table) {
 
 /// Varied keys begin with the name of their stage; no metric does.
 bool is_varied(const std::string& name) {
-  static constexpr std::array kStages = {"scan.", "regrid.", "eval."};
+  static constexpr std::array kStages = {"scan.", "regrid.", "eval.", "hazard.", "terrain."};
   return name == kPairColumn ||
          std::ranges::any_of(kStages, [&](const char* stage) { return name.starts_with(stage); });
 }
@@ -238,8 +254,41 @@ Json hazard_json(std::int64_t draws, const std::vector<double>& chosen_safe,
       {"chosen_place_safe", rate_json("chosen_place_safe", {std::ranges::count(chosen_safe, 1.0), draws})}};
 }
 
+/// Landings with the lidar and without, in pairs. `is_valid` is false after a sequential test.
+Json landing_json(const DrawTable& table, bool is_valid) {
+  const std::vector<double>& with = find_metric(table, kLandingSafe)->values;
+  const std::vector<double>& without = find_metric(table, kBlindSafe)->values;
+  PairedCounts pairs;
+  for (std::size_t i = 0; i < with.size(); ++i)
+    ++(with[i] == 1 ? (without[i] == 1 ? pairs.both : pairs.only_a)
+                    : (without[i] == 1 ? pairs.only_b : pairs.neither));
+  const auto off_terrain = [&](const char* column) {
+    return std::ranges::count_if(find_metric(table, column)->values,
+                                 [](double slope_deg) { return std::isnan(slope_deg); });
+  };
+  const auto arm = [](const PassRate& rate) {
+    Json json = rate_json("", rate);
+    json.erase("requirement");
+    return json;
+  };
+  const ProbabilityDifference difference = newcombe_difference(pairs);
+  Json json = {
+      {"safe", arm(pairs.rate_a())},
+      {"blind", arm(pairs.rate_b())},
+      {"off_terrain",
+       {{"lidar", off_terrain("landing.slope_deg")}, {"blind", off_terrain("blind.slope_deg")}}},
+      {"both", pairs.both},
+      {"only_lidar", pairs.only_a},
+      {"only_blind", pairs.only_b},
+      {"neither", pairs.neither},
+      {"mcnemar_p", mcnemar_p(pairs)},
+      {"difference", {{"value", difference.value}, {"low", difference.low}, {"high", difference.high}}}};
+  if (!is_valid) json["note"] = "intervals, p and difference are not valid after stopping";
+  return json;
+}
+
 /// The rates of all rows.
-Json result_json(const DrawTable& table) {
+Json result_json(const DrawTable& table, bool is_valid) {
   Json rates = Json::array();
   for (const RequirementInfo& info : kRequirementInfo) {
     const std::vector<double>& passes = pass_column(table, info.name).values;
@@ -252,6 +301,7 @@ Json result_json(const DrawTable& table) {
   const DrawColumn* const missed = find_metric(table, "score.missed_hazard_frac");
   if (chosen_safe != nullptr && site_x != nullptr && missed != nullptr)
     result["hazard"] = hazard_json(table.size(), chosen_safe->values, site_x->values, missed->values);
+  if (find_metric(table, kLandingSafe) != nullptr) result["landing"] = landing_json(table, is_valid);
   return result;
 }
 
@@ -264,6 +314,12 @@ DrawTable rows_of_pair(const DrawTable& table, std::ptrdiff_t begin, std::ptrdif
   for (auto* const columns : {&result.varied, &result.metrics})
     for (DrawColumn& column : *columns) column.values = cut(column.values);
   return result;
+}
+
+/// Calls each(name, sums) for the errors that the maps have.
+void for_each_error(auto& maps, const auto& each) {
+  each("e_z", maps.e_z);
+  if (maps.e_map) each("e_map", *maps.e_map);
 }
 
 constexpr std::int64_t kMaxDraws = std::int64_t{1} << 17;  ///< for which ErrorSums is exact
@@ -286,16 +342,15 @@ void check_state(const LandfallFileReader& file, const DrawMaps& maps) {
     require_no_more(file, {"safety_missed", maps.safety->missed},
                     {"safety_judged_safe", maps.safety->judged_safe});
   }
-  for (const auto& [name, sums] : {std::pair{"e_z", &maps.e_z}, std::pair{"e_map", &maps.e_map}}) {
-    const std::string prefix(name);
-    require_at_most(file, prefix + "_count", sums->count, 0, maps.draws);
-    require_at_most(file, prefix + "_sum", sums->sum, -maps.draws * kMaxError, maps.draws * kMaxError);
+  for_each_error(maps, [&](const std::string& prefix, const ErrorSums& sums) {
+    require_at_most(file, prefix + "_count", sums.count, 0, maps.draws);
+    require_at_most(file, prefix + "_sum", sums.sum, -maps.draws * kMaxError, maps.draws * kMaxError);
     const std::int64_t max_high = maps.draws * (kMaxError >> 18);  // of squares below draws * 2^92
-    for (const WideSum& squares : sums->squares.values())
+    for (const WideSum& squares : sums.squares.values())
       if (squares.high < 0 || squares.high > max_high)
         file.fail("/state/" + prefix + "_squares_high: " + std::to_string(squares.high) + " is not in [0, " +
                   std::to_string(max_high) + "]");
-  }
+  });
 }
 
 DrawMaps read_state(const LandfallFileReader& file, const GridSpec& spec, std::int64_t draws) {
@@ -317,15 +372,15 @@ DrawMaps read_state(const LandfallFileReader& file, const GridSpec& spec, std::i
   }
   std::vector<std::int64_t> low(spec.size());
   std::vector<std::int64_t> high(spec.size());
-  for (const auto& [name, sums] : {std::pair{"e_z", &maps.e_z}, std::pair{"e_map", &maps.e_map}}) {
-    const std::string prefix(name);
-    read_into(table, prefix + "_count", sums->count.values());
-    read_into(table, prefix + "_sum", sums->sum.values());
+  if (!table.has("e_map_count")) maps.e_map.reset();
+  for_each_error(maps, [&](const std::string& prefix, ErrorSums& sums) {
+    read_into(table, prefix + "_count", sums.count.values());
+    read_into(table, prefix + "_sum", sums.sum.values());
     read_into(table, prefix + "_squares_low", std::span(low));
     read_into(table, prefix + "_squares_high", std::span(high));
     for (std::size_t i = 0; i < low.size(); ++i)
-      sums->squares.values()[i] = {static_cast<std::uint64_t>(low[i]), high[i]};
-  }
+      sums.squares.values()[i] = {static_cast<std::uint64_t>(low[i]), high[i]};
+  });
   check_state(file, maps);
   return maps;
 }
@@ -373,6 +428,20 @@ void check_metric(const LandfallFileReader& file, const DrawTable& table, const 
       fail_at(file, name, i, column->values[i], expected);
 }
 
+/// A landing has all its columns, and its flag is 0 or 1.
+void check_landings(const LandfallFileReader& file, const DrawTable& table) {
+  static constexpr std::array kColumns = {"landing.x_m",       "landing.y_m",         "landing.yaw_deg",
+                                          "landing.slope_deg", "landing.roughness_m", kLandingSafe,
+                                          "blind.x_m",         "blind.y_m",           "blind.yaw_deg",
+                                          "blind.slope_deg",   "blind.roughness_m",   kBlindSafe};
+  const auto is_missing = [&](const char* name) { return find_metric(table, name) == nullptr; };
+  if (std::ranges::all_of(kColumns, is_missing)) return;
+  for (const char* const name : kColumns)
+    if (is_missing(name)) file.fail("/draws has no column " + std::string(name));
+  for (const char* const name : {kLandingSafe, kBlindSafe})
+    check_metric(file, table, name, "0 or 1", [](double value) { return value == 0 || value == 1; });
+}
+
 /// Refuses rows that contradict themselves or the configuration: no campaign wrote them.
 void check_rows(const LandfallFileReader& file, const DrawTable& table) {
   check_seeds(file, table);
@@ -380,6 +449,7 @@ void check_rows(const LandfallFileReader& file, const DrawTable& table) {
   for (const RequirementInfo& info : kRequirementInfo)
     check_metric(file, table, std::string("requirements.") + info.name + ".pass", "0 or 1", is_flag);
   check_metric(file, table, "site.true_safe", "0 or 1", is_flag);
+  check_landings(file, table);
   check_metric(file, table, "score.missed_hazard_frac", "in [0, 1]",
                [](double value) { return value >= 0 && value <= 1; });
   for (std::size_t i = 0; i < table.pass.size(); ++i) {
@@ -430,11 +500,24 @@ std::vector<NamedNumber> flat_metrics(const DrawResult& result) {
   flatten(full != nullptr ? metrics_json(*full) : fields_json(std::get<DecisiveMetrics>(result.metrics)), "",
           flat);
   if (!result.hazards) return flat;
+  const auto landing = [&](const std::string& arm, const Landing& landed) {
+    flatten(Json{{"x_m", landed.touchdown.x_m},
+                 {"y_m", landed.touchdown.y_m},
+                 {"yaw_deg", landed.touchdown.yaw_deg},
+                 {"slope_deg", landed.slope_deg},
+                 {"roughness_m", landed.roughness_m},
+                 {"safe", landed.is_safe ? 1 : 0}},
+            arm, flat);
+  };
   flatten(score_json(result.hazards->score), "score", flat);
   const std::size_t begin = flat.size();
   flatten(site_json(result.hazards->best.value_or(LandingSite{})), "site", flat);
   if (!result.hazards->best)
     for (std::size_t i = begin; i < flat.size(); ++i) flat[i].second = kNan;
+  if (result.landings) {
+    landing("landing", result.landings->lidar);
+    landing("blind", result.landings->blind);
+  }
   return flat;
 }
 
@@ -451,12 +534,12 @@ Json verdict_json(const DrawTable& table, const std::optional<SprtState>& sprt) 
     for (auto begin = pairs.begin(); begin != pairs.end();) {  // the rows of a pair follow each other
       const auto end = std::find_if(begin + 1, pairs.end(), [&](double pair) { return pair != *begin; });
       Json result = {{"pair", *begin}};
-      result.update(result_json(rows_of_pair(table, begin - pairs.begin(), end - pairs.begin())));
+      result.update(result_json(rows_of_pair(table, begin - pairs.begin(), end - pairs.begin()), !sprt));
       verdict["pairs"].push_back(std::move(result));
       begin = end;
     }
   }
-  verdict.update(result_json(table));
+  verdict.update(result_json(table, !sprt));
   return verdict;
 }
 
@@ -480,10 +563,13 @@ DrawsInput read_draws(const std::filesystem::path& path) {
   const GridLayerReader layers(file);
   input.crs_wkt = layers.crs_wkt();
   input.draws.region = layers.read<std::int8_t>("in_region");
-  input.draws.z_true_map = layers.read_checked<float>("z_true_map", LayerValues::finite);
+  if (layers.has("z_true_map"))
+    input.draws.z_true_map = layers.read_checked<float>("z_true_map", LayerValues::finite);
   if (layers.has("z_sigma_abs"))
     input.draws.z_sigma_abs = layers.read_checked<float>("z_sigma_abs", LayerValues::not_negative);
   input.draws.maps = read_state(file, layers.spec(), input.draws.table.size());
+  if (input.draws.maps->e_map.has_value() != input.draws.z_true_map.has_value())
+    file.fail("z_true_map and /state/e_map_count belong together, and one of them is missing");
   return input;
 }
 

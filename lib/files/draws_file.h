@@ -23,7 +23,7 @@ struct Draws {
   std::optional<DrawMaps> maps;
   // With maps:
   std::optional<BinMask> region;           ///< the judged bins
-  std::optional<Grid<float>> z_true_map;   ///< H(X, Y), NaN off the terrain
+  std::optional<Grid<float>> z_true_map;   ///< H(X, Y), NaN off the terrain; none where the ground varies
   std::optional<Grid<float>> z_sigma_abs;  ///< predicted, where it is asked for
 };
 
@@ -32,11 +32,13 @@ using NamedNumber = std::pair<std::string, double>;
 
 /// The numbers of metrics.json without arrays and texts: null as NaN, true as 1. `pass` and
 /// `version` are not among them. After them those of score.json as score.KEY and of its best site as
-/// site.KEY, NaN where there is no site.
+/// site.KEY, NaN where there is no site, and landing.KEY and blind.KEY of a draw that lands.
 [[nodiscard]] std::vector<NamedNumber> flat_metrics(const DrawResult& result);
 
 /// How many draws passed each requirement and all six, with Wilson's 95 % interval and the exact one-sided
-/// lower bound; of a campaign that judges hazards also in how many the chosen place is safe in truth. Over
+/// lower bound; of a campaign that judges hazards also in how many the chosen place is safe in truth, and of
+/// one whose draws land in how many they land safely, with the lidar and without, with exact McNemar test and
+/// the interval of the difference (Newcombe). Over
 /// several scans for each of them, and for all. With the state of a sequential test the results decided the
 /// number of draws: both are then not valid, and marked so.
 [[nodiscard]] nlohmann::ordered_json verdict_json(const DrawTable& table,

@@ -50,6 +50,8 @@ struct TerrainInput : TerrainIdentity {
   std::shared_ptr<const TerrainSurface> surface{};
   std::shared_ptr<const TriangulatedGrid> grid{};  ///< the surface of a gridded terrain; else null
   std::shared_ptr<const TriangleMesh> mesh{};      ///< the surface of a mesh terrain; else null
+  /// Of a terrain made in memory that has one; open_albedo() opens that of a file.
+  std::shared_ptr<const SurfaceAlbedo> albedo{};
 };
 
 /// Throws FormatError unless the file is a complete terrain: gridded, with at least one finite node and no

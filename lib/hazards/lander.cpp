@@ -64,12 +64,16 @@ PadOffsets pads(const Lander& lander, double resolution_m, double yaw_rad) {
 
 }  // namespace
 
-LanderStencil::LanderStencil(const Lander& lander, double resolution)
+LanderStencil::LanderStencil(const Lander& lander, double resolution, double yaw_rad)
     : legs(checked(lander, resolution).legs),
       resolution_m(resolution),
       pad_height(lander.pad_height),
+      yaws({pads(lander, resolution, yaw_rad)}),
       pad(disc(lander.pad_diameter_m / 2, resolution)),
-      body(disc(lander.body_radius_m, resolution)) {
+      body(disc(lander.body_radius_m, resolution)) {}
+
+LanderStencil::LanderStencil(const Lander& lander, double resolution) : LanderStencil(lander, resolution, 0) {
+  yaws.clear();
   const double sector = 2 * std::numbers::pi / legs;
   const double count = std::ceil(sector * lander.leg_radius_m / resolution - kLanderTolerance);
   for (int m = 0; m < static_cast<int>(count); ++m)

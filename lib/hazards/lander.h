@@ -35,6 +35,8 @@ using PadOffsets = std::array<BinOffset, 4>;
 struct LanderStencil {
   /// Throws UsageError, naming key and bound, for a number of legs, a length or a leg radius out of range.
   LanderStencil(const Lander& lander, double resolution_m);
+  /// In this yaw of leg 0 alone, from +x to +y.
+  LanderStencil(const Lander& lander, double resolution_m, double yaw_rad);
 
   int legs;
   double resolution_m;

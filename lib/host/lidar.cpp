@@ -124,6 +124,7 @@ struct Instrument::Impl {
       : engine(std::move(intersect)),
         pulse_rate_hz(model.pulse_rate_hz),
         navigation_error(std::move(model.navigation_error)),
+        aims_from_estimate(model.aims_from_estimate),
         simulator(std::move(model.lidar), &engine, nullptr) {}
 
   [[nodiscard]] PulseInput input(const Pulse& pulse) const;
@@ -131,6 +132,7 @@ struct Instrument::Impl {
   CallbackEngine engine;
   double pulse_rate_hz;
   std::unique_ptr<const NavigationError> navigation_error;
+  bool aims_from_estimate;
   PulseSimulator simulator;
 };
 
@@ -148,7 +150,8 @@ PulseInput Instrument::Impl::input(const Pulse& pulse) const {
   input.truth = pose_of(pulse.truth, "pulse/truth");
   input.estimate = pulse.estimate ? pose_of(*pulse.estimate, "pulse/estimate")
                                   : navigation_error->estimated(input.truth, since_start_s);
-  input.nominal = pulse.nominal ? pose_of(*pulse.nominal, "pulse/nominal") : input.truth;
+  const Pose& otherwise = aims_from_estimate ? input.estimate : input.truth;
+  input.nominal = pulse.nominal ? pose_of(*pulse.nominal, "pulse/nominal") : otherwise;
   return input;
 }
 

@@ -58,7 +58,8 @@ struct Pulse {
   Pose truth{};
   /// The pose that the lander estimates; if empty, the truth with the configuration's navigation error.
   std::optional<Pose> estimate{};
-  /// The pose from which the pattern aims; if empty, the truth. An uncompensated pattern requires it: the
+  /// The pose from which the pattern aims; if empty, the truth, or with the pattern's aim "estimate" the
+  /// estimate. An uncompensated pattern requires it: the
   /// nominal pose of the lander at pulse 0.
   std::optional<Pose> nominal{};
   /// Time since pulse 0, seconds; if empty, number / pulse_rate_hz.
@@ -82,7 +83,7 @@ struct PulseReturns {
 };
 
 /// A lidar from scan-sim's configuration: detector, scanner, pattern, mount, noise, navigation error, seed.
-/// The configuration's trajectory and scan time are checked but not used.
+/// The configuration's trajectory, its dispersion and the scan time are checked but not used.
 ///
 /// All exceptions are std::runtime_error whose message names key, value and bound.
 class Instrument {

@@ -22,7 +22,7 @@ class CampaignLayers {
       : draws_(draws), maps_(*draws.maps), factor_(factor), packer_(packer) {}
 
   [[nodiscard]] Json all() {
-    add("z_true_map", *draws_.z_true_map);
+    if (draws_.z_true_map) add("z_true_map", *draws_.z_true_map);
     add("in_region", *draws_.region);
     add("p_invalid", share_of_draws(maps_, maps_.invalid, nullptr));
     const auto in_region = [&](const Grid<std::int32_t>& count) {
@@ -35,7 +35,7 @@ class CampaignLayers {
     if (maps_.safety) add_safety(*maps_.safety);
     add("e_z_mean", mean_of(maps_.e_z));
     add("e_z_std", std_of(maps_.e_z));
-    add("e_map_std", std_of(maps_.e_map));
+    if (maps_.e_map) add("e_map_std", std_of(*maps_.e_map));
     if (draws_.z_sigma_abs) add_predicted(*draws_.z_sigma_abs);
     return std::move(list_);
   }
@@ -53,7 +53,7 @@ class CampaignLayers {
 
   void add_predicted(const Grid<float>& sigma_m) {
     add("z_sigma_abs", sigma_m);
-    add("e_map_std_over_sigma", std_over_sigma(maps_.e_map, sigma_m));
+    add("e_map_std_over_sigma", std_over_sigma(*maps_.e_map, sigma_m));
   }
 
   const Draws& draws_;
@@ -114,8 +114,19 @@ Json seeds_json(const DrawTable& table, std::int64_t shown) {
 Json stages_json(const nlohmann::json& config) {
   if (!config.at("scan").contains("detector")) return nullptr;
   Json stages = {{"scan", config.at("scan")}, {"regrid", config.at("regrid")}, {"eval", config.at("eval")}};
-  if (!config.at("hazard").is_null()) stages["hazard"] = config.at("hazard");
+  for (const char* const stage : {"hazard", "terrain"})
+    if (config.contains(stage) && !config.at(stage).is_null()) stages[stage] = config.at(stage);
   return stages;
+}
+
+/// The touchdowns of both arms; none of a campaign whose draws do not land.
+Json landings_json(const DrawTable& table, std::int64_t shown) {
+  if (find_metric(table, kLandingSafe) == nullptr) return nullptr;
+  Json arms;
+  for (const char* const arm : {"landing", "blind"})
+    for (const char* const key : {"x_m", "y_m", "slope_deg", "roughness_m", "safe"})
+      arms[arm][key] = values_json(*find_metric(table, std::string(arm) + "." + key), shown)["values"];
+  return arms;
 }
 
 Json region_json(const EvaluationParameters& parameters) {
@@ -150,7 +161,11 @@ ReportData draws_data(const DrawsReport& content, const nlohmann::json& config, 
                  {"requirements", requirements_json(table, shown)},
                  {"varied", columns_json(table.varied, shown, [](const DrawColumn&) { return true; })},
                  {"metrics", columns_json(table.metrics, shown, is_shown)},
-                 {"stages", stages_json(config)}};
+                 {"stages", stages_json(config)},
+                 {"traces", content.traces},
+                 {"terrain_seeds", config.value("terrain_seed", "fixed")},
+                 {"uncertainty", config.value("uncertainty", false)},
+                 {"landings", landings_json(table, shown)}};
   if (content.draws.maps) {
     const GridSpec& spec = content.draws.maps->spec();
     const std::int64_t factor = reduction_factor(spec, max_cells);

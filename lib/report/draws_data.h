@@ -12,6 +12,7 @@ struct DrawsReport {
   const Draws& draws;
   const nlohmann::ordered_json& verdict;  ///< verdict_json()
   const EvaluationParameters& parameters;
+  bool traces = false;  ///< each draw traces its rays
 };
 
 inline constexpr std::int64_t kMaxShownDraws =

@@ -23,14 +23,15 @@ std::string p_text(const Json& p) {
 
 std::string number_cell(const std::string& text) { return "<td class=\"number\">" + text + "</td>"; }
 
-std::string rate_row_html(const Json& rate, bool is_stopped) {
+std::string rate_row_html(const std::string& name, const Json& rate, bool is_stopped) {
   const auto passed = rate.at("passed").get<std::int64_t>();
   const auto draws = rate.at("draws").get<std::int64_t>();
-  const auto name = rate.at("requirement").get<std::string>();
   const std::string note = is_stopped ? "<span class=\"note\"> not valid after stopping</span>" : "";
   return "<tr data-requirement=\"" + name + "\"><th scope=\"row\">" +
          (name == "all"                 ? "all six"
           : name == "chosen_place_safe" ? "chosen place truly safe"
+          : name == "landing_safe"      ? "safe landing with the lidar"
+          : name == "blind_safe"        ? "safe landing without a lidar"
                                         : name) +
          "</th>" + number_cell(grouped(passed) + " of " + grouped(draws)) +
          number_cell(percent_text(static_cast<double>(passed) / static_cast<double>(draws))) +
@@ -46,9 +47,14 @@ std::string rates_html(const Json& verdict) {
       "%</th></tr>"
       "</thead><tbody>\n";
   const auto rows = [&](const Json& result) {
-    for (const Json& rate : result.at("rates")) text += rate_row_html(rate, verdict.contains("sprt"));
+    const bool is_stopped = verdict.contains("sprt");
+    for (const Json& rate : result.at("rates"))
+      text += rate_row_html(rate.at("requirement"), rate, is_stopped);
     if (result.contains("hazard"))
-      text += rate_row_html(result.at("hazard").at("chosen_place_safe"), verdict.contains("sprt"));
+      text += rate_row_html("chosen_place_safe", result.at("hazard").at("chosen_place_safe"), is_stopped);
+    if (!result.contains("landing")) return;
+    text += rate_row_html("landing_safe", result.at("landing").at("safe"), is_stopped);
+    text += rate_row_html("blind_safe", result.at("landing").at("blind"), is_stopped);
   };
   const auto heading = [&](const std::string& of) {
     text += "<tr><th colspan=\"5\" scope=\"rowgroup\">" + of + "</th></tr>\n";

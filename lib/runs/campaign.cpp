@@ -8,7 +8,10 @@
 #include "base/error.h"
 #include "campaign/predicted_sigma.h"
 #include "config/config_path.h"
+#include "config/hazard_config.h"
+#include "config/receiver_config.h"
 #include "config/scan_config.h"
+#include "config/uncertainty_config.h"
 #include "evaluation/evaluate.h"
 #include "files/evaluation_file.h"
 #include "files/table_reader.h"
@@ -25,20 +28,57 @@ Provenance scan_provenance(const nlohmann::json& scan, const Scene& scene) {
   return provenance;
 }
 
+/// Calls check(draw) for the draws that decide whether all are valid; if one is refused, for all, so that the
+/// message names the first one.
+void check_draws(const DrawsConfig& config, const DrawSpan& span, const auto& check) {
+  try {
+    for (const std::int64_t draw : config.deciding_draws(span.first, span.end)) check(draw);
+  } catch (const UsageError&) {
+    for (std::int64_t draw = span.first; draw < span.end; ++draw) check(draw);
+    throw;
+  }
+}
+
 /// Refuses draws whose configuration is not valid or whose rays differ from the scan's, before any is run.
 void require_same_rays(const RangeFile& scan, const Scene& scene, const DrawsConfig& config,
                        const DrawSpan& span) {
   Provenance provenance = scan_provenance(config.stages().scan, scene);
-  const auto check = [&](std::int64_t draw) {
+  check_draws(config, span, [&](std::int64_t draw) {
     provenance.config = config.stages(draw).scan;
     require_redraw(scan, provenance, "");
-  };
-  try {
-    for (const std::int64_t draw : config.deciding_draws(span.first, span.end)) check(draw);
-  } catch (const UsageError&) {  // names the first one
-    for (std::int64_t draw = span.first; draw < span.end; ++draw) check(draw);
-    throw;
-  }
+  });
+}
+
+/// A landing is judged by its contact with the ground, whatever the method of the map is.
+void require_lander(const DrawsConfig& config, const DrawSpan& span) {
+  if (!config.landing()) return;
+  check_draws(config, span, [&](std::int64_t draw) {
+    const DrawStages stages = config.stages(draw);
+    at_path(config.name() + ": draw " + std::to_string(draw) + ": /hazard/", [&] {
+      return LanderStencil(hazard_config(stages.hazard).lander,
+                           stages.regrid.at("resolution_m").get<double>());
+    });
+  });
+}
+
+/// The sigmas of regrid --uncertainty in a draw; none unless they are asked for.
+std::optional<UncertaintyParameters> uncertainty_of(const DrawsConfig& config, const DrawStages& stages,
+                                                    const std::string& name) {
+  if (!config.has_uncertainty()) return std::nullopt;
+  return uncertainty_parameters(stages.regrid, name + ": /regrid", {{"the scan", stages.scan}});
+}
+
+/// Refuses draws that trace whose configuration is not valid, before any is run.
+void require_valid(const DrawsConfig& config, const DrawSpan& span) {
+  check_draws(config, span, [&](std::int64_t draw) {
+    const DrawStages stages = config.stages(draw);
+    const std::string name = config.name() + ": draw " + std::to_string(draw) + ": /";
+    static_cast<void>(scan_model(stages.scan, name + "scan", {}));
+    static_cast<void>(regrid_config(stages.regrid, name + "regrid"));
+    static_cast<void>(evaluation_config(stages.eval, name + "eval"));
+    static_cast<void>(uncertainty_of(config, stages, config.name() + ": draw " + std::to_string(draw)));
+    if (!stages.terrain.is_null()) static_cast<void>(terrain_config(stages.terrain, name + "terrain"));
+  });
 }
 
 CampaignTruth read_truth(const RangeFile& scan, const ProgressCallback& progress) {
@@ -59,6 +99,17 @@ CampaignTruth read_truth(const RangeFile& scan, const ProgressCallback& progress
     report(progress, static_cast<double>(first) / static_cast<double>(pulses));
   }
   return truth;
+}
+
+/// Draws that trace may meet ground and poses that others do not: says which one failed.
+template <class Work>
+DrawResult naming_draw(const DrawsConfig& config, std::int64_t draw, const Work& work) {
+  if (!config.traces()) return work();
+  try {
+    return work();
+  } catch (const FormatError& error) {
+    throw FormatError(config.name() + ": draw " + std::to_string(draw) + ": " + error.what());
+  }
 }
 
 void add_to(std::vector<DrawColumn>& columns, const std::vector<NamedNumber>& row) {
@@ -84,21 +135,76 @@ Campaign::Campaign(const RangeFile& scan, const std::string& terrain, const Draw
     scene_.window->require({grid.x(0), grid.x(grid.cols - 1), grid.y(0), grid.y(grid.rows - 1)});
   require_same_rays(scan, scene_, config, span);
   truth_ = read_truth(scan, progress);
+  require_lander(config, span);
+  prepare(scene_.surface.get(), device, provenance);
+  if (device && device->on_failure == DeviceFailure::throws) require_device(span);
+}
+
+Campaign::Campaign(GroundSource ground, const DrawsConfig& config, const DrawSpan& span,
+                   Provenance& provenance)
+    : config_(config),
+      source_(std::move(ground)),
+      regrid_(regrid_config(config.stages().regrid, config.name() + ": /regrid")) {
+  require_valid(config, span);
+  require_lander(config, span);
+  const nlohmann::json& scan = config.stages().scan;
+  static_cast<void>(scan_model(scan, config.name() + ": /scan", recording_table_loader(provenance)));
+  if (!source_.terrain.empty()) {
+    open_ground(uses_albedo_map(scan), provenance);
+  } else {
+    make_ground(config.stages(span.first).terrain, provenance);
+    ground_draw_ = span.first;
+    source_.warn = [](const std::string&) {};  // of later grounds, which are alike
+  }
+  prepare(config.ground_varies() ? nullptr : scene_.surface.get(), std::nullopt, provenance);
+}
+
+void Campaign::open_ground(bool uses_albedo, Provenance& provenance) {
+  scene_ = open_scene({.terrain = source_.terrain});
+  provenance.add_input("terrain", scene_.file_id, scene_.chain);
+  const GridSpec& grid = regrid_.grid;
+  if (scene_.window)
+    scene_.window->require({grid.x(0), grid.x(grid.cols - 1), grid.y(0), grid.y(grid.rows - 1)});
+  if (uses_albedo) albedo_ = open_albedo(source_.terrain);
+}
+
+void Campaign::make_ground(const nlohmann::json& terrain, Provenance& provenance) {
+  scene_ = {};  // the old ground first, so that both never exist at once
+  albedo_.reset();
+  const TerrainInput made =
+      source_.make(terrain_config(terrain, config_.name() + ": /terrain"), provenance, source_.warn);
+  scene_ = traced_scene(made);
+  albedo_ = made.albedo;
+}
+
+DrawGround Campaign::ground_of(const DrawStages& stages, std::int64_t draw) {
+  if (config_.ground_varies() && draw != ground_draw_) {
+    Provenance recorded;  // with the first ground
+    make_ground(stages.terrain, recorded);
+    ground_draw_ = draw;
+  }
+  return {*scene_.surface, scene_.engine.get(), albedo_.get()};
+}
+
+void Campaign::prepare(const TerrainSurface* ground, const std::optional<OpenClOptions>& device,
+                       Provenance& provenance) {
+  const GridSpec& grid = regrid_.grid;
   std::optional<BinMask> mask;
-  if (const auto source = region_mask_source(config.stages().eval)) {
+  if (const auto source = region_mask_source(config_.stages().eval)) {
     RegionMask read = read_region_mask(source->path, source->layer, grid);
     provenance.add_input("region", read.file_id, nlohmann::json::array());
     mask = std::move(read.mask);
   }
-  const EvaluationParameters evaluation = evaluation_config(config.stages().eval, config.name() + ": /eval");
-  at_path(config.name() + ": /eval/",
+  const EvaluationParameters evaluation =
+      evaluation_config(config_.stages().eval, config_.name() + ": /eval");
+  at_path(config_.name() + ": /eval/",
           [&] { region_ = judged_region(evaluation, grid, mask ? &*mask : nullptr); });
   runner_ = std::make_unique<DrawRunner>(
-      CampaignScene{{truth_.ranges_m, truth_.echoes, truth_.later}, *scene_.surface, grid, region_},
-      config.has_layers(), device);
-  if (device && device->on_failure == DeviceFailure::throws) require_device(span);
-  if (config.predicted())
-    z_sigma_abs_ = predicted_sigma(runner_->scene(), setup_of(config.stages(), 0).scan, *config.predicted());
+      CampaignScene{{truth_.ranges_m, truth_.echoes, truth_.later}, ground, grid, region_},
+      config_.has_layers(), device);
+  if (!config_.predicted()) return;
+  const Simulation first = ground_of(config_.stages(), 0).simulate(setup_of(config_.stages(), 0).scan);
+  z_sigma_abs_ = predicted_sigma(runner_->scene(), first, *config_.predicted()).z_abs;
 }
 
 /// Before any draw is run.
@@ -122,11 +228,15 @@ Draws Campaign::empty(std::int64_t first) const {
   if (config_.has_layers()) {
     draws.maps.emplace(regrid_.grid);
     draws.region = region_;
-    draws.z_true_map.emplace(regrid_.grid);
-    std::ranges::transform(runner_->z_true_map()->values(), draws.z_true_map->values().begin(),
-                           [](double z_m) { return static_cast<float>(z_m); });
+    if (const auto& z_true_map = runner_->z_true_map()) {
+      draws.z_true_map.emplace(regrid_.grid);
+      std::ranges::transform(z_true_map->values(), draws.z_true_map->values().begin(),
+                             [](double z_m) { return static_cast<float>(z_m); });
+    } else {
+      draws.maps->e_map.reset();
+    }
     draws.z_sigma_abs = z_sigma_abs_;
-    if (config_.hazard()) draws.maps->safety.emplace(regrid_.grid);
+    if (config_.has_hazards()) draws.maps->safety.emplace(regrid_.grid);
   }
   return draws;
 }
@@ -135,8 +245,23 @@ DrawSetup Campaign::setup_of(const DrawStages& stages, std::int64_t draw) const 
   const std::string name = "draw " + std::to_string(draw);
   Provenance tables;  // those of the scan, which are recorded already
   const RegridConfig regrid = regrid_config(stages.regrid, name);
-  return {scan_model(stages.scan, name, recording_table_loader(tables)), regrid.method, regrid.truth_at,
-          evaluation_config(stages.eval, name), config_.hazard()};
+  return {scan_model(stages.scan, name, recording_table_loader(tables)),
+          regrid.method,
+          regrid.truth_at,
+          evaluation_config(stages.eval, name),
+          stages.hazard.is_null() ? std::nullopt : std::optional(hazard_config(stages.hazard)),
+          landing_setup(stages.scan, draw),
+          uncertainty_of(config_, stages, name)};
+}
+
+std::optional<LandingSetup> Campaign::landing_setup(const nlohmann::json& scan, std::int64_t draw) const {
+  if (!config_.landing()) return std::nullopt;
+  LandingSetup setup{*config_.landing(), static_cast<std::uint64_t>(config_.seed(draw))};
+  const nlohmann::json& error = scan.at("navigation_error");
+  if (!error.contains("table"))
+    setup.velocity_error_mps = {error.at("velocity_mps").at(0).get<double>(),
+                                error.at("velocity_mps").at(1).get<double>()};
+  return setup;
 }
 
 void Campaign::complete(Draws& draws) {
@@ -146,9 +271,13 @@ void Campaign::complete(Draws& draws) {
 }
 
 DrawResult Campaign::run(std::int64_t draw, Draws& draws) {
-  DrawSetup setup = setup_of(config_.stages(draw), draw);
-  DrawResult result = at_path(config_.name() + ": /hazard/", [&] {
-    return runner_->run(std::move(setup), config_.metrics(), draws.maps ? &*draws.maps : nullptr);
+  const DrawStages stages = config_.stages(draw);
+  DrawResult result = naming_draw(config_, draw, [&] {
+    DrawSetup setup = setup_of(stages, draw);
+    const DrawGround ground = ground_of(stages, draw);
+    return at_path(config_.name() + ": /hazard/", [&] {
+      return runner_->run(std::move(setup), ground, config_.metrics(), draws.maps ? &*draws.maps : nullptr);
+    });
   });
   if (result.is_on_device) on_device_.push_back(draw);
   return result;

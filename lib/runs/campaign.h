@@ -11,6 +11,7 @@
 #include "campaign/draw_runner.h"
 #include "config/dem_config.h"
 #include "config/draws_config.h"
+#include "config/terrain_config.h"
 #include "files/draws_file.h"
 #include "files/range_file.h"
 #include "scene/scene.h"
@@ -30,9 +31,25 @@ struct DrawSpan {
   std::int64_t end = 0;
 };
 
-/// A campaign over one traced scan: its inputs in memory, and its draws.
+/// Makes a terrain in memory, as make_terrain() in exports/terrain_output.h does.
+using TerrainMaker = std::function<TerrainInput(const TerrainConfig&, Provenance&,
+                                                const std::function<void(const std::string&)>& warn)>;
+
+/// The ground of draws that trace.
+struct GroundSource {
+  std::string terrain;  ///< terrain.h5; empty: the section terrain of the campaign
+  TerrainMaker make;    ///< for the section
+  std::function<void(const std::string&)> warn;
+};
+
+/// A campaign over one traced scan, or one whose draws trace: its inputs in memory, and its draws.
 class Campaign {
  public:
+  /// Draws that trace. Reads or makes the ground, and adds it and the tables of the scan to the inputs of
+  /// `provenance`. Throws UsageError, naming draw and key, unless the configuration of each draw of `span` is
+  /// valid; FormatError as the readers do.
+  Campaign(GroundSource ground, const DrawsConfig& config, const DrawSpan& span, Provenance& provenance);
+
   /// `pair` is the number of the scan in a campaign over several: its draws follow those of the scans before,
   /// and their rows have it as the column kPairColumn. Reads the true ranges (8 bytes per ray) and the
   /// terrain, and adds both to the inputs of `provenance`. Throws UsageError, naming the key, unless every
@@ -52,13 +69,24 @@ class Campaign {
   void complete(Draws& draws);
 
  private:
+  /// Reads the judged region and makes the runner; `ground` is that of all draws, null where it varies.
+  void prepare(const TerrainSurface* ground, const std::optional<OpenClOptions>& device,
+               Provenance& provenance);
   void require_device(const DrawSpan& span) const;
+  void open_ground(bool uses_albedo, Provenance& provenance);
+  void make_ground(const nlohmann::json& terrain, Provenance& provenance);
+  [[nodiscard]] DrawGround ground_of(const DrawStages& stages, std::int64_t draw);
   [[nodiscard]] DrawSetup setup_of(const DrawStages& stages, std::int64_t draw) const;
+  [[nodiscard]] std::optional<LandingSetup> landing_setup(const nlohmann::json& scan,
+                                                          std::int64_t draw) const;
   [[nodiscard]] DrawResult run(std::int64_t draw, Draws& draws);
 
   const DrawsConfig& config_;
   std::optional<std::int64_t> pair_;
+  GroundSource source_;  ///< of draws that trace
   Scene scene_;
+  std::shared_ptr<const SurfaceAlbedo> albedo_;
+  std::int64_t ground_draw_ = -1;  ///< the draw whose ground the scene is, where it varies
   CampaignTruth truth_;
   RegridConfig regrid_;
   BinMask region_;

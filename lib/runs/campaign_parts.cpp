@@ -145,7 +145,7 @@ MergedDraws merge_draws(const std::vector<std::string>& paths, Provenance& prove
   const auto scans = std::ranges::count(step.at("inputs"), "scan", [](const nlohmann::json& input) {
     return input.at("role").get<std::string>();
   });
-  require_whole(parts, scans * config.at("draws").get<std::int64_t>());
+  require_whole(parts, std::max<std::int64_t>(scans, 1) * config.at("draws").get<std::int64_t>());
   for (const nlohmann::json& input : step.at("inputs"))
     provenance.inputs.push_back({input.at("role"), input.at("file_id")});
   provenance.chain = parts.front().input.chain;

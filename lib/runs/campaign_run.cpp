@@ -22,8 +22,8 @@ class ScanSequence {
  public:
   /// `resolved` is the configuration of monte-carlo.
   ScanSequence(const CampaignSources& sources, nlohmann::json resolved, const std::string& name,
-               const NumberTable* samples)
-      : device_(sources.device) {
+               const NumberTable* samples, std::function<void(const std::string&)> warn)
+      : device_(sources.device), make_terrain_(sources.make_terrain), warn_(std::move(warn)) {
     if (sources.pairs.size() > 1) resolved["layers"] = false;
     for (const ScanPair& pair : sources.pairs)
       scans_.push_back(std::make_unique<Scan>(pair, resolved, name, samples));
@@ -79,8 +79,22 @@ class ScanSequence {
   struct Scan {
     Scan(const ScanPair& pair, const nlohmann::json& resolved, const std::string& name,
          const NumberTable* samples)
-        : file(pair.scan), terrain(pair.terrain), config(resolved, name, file.file().config(), samples) {}
-    RangeFile file;
+        : file(pair.scan.empty() ? nullptr : std::make_unique<RangeFile>(pair.scan)),
+          terrain(pair.terrain),
+          config(resolved, name, file ? file->file().config() : nlohmann::json(), samples) {
+      if (config.traces()) require_one_ground();
+    }
+    void require_one_ground() const {
+      const bool has_section = !config.stages().terrain.is_null();
+      if (has_section && !terrain.empty())
+        throw UsageError("--terrain " + terrain + ": " + config.name() +
+                         " has a section terrain; give one of them");
+      if (!has_section && terrain.empty())
+        throw UsageError("draws that trace need a ground: --terrain, or the section terrain of " +
+                         config.name());
+    }
+
+    std::unique_ptr<RangeFile> file;  ///< null for draws that trace
     std::string terrain;
     DrawsConfig config;
   };
@@ -93,12 +107,18 @@ class ScanSequence {
     const DrawSpan span = {std::clamp<std::int64_t>(span_.first - begin, 0, draws),
                            std::clamp<std::int64_t>(span_.end - begin, 0, draws)};
     const auto number = has_pairs() ? std::optional(static_cast<std::int64_t>(pair)) : std::nullopt;
-    campaign_ = std::make_unique<Campaign>(scan.file, scan.terrain, scan.config, span, number, device_,
-                                           provenance, progress);
+    if (scan.file)
+      campaign_ = std::make_unique<Campaign>(*scan.file, scan.terrain, scan.config, span, number, device_,
+                                             provenance, progress);
+    else
+      campaign_ = std::make_unique<Campaign>(GroundSource{scan.terrain, make_terrain_, warn_}, scan.config,
+                                             span, provenance);
     loaded_ = pair;
   }
 
   std::optional<OpenClOptions> device_;
+  TerrainMaker make_terrain_;
+  std::function<void(const std::string&)> warn_;
   std::vector<std::unique_ptr<Scan>> scans_;
   nlohmann::json json_;
   DrawSpan span_;
@@ -115,11 +135,11 @@ class DrawLoop {
 
   void run(Draws& draws, const DeferredInterrupts& interrupts, const ProgressCallback& progress) {
     if (sprt_)
-      for (const std::int8_t pass : draws.table.pass) sprt_->add(pass == 1);
+      for (std::int64_t row = 0; row < draws.table.size(); ++row) sprt_->add(is_success(draws.table, row));
     double saved_s = output_.clock_s();
     while (!is_done(draws) && !interrupts.requested()) {
       scans_.of(draws.table.end()).run_next(draws);
-      if (sprt_) sprt_->add(draws.table.pass.back() == 1);
+      if (sprt_) sprt_->add(is_success(draws.table, draws.table.size() - 1));
       const std::vector<std::int8_t>& pass = draws.table.pass;
       output_.note(std::to_string(std::ranges::count(pass, 1)) + " of " + std::to_string(pass.size()) +
                    " pass");
@@ -148,6 +168,13 @@ class DrawLoop {
   }
 
  private:
+  /// What the sequential test counts.
+  [[nodiscard]] bool is_success(const DrawTable& table, std::int64_t row) const {
+    const auto at = static_cast<std::size_t>(row);
+    return scans_.config().tests_landing() ? find_metric(table, kLandingSafe)->values[at] == 1
+                                           : table.pass[at] == 1;
+  }
+
   [[nodiscard]] bool is_done(const Draws& draws) const {
     return draws.table.end() >= span_.end || (sprt_ && sprt_->state() != SprtState::running);
   }
@@ -159,6 +186,17 @@ class DrawLoop {
   const CampaignOutput& output_;
 };
 
+/// Landings beyond the terrain are not safe, whatever is there.
+void warn_of_off_terrain(const nlohmann::ordered_json& verdict, const CampaignOutput& output) {
+  if (!verdict.contains("landing")) return;
+  const nlohmann::ordered_json& landing = verdict.at("landing");
+  for (const auto& [arm, what] : {std::pair{"lidar", "with"}, std::pair{"blind", "without"}})
+    if (const auto count = landing.at("off_terrain").at(arm).get<std::int64_t>(); count > 0)
+      output.warn(std::to_string(count) + " of " +
+                  std::to_string(landing.at("safe").at("draws").get<std::int64_t>()) + " landings " + what +
+                  " a lidar are not over the terrain and count as not safe; make the terrain larger");
+}
+
 }  // namespace
 
 CampaignResult run_campaign(const CampaignSources& sources, const std::optional<DrawSpan>& part,
@@ -168,7 +206,8 @@ CampaignResult run_campaign(const CampaignSources& sources, const std::optional<
     samples = read_number_table(sources.samples, {.all = true});
     output.provenance.add_input("samples", content_id(sources.samples), nlohmann::json::array());
   }
-  ScanSequence scans(sources, output.provenance.config, output.config_name, samples ? &*samples : nullptr);
+  ScanSequence scans(sources, output.provenance.config, output.config_name, samples ? &*samples : nullptr,
+                     output.warn);
   output.provenance.config = scans.json();
   const DrawSpan span = scans.checked_span(part);
   output.phase("read",
@@ -192,6 +231,7 @@ CampaignResult run_campaign(const CampaignSources& sources, const std::optional<
   }
   CampaignResult result{verdict_json(draws.table, loop.sprt_state()),
                         static_cast<double>(draws.table.size() - done) / (output.clock_s() - began_s)};
+  warn_of_off_terrain(result.verdict, output);
   const std::string crs_wkt = scans.crs_wkt();
   scans.clear();  // its memory is not needed to write the maps
   output.phase("write", [&](const ProgressCallback&) {

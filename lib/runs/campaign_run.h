@@ -16,8 +16,8 @@ namespace landfall {
 
 /// A traced scan and the terrain that it scanned.
 struct ScanPair {
-  std::string scan;     ///< scan.h5
-  std::string terrain;  ///< terrain.h5
+  std::string scan;     ///< scan.h5; empty: each draw traces its rays
+  std::string terrain;  ///< terrain.h5; may be empty for draws that trace
 };
 
 /// The scans and terrains of a campaign.
@@ -28,6 +28,7 @@ struct CampaignSources {
   std::string samples;  ///< a table of values; empty: none
   /// The OpenCL device that draws errors and grids the returns; none: the CPU does.
   std::optional<OpenClOptions> device{};
+  TerrainMaker make_terrain{};  ///< for draws that trace
 };
 
 struct CampaignOutput {

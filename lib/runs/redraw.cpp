@@ -35,21 +35,22 @@ struct Difference {
   }
 };
 
-/// The first key of this effect that differs.
+/// The first key at or below `where` that differs and has this effect in the new configuration.
 std::optional<Difference> first_difference(const Json& theirs, const Json& ours, const std::string& where,
-                                           KeyEffect effect) {
+                                           KeyEffect effect, const Json& config) {
   if (theirs == ours || where == "/seed") return std::nullopt;
   const auto is_open = [](const Json& value) { return value.is_object() || value.is_null(); };
   if (!is_open(theirs) || !is_open(ours)) {
     const bool is_malformed = ours.is_object() || theirs.is_object();  // in a foreign file
-    const bool counts = is_malformed || effect_of(where).value_or(KeyEffect::beam) == effect;
+    const bool counts = is_malformed || effect_of(where, config).value_or(KeyEffect::beam) == effect;
     return counts ? std::optional(Difference{where, theirs, ours}) : std::nullopt;
   }
   Json keys = theirs.is_null() ? Json::object() : theirs;
   if (!ours.is_null()) keys.update(ours);
   for (const auto& [key, value] : keys.items()) {
     const auto inner = [&](const Json& side) { return side.is_null() ? Json() : side.value(key, Json()); };
-    if (auto found = first_difference(inner(theirs), inner(ours), where + "/" + key, effect)) return found;
+    if (auto found = first_difference(inner(theirs), inner(ours), where + "/" + key, effect, config))
+      return found;
   }
   return std::nullopt;
 }
@@ -77,12 +78,14 @@ std::string seed_moves_beams_by(const Json& config) {
   return {};
 }
 
-/// The input files that determine the true ranges.
-Json inputs_of_truth(const Json& inputs) {
+/// The input files that determine the true ranges; a table of estimated poses does where patterns aim from
+/// it.
+Json inputs_of_truth(const Json& inputs, const Json& config) {
+  const bool aims_from_estimate = effect_of("/navigation_error/table", config) == KeyEffect::beam;
   Json kept = Json::array();
   for (const Json& input : inputs) {
     const std::string role = input.value("role", "");
-    if (role != "navigation" && role != "offsets") kept.push_back(input);
+    if ((role != "navigation" || aims_from_estimate) && role != "offsets") kept.push_back(input);
   }
   return kept;
 }
@@ -101,7 +104,7 @@ class Refusal {
 };
 
 void require_same_beams(const Json& theirs, const Json& ours, const Refusal& refuse) {
-  if (const auto found = first_difference(theirs, ours, "", KeyEffect::beam)) refuse(found->text());
+  if (const auto found = first_difference(theirs, ours, "", KeyEffect::beam, ours)) refuse(found->text());
   const std::string key = seed_moves_beams_by(ours);
   const Difference seed{"/seed", value_at(theirs, "/seed"), value_at(ours, "/seed")};
   if (!key.empty() && seed.theirs != seed.ours) refuse(seed.text() + "; the true beams follow it by " + key);
@@ -114,7 +117,7 @@ void require_same_echoes(const RangeFile& scan, const Json& ours, const Refusal&
         "can be redrawn");
   const Json& theirs = scan.file().config();
   if (!has_receiver(ours) && !has_receiver(theirs)) return;
-  if (const auto found = first_difference(theirs, ours, "", KeyEffect::echo)) refuse(found->text());
+  if (const auto found = first_difference(theirs, ours, "", KeyEffect::echo, ours)) refuse(found->text());
   const Json& receiver = ours["receiver"];
   if (receiver["type"] == "geiger")
     refuse("a Geiger-mode receiver needs the whole waveforms, which no scan keeps; trace the rays");
@@ -142,7 +145,8 @@ void require_redraw(const RangeFile& scan, const Provenance& provenance, const s
     refuse("made by version " + step.value("version", "?") + ", this is " + program_version());
   require_same_beams(file.config(), provenance.config, refuse);
   require_same_echoes(scan, provenance.config, refuse);
-  if (inputs_of_truth(step.value("inputs", Json())) != inputs_of_truth(provenance.as_step().at("inputs")))
+  const auto of_truth = [&](const Json& inputs) { return inputs_of_truth(inputs, provenance.config); };
+  if (of_truth(step.value("inputs", Json())) != of_truth(provenance.as_step().at("inputs")))
     refuse("its terrain or a table (trajectory, pixels, ...) differs from this run's");
   require_complete_ranges(scan, refuse);
 }

@@ -86,19 +86,22 @@ void refuse_mesh(const SceneRequest& request) {
                      "engine");
 }
 
+Scene with_engine(const TerrainInput& terrain, EngineKind kind, const ProgressCallback& progress) {
+  Scene scene{TerrainIdentity(terrain), terrain.surface};
+  const GridEngines engines(kind);
+  if (terrain.mesh)
+    engines.add_mesh_to(scene, terrain, progress);
+  else
+    engines.add_to(scene, engines.maker(progress)(terrain.grid));
+  return scene;
+}
+
 Scene loaded_scene(const SceneRequest& request, const ProgressCallback& progress) {
   const bool traced = request.use == SceneUse::rays;
   const TerrainInput terrain = read_terrain(request.terrain, part_of(progress, 0, traced ? 0.5 : 1));
-  Scene scene{TerrainIdentity(terrain), terrain.surface};
-  if (!traced) return scene;
+  if (!traced) return {TerrainIdentity(terrain), terrain.surface};
   if (terrain.mesh) refuse_mesh(request);
-  const ProgressCallback rest = part_of(progress, 0.5, 1);
-  const GridEngines engines(request.engine);
-  if (terrain.mesh)
-    engines.add_mesh_to(scene, terrain, rest);
-  else
-    engines.add_to(scene, engines.maker(rest)(terrain.grid));
-  return scene;
+  return with_engine(terrain, request.engine, part_of(progress, 0.5, 1));
 }
 
 }  // namespace
@@ -109,5 +112,7 @@ Scene open_scene(const SceneRequest& request, const ProgressCallback& progress) 
   auto large = open_large_terrain(request.terrain, request.max_loaded_nodes, progress);
   return large ? windowed_scene(std::move(*large), request) : loaded_scene(request, progress);
 }
+
+Scene traced_scene(const TerrainInput& terrain) { return with_engine(terrain, EngineKind::automatic, {}); }
 
 }  // namespace landfall

@@ -41,6 +41,9 @@ struct SceneRequest {
   std::int64_t max_loaded_nodes = kMaxLoadedNodes;  ///< a grid with more nodes is loaded in part
 };
 
+/// Makes the engine that traces a terrain in memory: cgal for a mesh, else heightfield.
+[[nodiscard]] Scene traced_scene(const TerrainInput& terrain);
+
 /// Opens level ground, a grid, a grid that is loaded in part, or a mesh. Throws FormatError as read_terrain()
 /// and open_large_terrain() do, UsageError if heightfield or opencl is requested for a mesh, and DeviceError
 /// as make_opencl_engine() does.

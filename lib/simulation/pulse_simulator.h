@@ -111,15 +111,15 @@ struct PulseWorkspace {
 /// One pulse from poses to points, independent of a Trajectory: a host simulator can step it with its own
 /// poses and RayEngine. The result depends on the arguments only: any thread may compute any pulse.
 ///
-/// The true beam leaves from the true pose and mount (PointingError), aimed from the nominal ones: navigation
-/// error never moves it. A point is s = p + R (p_BL + R_BL (b + r n)) (Eqs. 1 and 7). The true point uses the
-/// true range, mount and pose; the estimated point uses the measured range, the nominal mount and the
-/// estimated pose. With a receiver the true range is that of the pixel's own direction, while the receiver
-/// sees the echoes of its samples; a pixel whose own direction misses is a miss. Both use the same n and b
-/// unless the lander does not know the mechanism's state (Scanner::is_known,
-/// PointingError::mirror_time_error_s). A pixel's status is the first that applies of dead, blanked, total
-/// reflection, miss, undetected, dropout. A false return may replace a miss, an undetected echo, a dropout or
-/// a return from farther away; a background photoelectron is one.
+/// The true beam leaves from the true pose and mount (PointingError), aimed from the pose `nominal` and the
+/// nominal mount: navigation error does not move it unless the caller aims from the estimate. A point is s =
+/// p + R (p_BL + R_BL (b + r n)) (Eqs. 1 and 7). The true point uses the true range, mount and pose; the
+/// estimated point uses the measured range, the nominal mount and the estimated pose. With a receiver the
+/// true range is that of the pixel's own direction, while the receiver sees the echoes of its samples; a
+/// pixel whose own direction misses is a miss. Both use the same n and b unless the lander does not know the
+/// mechanism's state (Scanner::is_known, PointingError::mirror_time_error_s). A pixel's status is the first
+/// that applies of dead, blanked, total reflection, miss, undetected, dropout. A false return may replace a
+/// miss, an undetected echo, a dropout or a return from farther away; a background photoelectron is one.
 ///
 /// The caller applies time-stamp errors when it chooses the estimated poses.
 class PulseSimulator {
@@ -132,6 +132,7 @@ class PulseSimulator {
                  const SurfaceAlbedo* albedo = nullptr);
 
   [[nodiscard]] const Lidar& lidar() const { return lidar_; }
+  [[nodiscard]] bool can_trace() const { return engine_ != nullptr; }
   /// 1 for each dead pixel, 0 for the others, row-major.
   [[nodiscard]] std::span<const std::int8_t> dead_map() const { return dead_map_; }
   /// The rows of a pulse in a batch, including those of returns that do not exist

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Decisions: D8, D9, D88
+// Decisions: D8, D9, D88, D376
 #include "simulation/simulation.h"
 
 #include <algorithm>
@@ -47,6 +47,7 @@ Simulation::Simulation(ScanModel model, const RayEngine* engine, const TerrainSu
     : pulse_rate_hz_(model.pulse_rate_hz),
       pulse_count_(landfall::pulse_count(model)),
       attitude_knowledge_(model.attitude_knowledge),
+      aims_from_estimate_(model.aims_from_estimate),
       first_nominal_pose_(model.trajectory->nominal_pose(0)),
       trajectory_(std::move(model.trajectory)),
       navigation_error_(std::move(model.navigation_error)),
@@ -70,6 +71,12 @@ Pose Simulation::believed_pose(double since_start_s) const {
   return navigation_error_ ? navigation_error_->estimated(known, since_start_s) : known;
 }
 
+Pose Simulation::aiming_pose(double since_start_s) const {
+  if (aims_from_estimate_) return believed_pose(since_start_s);
+  return simulator_.lidar().pattern->compensated() ? trajectory_->nominal_pose(since_start_s)
+                                                   : first_nominal_pose_;
+}
+
 double Simulation::stamped_time_s(const PulseTime& pulse) const {
   const double error_s = simulator_.lidar().pointing_error.time_stamp_error_s(pulse.pulse);
   if (error_s == 0) return pulse.since_start_s;
@@ -85,9 +92,7 @@ PulseInput Simulation::pulse(std::int64_t k) const {
                    .interval_s = 1 / pulse_rate_hz_};
   input.truth = trajectory_->pose(since_start_s);
   input.estimate = believed_pose(stamped_time_s(input.time));
-  const Pattern* pattern = simulator_.lidar().pattern.get();
-  if (pattern != nullptr)
-    input.nominal = pattern->compensated() ? trajectory_->nominal_pose(since_start_s) : first_nominal_pose_;
+  if (simulator_.lidar().pattern) input.nominal = aiming_pose(since_start_s);
   require_finite(input.truth, input.time, "true");
   require_finite(input.estimate, input.time, "estimated");
   require_finite(input.nominal, input.time, "nominal");
@@ -98,6 +103,11 @@ void Simulation::simulate(PulseSpan pulses, PulseBatch& batch, bool keep_echoes)
   const OptionalColumns columns = this->columns(keep_echoes);
   assert(pulses.first >= 0 && pulses.first + pulses.count <= pulse_count_);
   batch.resize(static_cast<std::size_t>(pulses.count), rows_per_pulse(), PointContent::all, columns);
+  simulate_slots(pulses, 0, batch);
+  if (columns.return_number) batch.remove_absent_returns();
+}
+
+void Simulation::simulate_slots(PulseSpan pulses, std::size_t first_slot, PulseBatch& batch) const {
   const auto count = static_cast<std::size_t>(pulses.count);
   std::vector<PulseWorkspace> workspaces(std::min(simulator_.pulses_per_call(), count));
   std::vector<PulseInput> inputs;
@@ -106,11 +116,10 @@ void Simulation::simulate(PulseSpan pulses, PulseBatch& batch, bool keep_echoes)
     for (std::size_t k = i; k < std::min(i + workspaces.size(), count); ++k)
       inputs.push_back(pulse(pulses.first + static_cast<std::int64_t>(k)));
     if (inputs.size() == 1)
-      simulator_.simulate(inputs.front(), i, batch, workspaces.front());
+      simulator_.simulate(inputs.front(), first_slot + i, batch, workspaces.front());
     else
-      simulator_.simulate_together(inputs, i, batch, std::span(workspaces).first(inputs.size()));
+      simulator_.simulate_together(inputs, first_slot + i, batch, std::span(workspaces).first(inputs.size()));
   }
-  if (columns.return_number) batch.remove_absent_returns();
 }
 
 PulseBatch Simulation::simulate(PulseSpan pulses) const {
@@ -160,6 +169,11 @@ Transform<DemFrame, LidarFrame> Simulation::true_lidar(std::int64_t pulse) const
 Transform<DemFrame, LidarFrame> Simulation::believed_lidar(std::int64_t pulse) const {
   const PulseTime time{pulse, since_start_s(pulse)};
   return believed_pose(stamped_time_s(time)) * simulator_.lidar().mount;
+}
+
+Vector<DemFrame> Simulation::position_error(std::int64_t pulse) const {
+  const PulseInput input = this->pulse(pulse);
+  return input.truth.position - input.estimate.position;
 }
 
 }  // namespace landfall

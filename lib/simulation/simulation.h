@@ -26,6 +26,8 @@ struct ScanModel {
   /// navigation error.
   std::unique_ptr<const Trajectory> estimate{};
   AttitudeKnowledge attitude_knowledge = AttitudeKnowledge::truth;
+  /// A compensated pattern aims from the lander's estimated pose at the pulse, without its time-stamp error.
+  bool aims_from_estimate = false;
 };
 
 /// The number of pulses of a scan. Throws UsageError where pulse_rate_hz or scan_time_s is not finite and
@@ -39,7 +41,8 @@ struct PulseSpan {
 
 /// The pulse loop. Pulses are sent k/f after the trajectory's epoch, k = 0 .. N - 1, N = floor(f T + 1e-9),
 /// or fewer if the pattern stops; all pixels of a pulse share its time, pose and scanner state. The pattern
-/// aims from the trajectory's nominal pose: at k/f for a compensated pattern, at 0 otherwise.
+/// aims from the trajectory's nominal pose: at k/f for a compensated pattern, at 0 otherwise; or, if the
+/// model says so, from the estimated pose at k/f.
 ///
 /// The estimated pose of the pulse at t is the one at t + e, e the lidar's time-stamp error; t + e is clamped
 /// to the times of the trajectory, or of the estimate where one is given.
@@ -55,6 +58,8 @@ class Simulation {
              const SurfaceAlbedo* albedo = nullptr);
 
   [[nodiscard]] std::int64_t pulse_count() const { return pulse_count_; }
+  /// Whether an engine was given, so that simulate() may be called.
+  [[nodiscard]] bool can_trace() const { return simulator_.can_trace(); }
   /// The time of a pulse since the first one.
   [[nodiscard]] double since_start_s(std::int64_t pulse) const {
     return static_cast<double>(pulse) / pulse_rate_hz_;
@@ -81,6 +86,10 @@ class Simulation {
   /// FormatError, naming the pulse, as PulseSimulator does.
   void simulate(PulseSpan pulses, PulseBatch& batch, bool keep_echoes = false) const;
   [[nodiscard]] PulseBatch simulate(PulseSpan pulses) const;
+  /// simulate() into the slots from `first_slot` on of a batch that has been resized to rows_per_pulse() and
+  /// columns(); rows of returns that do not exist stay. Several threads may fill different slots at the same
+  /// time.
+  void simulate_slots(PulseSpan pulses, std::size_t first_slot, PulseBatch& batch) const;
 
   /// simulate() without tracing: the true ranges and, if the receiver sees waveforms, the echoes come from an
   /// earlier run, one per pixel and pulse; only the errors are redrawn. Throws FormatError where their
@@ -97,15 +106,19 @@ class Simulation {
   /// T_dem_lidar at the pulse, and as the lander believes it.
   [[nodiscard]] Transform<DemFrame, LidarFrame> true_lidar(std::int64_t pulse) const;
   [[nodiscard]] Transform<DemFrame, LidarFrame> believed_lidar(std::int64_t pulse) const;
+  /// The true minus the estimated position of the lander at the pulse, as the pulse table has them.
+  [[nodiscard]] Vector<DemFrame> position_error(std::int64_t pulse) const;
 
  private:
   [[nodiscard]] PulseInput pulse(std::int64_t k) const;
   [[nodiscard]] Pose believed_pose(double since_start_s) const;
+  [[nodiscard]] Pose aiming_pose(double since_start_s) const;
   [[nodiscard]] double stamped_time_s(const PulseTime& pulse) const;
 
   double pulse_rate_hz_;
   std::int64_t pulse_count_;
   AttitudeKnowledge attitude_knowledge_;
+  bool aims_from_estimate_;
   Pose first_nominal_pose_;
   std::unique_ptr<const Trajectory> trajectory_;
   std::unique_ptr<const NavigationError> navigation_error_;

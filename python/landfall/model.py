@@ -103,7 +103,7 @@ class Model:
             if any(not math.isfinite(value) for value in row.values()):
                 yield _Failed([number], "a value is not a finite number")
                 continue
-            fixed = tuple((key, value) for key, value in row.items() if not runs.is_redrawn(key) and key != SEED)
+            fixed = tuple((key, value) for key, value in row.items() if not runs.is_redrawn(key, self.base["scan"]) and key != SEED)
             groups.setdefault(fixed, []).append(number)
         for fixed, numbers in groups.items():
             configs = set_values(copy.deepcopy(self.base), dict(fixed))
@@ -114,7 +114,7 @@ class Model:
             parts = list(_parts(numbers, [rows[number].get(SEED, configs["scan"]["seed"]) for number in numbers]))
             scan = runs.Scan(self.runner, configs, len(parts))
             for part, seed in parts:
-                samples = [{key: value for key, value in rows[number].items() if runs.is_redrawn(key)} for number in part]
+                samples = [{key: value for key, value in rows[number].items() if runs.is_redrawn(key, self.base["scan"])} for number in part]
                 yield _Campaign(self, part, scan, samples, seed)
 
 

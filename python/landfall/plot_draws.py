@@ -41,8 +41,8 @@ class Draws:
             self.columns = files.read_columns(file["draws"])
             self.verdict = json.loads(files.text(file["verdict_json"][()])) if "verdict_json" in file else {}
             self.config = files.read_metrics(file, "provenance/config_json")
-        if self.grid is not None and self.layers["z_true_map"] is None:
-            raise DataError(f"{path}: needs the layer z_true_map")
+        if self.grid is not None and self.layers["in_region"] is None:
+            raise DataError(f"{path}: needs the layer in_region")
 
     def count(self):
         return self.columns["pass"].size
@@ -57,19 +57,27 @@ class Draws:
 # Maps
 
 
+def light_of(draws, size):
+    """The shading of the true ground in blocks of bins; 1 where the ground varies from draw to draw."""
+    truth = draws.layers["z_true_map"]
+    if truth is None:
+        return np.ones(reduction.shrink_mean(draws.layers["in_region"].astype(float), size).shape)
+    mean, step_m = reduction.shrink_mean(truth, size), size * draws.grid.resolution_m
+    return relief.light(mean, step_m, relief.factor(mean, step_m))
+
+
 def draw_chance(ax, draws, values, title, quantity):
     """A probability, the largest value of each block; where it is 0, the shaded ground. Elsewhere slopes may darken its colour only a
     little, so that it can be compared with the colour bar."""
-    grid, truth = draws.grid, draws.layers["z_true_map"]
+    grid = draws.grid
     maps.frame_map(ax, grid, title)
     size = maps.block_size(ax, values.shape)
-    shown, step_m = reduction.shrink_most(values, size), size * grid.resolution_m
+    shown = reduction.shrink_most(values, size)
     span = scales.extremes(shown)
     scale = scales.Scale("magnitude", 0.0, span[1] if span[1] > 0 else 1.0, scales.extremes(values), span, "", base="")
     image = colors.color_map("magnitude")(np.nan_to_num(shown) / scale.high)[..., :3]
     image[shown == 0] = tuple(int(GROUND[k:k + 2], 16) / 255 for k in (1, 3, 5))
-    mean = reduction.shrink_mean(truth, size)
-    light = relief.light(mean, step_m, relief.factor(mean, step_m))
+    light = light_of(draws, size)
     light = np.where(shown > 0, np.clip(light, 0.85, 1), light)
     image = np.clip(image * np.nan_to_num(light, nan=1)[..., None], 0, 1)
     image[np.isnan(shown)] = 200 / 255
@@ -121,11 +129,10 @@ def draw_prediction(ax, draws):
 
 def draw_chosen(ax, draws):
     """The best site of each draw over the shaded ground."""
-    grid, truth = draws.grid, draws.layers["z_true_map"]
+    grid = draws.grid
     maps.frame_map(ax, grid, "chosen place of each draw")
-    size = maps.block_size(ax, truth.shape)
-    step_m, mean = size * grid.resolution_m, reduction.shrink_mean(truth, size)
-    light = np.nan_to_num(relief.light(mean, step_m, relief.factor(mean, step_m)), nan=1)
+    size = maps.block_size(ax, draws.layers["in_region"].shape)
+    light = np.nan_to_num(light_of(draws, size), nan=1)
     maps.draw_image(ax, grid, np.repeat(np.clip(0.95 * light, 0, 1)[..., None], 3, axis=-1), size, gid="ground")
     x, y, safe = (draws.columns[f"site.{name}"] for name in ("x_m", "y_m", "true_safe"))
     for shown, color, marker, label in ((safe == 1, maps.BLUE, "o", "safe"), (safe == 0, maps.VERMILION, "X", "a hazard")):
@@ -199,7 +206,10 @@ def draw(draws):
                        reduction.shrink_mean, "mean")
             draw_prediction(axes[1, 2], draws)
         else:
-            draw_layer(axes[1, 1], draws, "e_map_std", "spread of the map's error", scales.magnitude_scale, reduction.shrink_most, "largest")
+            if layers["e_map_std"] is None:
+                maps.notice(axes[1, 1], "the ground varies: no spread of the map's error")
+            else:
+                draw_layer(axes[1, 1], draws, "e_map_std", "spread of the map's error", scales.magnitude_scale, reduction.shrink_most, "largest")
             draw_layer(axes[1, 2], draws, "e_z_mean", "mean of e_z", scales.error_scale, reduction.shrink_extreme, "largest")
         if draws.has_hazards():
             draw_chance(axes[2, 0], draws, layers["p_missed_hazard"], "missed hazard", share)

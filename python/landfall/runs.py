@@ -46,10 +46,10 @@ def resolved(stage, config):
     return json.loads(tools.run_tool(tools.find(TOOL_OF[stage]), "-c", "-", "--print-config", "-q", input=json.dumps(config)).stdout)
 
 
-def is_redrawn(key):
-    """Whether a key of a scan changes errors alone, so that monte-carlo redraws it over the traced rays."""
+def is_redrawn(key, scan):
+    """Whether a key of this scan changes errors alone, so that monte-carlo redraws it over the traced rays."""
     stage, *path = key.split(".")
-    return stage == "scan" and path != ["seed"] and bool(path) and scan_keys.effect_of(*path) == "estimate"
+    return stage == "scan" and path != ["seed"] and bool(path) and scan_keys.effect_of(*path, scan=scan) == "estimate"
 
 
 def needs_chain(scan):

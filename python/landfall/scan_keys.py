@@ -23,10 +23,18 @@ def _alternatives(node):
     return [found for option in owner["oneOf"] for found in _alternatives(option)] if "oneOf" in owner else [owner]
 
 
-def effect_of(*path):
-    """The effect of a key: ("noise", "range_bias_m"). Of one that several scanners have the first of EFFECTS; of an unknown one that
-    of the nearest known key above it."""
-    return "estimate" if path[0] in SHARED else _effect(scan_schema(), "beam", path)
+def effect_of(*path, scan=None):
+    """The effect of a key: ("noise", "range_bias_m"), in this configuration if one is given. Of one that several scanners have the first
+    of EFFECTS; of an unknown one that of the nearest known key above it."""
+    if path[0] in SHARED:
+        return "estimate"
+    return "beam" if scan and _moves_beams_in(scan_schema()["properties"].get(path[0], {}), scan) else _effect(scan_schema(), "beam", path)
+
+
+def _moves_beams_in(section, scan):
+    """Whether another key has a value with which the keys of this section move the beams."""
+    return any(functools.reduce(lambda part, key: part.get(key, {}), pointer.split("/")[1:], scan) == value
+               for pointer, value in section.get("beam_with", {}).items())
 
 
 def _effect(node, inherited, path):
@@ -35,31 +43,32 @@ def _effect(node, inherited, path):
     return min(found, key=EFFECTS.index, default=here)
 
 
-def part(scan, effects, path=()):
+def part(scan, effects, path=(), whole=None):
     """The keys of a configuration that have one of these effects."""
-    kept = {}
+    kept, whole = {}, whole or scan
     for key, value in scan.items():
         if isinstance(value, dict) and value:
-            inner = part(value, effects, (*path, key))
+            inner = part(value, effects, (*path, key), whole)
             if inner:
                 kept[key] = inner
-        elif effect_of(*path, key) in effects:
+        elif effect_of(*path, key, scan=whole) in effects:
             kept[key] = value
     return kept
 
 
 def is_beam_drawn(scan):
     """Whether the seed moves the true beams: a key that draws such an error is on."""
-    return _draws_beams(scan_schema(), scan, "beam")
+    return any(_draws_beams(node, scan[section], "beam", _moves_beams_in(node, scan))
+               for section, node in scan_schema()["properties"].items() if section in scan)
 
 
-def _draws_beams(node, value, inherited):
-    effect = node.get("effect", inherited)
-    if node.get("drawn") and effect == "beam" and value not in (0, [0, 0]):
+def _draws_beams(node, value, inherited, all_move=False):
+    effect = "beam" if all_move else node.get("effect", inherited)
+    if node.get("drawn") and effect == "beam" and value not in (0, [0, 0], [0, 0, 0]):
         return True
     if not isinstance(value, dict):
         return False
-    return any(_draws_beams(inner, value[key], effect) for option in _alternatives(node) if _is_chosen(option, value)
+    return any(_draws_beams(inner, value[key], effect, all_move) for option in _alternatives(node) if _is_chosen(option, value)
                for key, inner in option.get("properties", {}).items() if key in value)
 
 

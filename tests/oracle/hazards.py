@@ -55,17 +55,22 @@ def shifted(z, columns, rows):
     return result
 
 
-def yaws(lander, s):
+def pads_at(lander, s, yaw):
+    """The bins of the pads, relative to the lander's, in a yaw."""
     n, radius = lander["legs"], lander["leg_radius_m"] / s
     nearest = lambda v: int(np.sign(v) * np.floor(abs(v) + 0.5 + 1e-9))
-    count = int(np.ceil(2 * np.pi / n * radius - 1e-9))
-    for m in range(count):
-        angles = [m * (2 * np.pi / n) / count + 2 * np.pi * k / n for k in range(n)]
-        pads = [(nearest(radius * np.cos(a)), nearest(radius * np.sin(a))) for a in angles]
-        if n == 4:
-            x, y = pads[0]
-            pads = [(x, y), (-y, x), (-x, -y), (y, -x)]
-        yield pads
+    angles = [yaw + 2 * np.pi * k / n for k in range(n)]
+    pads = [(nearest(radius * np.cos(a)), nearest(radius * np.sin(a))) for a in angles]
+    if n == 3:
+        return pads
+    x, y = pads[0]
+    return [(x, y), (-y, x), (-x, -y), (y, -x)]
+
+
+def yaws(lander, s):
+    sector = 2 * np.pi / lander["legs"]
+    count = int(np.ceil(sector * lander["leg_radius_m"] / s - 1e-9))
+    return [pads_at(lander, s, m * sector / count) for m in range(count)]
 
 
 def plane_of(pads, heights, s):
@@ -106,8 +111,8 @@ def median_plane(body):
     return chosen
 
 
-def measures(z, config, s):
-    """Slope in degrees and roughness of every place; NaN where it is unknown."""
+def measures(z, config, s, turns=None):
+    """Slope in degrees and roughness of every place; NaN where it is unknown. `turns`: pads of the yaws to stand in, if not in all."""
     if config["method"] == "range_difference":
         return range_differences(z, config, s)
     lander = config["lander"]
@@ -129,7 +134,7 @@ def measures(z, config, s):
     else:
         under = np.stack([shifted(z, *offset) for offset in disc(lander["pad_diameter_m"] / 2, s)])
         pad = under.max(axis=0) if lander["pad_height"] == "max" else under.mean(axis=0)
-        for pads in yaws(lander, s):
+        for pads in turns or yaws(lander, s):
             heights = [shifted(pad, *offset) for offset in pads]
             if lander["legs"] == 3:
                 stand(plane_of(pads, heights, s), lambda v: v)

@@ -26,7 +26,19 @@ class Lidars(Mechanisms):
             config["detector"].pop("ifov_rad", None)
             config["detector"]["fov_deg"] = self.between(2, 4) if kind != "flash" else self.between(4, 6, 2)
         config.update(self.light(dealt, config))
+        self.depart(config)
         return config
+
+    def depart(self, config):
+        """In half of the scans the true path departs from the configured one; half of the compensated patterns aim from the estimate. From
+        numbers of its own, so that these keys change no other one."""
+        rng = np.random.default_rng([config["seed"], 1])
+        around = lambda most: [float(value) for value in rng.uniform(-most, most, 3)]
+        if rng.random() < 0.5:
+            config["trajectory_dispersion"] = {"position_m": around(0.2), "velocity_mps": around(1), "rpy_rad": around(5e-3), "rpy_rate_radps": around(0.02)}
+        pattern = config["scanner"].get("pattern", {})
+        if pattern.get("compensated", False) and rng.random() < 0.5:
+            pattern["aim"] = "estimate"
 
     def light(self, dealt, scan):
         """The sections beam, surface, link and receiver. Signals are near the threshold, so that some echoes are not detected."""

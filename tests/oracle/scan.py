@@ -27,7 +27,8 @@ class Scan:
         pointing = config["pointing_error"]
         stamp = pointing["time_stamp_bias_s"] + pointing["time_stamp_sigma_s"] * draws.normal(
             self.seed, draws.TIME_STAMP, self.k)
-        self.estimated_pose = navigation.Estimate(config, self.path).pose(self.t + stamp)
+        self.estimate = navigation.Estimate(config, self.path)
+        self.estimated_pose = self.estimate.pose(self.t + stamp)
         self.there, self.later = self.k, np.zeros(len(self.k))
         self.true_angles, self.estimated_angles, self.blanked = self.scanner.angles(self)
         error = pointing["mirror_time_bias_s"] + pointing["mirror_time_sigma_s"] * draws.normal(
@@ -61,8 +62,10 @@ class Scan:
         return here + (later * self.rate)[:, None] * np.where(later[:, None] < 0, from_last, to_next)
 
     def look_at(self, pattern, k, ground):
-        """Unit vectors in L to points in D, and distances, from the nominal pose of pulses k (uncompensated: of the first)."""
-        p, body = self.path.nominal(self.path.start + (k / self.rate if pattern["compensated"] else 0.0 * k))
+        """Unit vectors in L to points in D, and distances, from the nominal pose of pulses k (uncompensated: of the first), or from the
+        estimated pose."""
+        aims_from = self.estimate.pose if pattern["aim"] == "estimate" else self.path.nominal
+        p, body = aims_from(self.path.start + (k / self.rate if pattern["compensated"] else 0.0 * k))
         lidar = p + rotated(body, self.arm)
         away = ground - lidar
         return normalised(rotated(transposed(body @ self.mount), away)), np.linalg.norm(away, axis=-1)

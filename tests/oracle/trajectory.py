@@ -119,7 +119,25 @@ def duration(config):
     return config["laser"]["scan_time_s"] + max(0, pointing["time_stamp_bias_s"] + 9 * pointing["time_stamp_sigma_s"])
 
 
+class Dispersed:
+    """The true path: the configured one with a departure that is linear in the time since the first pulse."""
+
+    def __init__(self, config, path):
+        self.config, self.path, self.start = config, path, path.start
+        self.nominal, self.clamped = path.nominal, path.clamped
+
+    def pose(self, t):
+        p, body = self.path.pose(t)
+        since = self.clamped(np.asarray(t, float)) - self.start
+        departure = lambda offset, rate: np.array(self.config[offset]) + np.outer(since, self.config[rate])
+        return p + departure("position_m", "velocity_mps"), body @ roll_pitch_yaw(departure("rpy_rad", "rpy_rate_radps"))
+
+
 def of_config(config):
+    return Dispersed(config["trajectory_dispersion"], path_of(config))
+
+
+def path_of(config):
     trajectory = config["trajectory"]
     if trajectory["type"] == "table":
         return Table(trajectory["path"])

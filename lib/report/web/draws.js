@@ -196,13 +196,55 @@ function drawCommands(index) {
   const draw = `draw-${drawNumber(index)}`;
   const sets = (stage) => report.varied.filter(({name}) => name.startsWith(`${stage}.`))
       .map(({name, values}) => ` \\\n  --set ${name.slice(stage.length + 1)}=${values[index]}`).join("");
-  const commands = [`scan-sim -c scan.json --ranges-from scan.h5 --terrain terrain.h5 \\\n  --seed ${report.seeds[index]}${sets("scan")} \\\n  -o ${draw}-scan.h5`,
-          `regrid ${draw}-scan.h5 -c regrid.json --terrain terrain.h5${sets("regrid")} \\\n  -o ${draw}-dem.h5`,
-          `dem-eval ${draw}-dem.h5 -c eval.json${sets("eval")} \\\n  --metrics ${draw}-metrics.json -o ${draw}-eval.h5`];
+  const makesGround = report.stages.terrain !== undefined;
+  const ground = makesGround ? `${draw}-terrain.h5` : "terrain.h5";
+  const groundSeed = report.terrain_seeds === "each" ? ` --seed ${report.stages.terrain?.seed + drawNumber(index)}` : "";
+  const commands = makesGround ? [`terrain-gen -c terrain.json${groundSeed}${sets("terrain")} -o ${ground}`] : [];
+  commands.push(`scan-sim -c scan.json${report.traces ? "" : " --ranges-from scan.h5"} --terrain ${ground} \\\n  --seed ${report.seeds[index]}${sets("scan")} \\\n  -o ${draw}-scan.h5`,
+          `regrid ${draw}-scan.h5 -c regrid.json --terrain ${ground}${report.uncertainty ? " --uncertainty" : ""}${sets("regrid")} \\\n  -o ${draw}-dem.h5`,
+          `dem-eval ${draw}-dem.h5 -c eval.json${sets("eval")} \\\n  --metrics ${draw}-metrics.json -o ${draw}-eval.h5`);
   if (report.stages.hazard !== undefined) {
-    commands.push(`hazard-map ${draw}-dem.h5 -c hazard.json --terrain terrain.h5 \\\n  --sites ${draw}-sites.json --score ${draw}-score.json -o ${draw}-hazards.h5`);
+    commands.push(`hazard-map ${draw}-dem.h5 -c hazard.json --terrain ${ground}${sets("hazard")} \\\n  --sites ${draw}-sites.json --score ${draw}-score.json -o ${draw}-hazards.h5`);
   }
   return commands.join("\n");
+}
+
+// Landings
+
+const ARMS = [["landing", "with the lidar"], ["blind", "without a lidar"]];
+
+/** The touchdowns of one arm, north up; both arms have the same axes. */
+function touchdownChart([arm, title], reach) {
+  const {x_m, y_m, safe} = report.landings[arm];
+  const points = (isSafe) => x_m.map((x, i) => [x, y_m[i], safe[i] === 1]).filter(([, , each]) => each === isSafe).map(([x, y]) => [x, y, 3]);
+  const axis = (label) => ({low: -reach, high: reach, label});
+  const chart = new Chart(`touchdowns ${title}`, axis("x (m)"), axis("y (m)"));
+  chart.dots(points(true), LINE.blue, "safe").dots(points(false), LINE.vermilion, "not safe");
+  return chart.element;
+}
+
+function landingTable(failed) {
+  const {x_m, y_m, slope_deg, roughness_m} = report.landings.landing;
+  const number = (value) => value === null ? ["no ground"] : [shortNumber(value), value];
+  const columns = [["draw", true], ["x (m)", true], ["y (m)", true], ["slope (\u00b0)", true], ["roughness (m)", true], ["blind", false]];
+  const rows = failed.slice(0, MOST_FAILURES).map((i) => [[String(drawNumber(i)), drawNumber(i)], number(x_m[i]), number(y_m[i]), number(slope_deg[i]),
+    number(roughness_m[i]), [report.landings.blind.safe[i] === 1 ? "safe" : "not safe"]]);
+  return tableElement("failed-landings", columns, rows);
+}
+
+function fillLandings(section) {
+  if (report.landings === null) {
+    section.remove();
+    return;
+  }
+  const all = ARMS.flatMap(([arm]) => [...report.landings[arm].x_m, ...report.landings[arm].y_m]);
+  const reach = 1.05 * Math.max(1, ...all.map(Math.abs));
+  section.append(htmlElement("p", {class: "note"}, `Each draw lands at its best site, and without a lidar at the origin, judged on the true ground.${shownNote()}`),
+                 htmlElement("div", {class: "figures"}, ...ARMS.map((arm) => touchdownChart(arm, reach))));
+  const failed = report.landings.landing.safe.map((safe, i) => safe === 1 ? -1 : i).filter((i) => i >= 0);
+  section.append(htmlElement("h3", {}, "Landings that are not safe"), htmlElement("p", {}, failed.length === 0 ? "All landings with the lidar are safe." :
+      `${failed.length.toLocaleString("en")} landings with the lidar are not safe.${failed.length > MOST_FAILURES ? ` The table has the first ${MOST_FAILURES}.` : ""} The chain's commands of each draw are below.`));
+  if (failed.length > 0) section.append(htmlElement("div", {class: "tall"}, landingTable(failed)));
 }
 
 function fillFailures(section) {
@@ -223,7 +265,7 @@ function fillFailures(section) {
   input.addEventListener("input", show);
   show();
   section.append(htmlElement("h3", {}, "The same draw by the chain"),
-                 htmlElement("p", {class: "note"}, "scan.h5 and terrain.h5 are the inputs of this campaign; the metrics are the same, bit for bit."),
+                 htmlElement("p", {class: "note"}, report.traces ? "The metrics are the same, bit for bit." : "scan.h5 and terrain.h5 are the inputs of this campaign; the metrics are the same, bit for bit."),
                  htmlElement("details", {}, htmlElement("summary", {}, "once: the configurations of the tools"),
                              htmlElement("pre", {id: "configurations"}, configurationCommands())),
                  htmlElement("div", {class: "controls screen-only"}, htmlElement("label", {}, "draw", input)), commands);
@@ -256,5 +298,6 @@ async function fillMaps(section) {
 startPage(() => {
   fillDistributions(pageSection("distributions"));
   fillCauses(pageSection("causes"));
+  fillLandings(pageSection("landings"));
   fillFailures(pageSection("failures"));
 }, () => fillMaps(pageSection("maps")));

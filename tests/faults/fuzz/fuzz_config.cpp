@@ -126,7 +126,11 @@ void use_hazards(const JsonSource& source) {
       lander, std::max({lander.leg_radius_m, lander.body_radius_m, lander.pad_diameter_m}) / 20));
 }
 
-void use_draws(const JsonSource& source) { check_draws_config(resolve(source, "draws"), kName, nullptr); }
+void use_draws(const JsonSource& source) {
+  JsonSource expanded = source;
+  expand_sections(expanded);
+  check_draws_config(resolve(expanded, "draws"), kName, true, nullptr);
+}
 
 void use(std::uint8_t tool, const std::string& text, const Texts& texts) {
   if (!std::all_of(texts.begin(), texts.end(), is_utf8)) return;  // refused before anything is read

@@ -127,7 +127,7 @@ void merge_part(const Path& path) {
   DrawMaps& maps = *merged.draws.maps;
   maps.merge(DrawMaps(maps));
   for (std::size_t bin = 0; bin < maps.spec().size(); ++bin)
-    static_cast<void>(maps.e_z.std_m(bin) + maps.e_map.mean_m(bin));
+    static_cast<void>(maps.e_z.std_m(bin) + (maps.e_map ? maps.e_map->mean_m(bin) : 0));
 }
 
 void draw(const Path& path) { static_cast<void>(quick_look(path, "")); }

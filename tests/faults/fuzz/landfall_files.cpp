@@ -167,7 +167,7 @@ void make_draws(const fs::path& path) {
   draws.maps.emplace(spec);
   draws.maps->draws = 2;
   for (std::size_t bin = 0; bin < spec.size(); ++bin)
-    for (ErrorSums* const sums : {&draws.maps->e_z, &draws.maps->e_map})
+    for (ErrorSums* const sums : {&draws.maps->e_z, &*draws.maps->e_map})
       for (const double error_m : {0.01, -0.02}) sums->add(bin, error_m);
   draws.region.emplace(spec);
   draws.z_true_map.emplace(spec);

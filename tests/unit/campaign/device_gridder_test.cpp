@@ -45,11 +45,11 @@ class DeviceGridding : public ::testing::Test {
   /// Draws on both; fails unless the bytes of all layers are equal. Returns the returns in the bins.
   std::int64_t expect_same_bits(DrawGridder& device, const RangeErrorParameters& errors, Method method,
                                 TruthAt truth_at, std::uint64_t seed, const GridSpec& grid) {
-    DrawGridder cpu({ranges_}, ground_, grid);
+    DrawGridder cpu({ranges_}, grid);
     const Simulation simulation(device_scan(errors, seed, columns_), nullptr, &ground_);
-    const DrawnDem& expected = cpu.draw(simulation, method, truth_at);
+    const DrawnDem& expected = cpu.draw(simulation, method, truth_at, ground_);
     const std::uint64_t before = use_->draws();
-    const DrawnDem& found = device.draw(simulation, method, truth_at);
+    const DrawnDem& found = device.draw(simulation, method, truth_at, ground_);
     EXPECT_EQ(use_->draws(), before + 1);
     EXPECT_FALSE(use_->failure());
     EXPECT_EQ(different(found.layers.z_est.values(), expected.layers.z_est.values()), 0);
@@ -91,7 +91,7 @@ const std::vector<RangeErrorParameters>& error_models() {
 }
 
 TEST_F(DeviceGridding, EveryErrorAndMethod) {
-  DrawGridder device({ranges_}, ground_, grid_, options());
+  DrawGridder device({ranges_}, grid_, options());
   std::uint64_t seed = 10;
   for (const Method method : {Method::bilinear_nearest, Method::mean, Method::bilinear4})
     for (const RangeErrorParameters& errors : error_models()) {
@@ -104,7 +104,7 @@ TEST_F(DeviceGridding, EveryErrorAndMethod) {
 TEST_F(DeviceGridding, CoarseAndDistantBins) {
   for (const GridSpec& grid :
        {GridSpec{4, -2, -2, 5, 5}, GridSpec{20, 0, 0, 1, 1}, GridSpec{0.3, 3, -11, 7, 9}}) {
-    DrawGridder device({ranges_}, ground_, grid, options());
+    DrawGridder device({ranges_}, grid, options());
     for (const Method method : {Method::bilinear_nearest, Method::bilinear4})
       EXPECT_GT(expect_same_bits(device, error_models().back(), method, TruthAt::bin_center, 3, grid), 100);
   }
@@ -113,7 +113,7 @@ TEST_F(DeviceGridding, CoarseAndDistantBins) {
 // 2.4 million beams: three chunks, the last one shorter.
 TEST_F(DeviceGridding, SeveralChunks) {
   trace(20);
-  DrawGridder device({ranges_}, ground_, grid_, options());
+  DrawGridder device({ranges_}, grid_, options());
   for (const Method method : {Method::bilinear_nearest, Method::bilinear4})
     EXPECT_GT(expect_same_bits(device, error_models().back(), method, TruthAt::bin_center, 3, grid_),
               1000000);
@@ -122,24 +122,24 @@ TEST_F(DeviceGridding, SeveralChunks) {
 // The last bits of a normal deviate are lost in a range of 500 m, but not here.
 TEST_F(DeviceGridding, EveryBitOfTheNoise) {
   const GridSpec grid{50, -200, -200, 401, 401};
-  DrawGridder device({ranges_}, ground_, grid, options());
+  DrawGridder device({ranges_}, grid, options());
   for (std::uint64_t seed = 1; seed < 6; ++seed)
     EXPECT_GT(expect_same_bits(device, {.range_sigma_m = 1e6}, Method::mean, TruthAt::centroid, seed, grid),
               100000);
 }
 
 TEST_F(DeviceGridding, NothingReturns) {
-  DrawGridder device({ranges_}, ground_, grid_, options());
+  DrawGridder device({ranges_}, grid_, options());
   EXPECT_EQ(expect_same_bits(device, {.dropout_frac = 1}, Method::bilinear4, TruthAt::bin_center, 3, grid_),
             0);
   EXPECT_EQ(expect_same_bits(device, {.dead_pixel_frac = 1}, Method::mean, TruthAt::bin_center, 3, grid_), 0);
 }
 
 TEST_F(DeviceGridding, RefusesWhatADeviceCannotDo) {
-  DrawGridder device({ranges_}, ground_, grid_, options());
+  DrawGridder device({ranges_}, grid_, options());
   const Simulation simulation(device_scan({}, 1), nullptr, &ground_);
   EXPECT_THAT(
-      [&] { static_cast<void>(device.draw(simulation, Method::median, TruthAt::bin_center)); },
+      [&] { static_cast<void>(device.draw(simulation, Method::median, TruthAt::bin_center, ground_)); },
       testing::ThrowsMessage<UsageError>(HasSubstr("/regrid/method: a device bins by bilinear_nearest, "
                                                    "bilinear4 or mean; opencl-or-cpu uses the CPU")));
   ScanModel timed = device_scan({}, 1);
@@ -149,14 +149,13 @@ TEST_F(DeviceGridding, RefusesWhatADeviceCannotDo) {
 }
 
 TEST_F(DeviceGridding, FallsBackForADraw) {
-  DrawGridder device({ranges_}, ground_, grid_,
-                     OpenClOptions{.on_failure = DeviceFailure::falls_back, .use = use_});
+  DrawGridder device({ranges_}, grid_, OpenClOptions{.on_failure = DeviceFailure::falls_back, .use = use_});
   const Simulation simulation(device_scan({}, 1), nullptr, &ground_);
-  const DrawnDem& median = device.draw(simulation, Method::median, TruthAt::bin_center);
+  const DrawnDem& median = device.draw(simulation, Method::median, TruthAt::bin_center, ground_);
   EXPECT_GT(median.count.at({140, 100}), 0);
   EXPECT_EQ(use_->draws(), 0U);
   EXPECT_EQ(use_->failure(), "/regrid/method: a device bins by bilinear_nearest, bilinear4 or mean");
-  static_cast<void>(device.draw(simulation, Method::mean, TruthAt::bin_center));
+  static_cast<void>(device.draw(simulation, Method::mean, TruthAt::bin_center, ground_));
   EXPECT_EQ(use_->draws(), 1U);
 }
 

@@ -62,8 +62,8 @@ class DeviceJudging : public ::testing::Test {
 
   void start(bool with_maps) {
     const BinMask region = circular_region(kGrid, 4);
-    cpu_ = std::make_unique<DrawRunner>(CampaignScene{{ranges_}, ground_, kGrid, region}, with_maps);
-    device_ = std::make_unique<DrawRunner>(CampaignScene{{ranges_}, ground_, kGrid, region}, with_maps,
+    cpu_ = std::make_unique<DrawRunner>(CampaignScene{{ranges_}, &ground_, kGrid, region}, with_maps);
+    device_ = std::make_unique<DrawRunner>(CampaignScene{{ranges_}, &ground_, kGrid, region}, with_maps,
                                            OpenClOptions{.use = use_});
     expected_ = with_maps ? std::optional(DrawMaps(kGrid)) : std::nullopt;
     found_ = expected_;
@@ -72,8 +72,9 @@ class DeviceJudging : public ::testing::Test {
   /// Runs a draw on both. Returns whether the device judged it, and keeps it for the maps.
   bool expect_same_metrics(const Draw& draw) {
     const DrawResult expected =
-        cpu_->run(draw.setup(), MetricsKind::verdict, expected_ ? &*expected_ : nullptr);
-    const DrawResult found = device_->run(draw.setup(), MetricsKind::verdict, found_ ? &*found_ : nullptr);
+        cpu_->run(draw.setup(), {ground_}, MetricsKind::verdict, expected_ ? &*expected_ : nullptr);
+    const DrawResult found =
+        device_->run(draw.setup(), {ground_}, MetricsKind::verdict, found_ ? &*found_ : nullptr);
     const auto& a = std::get<DecisiveMetrics>(expected.metrics);
     const auto& b = std::get<DecisiveMetrics>(found.metrics);
     EXPECT_EQ(b.pass, a.pass);
@@ -98,12 +99,11 @@ class DeviceJudging : public ::testing::Test {
                              &DrawMaps::fail_rel_z, &DrawMaps::fail_absolute})
       EXPECT_TRUE(std::ranges::equal(((*found_).*layer).values(), ((*expected_).*layer).values()));
     EXPECT_TRUE(std::ranges::equal(found_->count.values(), expected_->count.values()));
-    for (const auto sums : {&DrawMaps::e_z, &DrawMaps::e_map}) {
-      const ErrorSums& a = (*expected_).*sums;
-      const ErrorSums& b = (*found_).*sums;
-      EXPECT_TRUE(std::ranges::equal(b.count.values(), a.count.values()));
-      EXPECT_TRUE(std::ranges::equal(b.sum.values(), a.sum.values()));
-      EXPECT_TRUE(std::ranges::equal(b.squares.values(), a.squares.values()));
+    for (const auto& [a, b] :
+         {std::pair{&expected_->e_z, &found_->e_z}, std::pair{&*expected_->e_map, &*found_->e_map}}) {
+      EXPECT_TRUE(std::ranges::equal(b->count.values(), a->count.values()));
+      EXPECT_TRUE(std::ranges::equal(b->sum.values(), a->sum.values()));
+      EXPECT_TRUE(std::ranges::equal(b->squares.values(), a->squares.values()));
     }
   }
 
@@ -149,9 +149,9 @@ TEST_F(DeviceJudging, NothingReturns) {
 // Rounding of hypot() would decide.
 TEST_F(DeviceJudging, AnErrorAtItsLimitIsForTheCpu) {
   Draw draw{.evaluation = rule({}, kGrid.resolution_m)};
-  DrawGridder gridder({ranges_}, ground_, kGrid);
+  DrawGridder gridder({ranges_}, kGrid);
   const Simulation simulation(device_scan({}, 1), nullptr, &ground_);
-  const DrawnDem& dem = gridder.draw(simulation, draw.method, draw.truth_at);
+  const DrawnDem& dem = gridder.draw(simulation, draw.method, draw.truth_at, ground_);
   const BinIndex bin{60, 60};
   ASSERT_GT(dem.count.at(bin), 0);
   const double error_m =

@@ -95,7 +95,7 @@ class DrawGridding : public ::testing::Test {
 };
 
 TEST_F(DrawGridding, EachDrawIsSimulationAndGridding) {
-  DrawGridder gridder({ranges_}, ground_, grid_);
+  DrawGridder gridder({ranges_}, grid_);
   using enum Method;
   std::uint64_t seed = 5;
   for (const auto& [method, truth_at] :
@@ -104,7 +104,7 @@ TEST_F(DrawGridding, EachDrawIsSimulationAndGridding) {
         std::pair{median, TruthAt::centroid}, std::pair{median, TruthAt::bin_center},
         std::pair{bilinear_nearest, TruthAt::bin_center}}) {
     const Simulation simulation(scan(++seed), nullptr, &ground_);
-    DrawnDem& dem = gridder.draw(simulation, method, truth_at);
+    DrawnDem& dem = gridder.draw(simulation, method, truth_at, ground_);
     expect_equal(dem, simulation, method, truth_at);
     if (method == median) dem.layers = {};  // as evaluate() takes them
   }
@@ -119,8 +119,9 @@ class SigmaPrediction : public DrawGridding {
 
 TEST_F(SigmaPrediction, IsTheUncertaintyOfTheReturns) {
   const UncertaintyParameters parameters{.range_sigma_m = 0.1};
-  const CampaignScene scene{{ranges_}, ground_, grid_, BinMask(grid_, 1)};
-  const Grid<float> predicted = predicted_sigma(scene, scan(3, kColumns), parameters);
+  const CampaignScene scene{{ranges_}, &ground_, grid_, BinMask(grid_, 1)};
+  const Grid<float> predicted =
+      predicted_sigma(scene, Simulation(scan(3, kColumns), nullptr, &ground_), parameters).z_abs;
   const Simulation simulation(scan(3, kColumns), nullptr, &ground_);
   const PulseBatch batch = returns_of(simulation);
   std::vector<double> times;

@@ -141,7 +141,7 @@ DrawMaps some_maps(int first, int end) {
   const Grid<double> map = grid_of<double>({10, 20, kNan, 40});
   for (int draw = first; draw < end; ++draw) {
     const double z = draw;
-    maps.add_dem(dem_of({z, kNan, z, draw == 1 ? kNan : 5}, {1, 2, 3, kNan}, {draw + 1, 0, 2, 3}), map);
+    maps.add_dem(dem_of({z, kNan, z, draw == 1 ? kNan : 5}, {1, 2, 3, kNan}, {draw + 1, 0, 2, 3}), &map);
     const auto flags = [&](int value) { return static_cast<std::int8_t>(value); };
     maps.add_verdicts(grid_of<std::int8_t>({flags(fail_relative_x), flags(fail_relative_y),
                                             flags(draw == 2 ? fail_relative_z | fail_absolute_horizontal : 0),
@@ -161,10 +161,10 @@ TEST(DrawMaps, CountsDrawsAndErrors) {
   EXPECT_EQ(values_of(maps.fail_rel_y), (std::vector<std::int32_t>{0, 3, 0, 1}));
   EXPECT_EQ(values_of(maps.fail_rel_z), (std::vector<std::int32_t>{0, 0, 1, 1}));
   EXPECT_EQ(values_of(maps.fail_absolute), (std::vector<std::int32_t>{0, 0, 1, 1}));
-  expect_same(mean_of(maps.e_z), {0, kNan, 2, kNan});     // truth - z
-  expect_same(mean_of(maps.e_map), {9, kNan, kNan, 35});  // H - z
+  expect_same(mean_of(maps.e_z), {0, kNan, 2, kNan});      // truth - z
+  expect_same(mean_of(*maps.e_map), {9, kNan, kNan, 35});  // H - z
   EXPECT_EQ(values_of(maps.e_z.count), (std::vector<std::int32_t>{3, 0, 3, 0}));
-  EXPECT_EQ(values_of(maps.e_map.count), (std::vector<std::int32_t>{3, 0, 0, 2}));
+  EXPECT_EQ(values_of(maps.e_map->count), (std::vector<std::int32_t>{3, 0, 0, 2}));
   expect_same(mean_count(maps), {2, 0, 2, 3});
   expect_same(share_of_draws(maps, maps.invalid, nullptr), {0, 1, 0, 1.0 / 3});
   const BinMask region = grid_of<std::int8_t>({1, 0, 1, 1});
@@ -181,7 +181,7 @@ TEST(DrawMaps, DoNotDependOnTheParts) {
     EXPECT_EQ(values_of(merged.*member), values_of(all.*member));
   EXPECT_EQ(values_of(merged.count), values_of(all.count));
   EXPECT_EQ(values_of(merged.e_z.sum), values_of(all.e_z.sum));
-  EXPECT_EQ(values_of(merged.e_map.squares), values_of(all.e_map.squares));
+  EXPECT_EQ(values_of(merged.e_map->squares), values_of(all.e_map->squares));
   EXPECT_EQ(values_of(merged.safety->missed), (std::vector<std::int32_t>{3, 3, 3, 3}));
 }
 

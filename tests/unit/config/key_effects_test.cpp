@@ -20,7 +20,8 @@ using testing::IsEmpty;
 TEST(KeyEffects, FollowTheSchema) {
   for (const char* const key :
        {"/detector/rows", "/laser/pulse_rate_hz", "/scanner/pattern/half_width_m", "/mount/rpy_deg/2",
-        "/trajectory/position_m", "/pointing_error/jitter_sigma_rad", "/pointing_error/mirror_time_bias_s"})
+        "/trajectory/position_m", "/trajectory_dispersion/rpy_rad", "/scanner/pattern/aim",
+        "/pointing_error/jitter_sigma_rad", "/pointing_error/mirror_time_bias_s"})
     EXPECT_EQ(effect_of(key), KeyEffect::beam) << key;
   for (const char* const key : {"/beam/divergence_rad", "/surface/albedo", "/link/background_pe",
                                 "/receiver/type", "/receiver/threshold_pe", "/receiver/returns"})
@@ -55,6 +56,20 @@ TEST(KeyEffects, KnowWhichKeysMoveTheBeamsByTheSeed) {
               ElementsAre("/scanner/encoder_sigma_rad"));
   EXPECT_THAT(drawn_beams({{"scanner", {{"type", "polygon"}, {"facet_tilt_sigma_rad", 1e-5}}}}),
               ElementsAre("/scanner/facet_tilt_sigma_rad"));
+}
+
+TEST(KeyEffects, NavigationErrorsMoveTheBeamsOfAPatternThatAimsFromTheEstimate) {
+  const Json errors = {{"gauss_markov", {{"position_sigma_m", {0, 0.1, 0}}}}};
+  const auto scan = [&](const char* aim) -> Json {
+    return {{"scanner", {{"type", "fsm"}, {"pattern", {{"type", "line_search"}, {"aim", aim}}}}},
+            {"navigation_error", errors}};
+  };
+  EXPECT_EQ(effect_of("/navigation_error/velocity_mps/0", scan("nominal")), KeyEffect::estimate);
+  EXPECT_EQ(effect_of("/navigation_error/velocity_mps/0", scan("estimate")), KeyEffect::beam);
+  EXPECT_EQ(effect_of("/noise/range_sigma_m", scan("estimate")), KeyEffect::estimate);
+  EXPECT_EQ(effect_of("/seed", scan("estimate")), std::nullopt);
+  EXPECT_THAT(drawn_beams(scan("nominal")), IsEmpty());
+  EXPECT_THAT(drawn_beams(scan("estimate")), ElementsAre("/navigation_error/gauss_markov/position_sigma_m"));
 }
 
 TEST(KeyEffects, ReadConfigurationsOfAnyStructure) {

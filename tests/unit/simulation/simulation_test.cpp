@@ -18,6 +18,7 @@
 #include "scanner/line_search.h"
 #include "terrain/relief/triangulated_grid.h"
 #include "trajectory/constant_velocity.h"
+#include "trajectory/dispersed_trajectory.h"
 #include "trajectory/table_trajectory.h"
 
 namespace landfall {
@@ -58,6 +59,37 @@ TEST(Simulation, ReferenceRasterMeetsItsAims) {
   EXPECT_EQ(last.points.pulse[0], 39999);
   EXPECT_EQ(last.pulses.t[0], 39999 / 20000.0);
   EXPECT_NEAR(last.pulses.pz_true[0], 500 - 23 * 1.99995, 1e-12);
+}
+
+// The lander believes to be 2 m west of its place: it aims 2 m too far east, and measures the aimed point.
+TEST(Simulation, AimFromTheEstimateMovesTheBeams) {
+  const PlaneEngine engine;
+  const auto scan = [&](bool aims_from_estimate) {
+    ScanModel model = fsm_scan(1);
+    model.navigation_error =
+        std::make_unique<LinearNavigationError>(NavigationErrorParameters{.position_m = {{2, 0, 0}}});
+    model.aims_from_estimate = aims_from_estimate;
+    return Simulation(std::move(model), &engine).simulate({0, 1});
+  };
+  EXPECT_NEAR(scan(false).points.x_true[0], -50, 1e-11);
+  EXPECT_NEAR(scan(false).points.x_est[0], -52, 1e-11);
+  EXPECT_NEAR(scan(true).points.x_true[0], -48, 1e-11);
+  EXPECT_NEAR(scan(true).points.x_est[0], -50, 1e-11);
+}
+
+// The pattern compensates for the planned path only.
+TEST(Simulation, DispersionMovesTheBeamsAndTheEstimateFollows) {
+  const PlaneEngine engine;
+  ScanModel model = fsm_scan(1);
+  model.trajectory = std::make_unique<DispersedTrajectory>(
+      std::make_unique<ConstantVelocity>(ConstantVelocityParameters{}),
+      DispersionParameters{.position_m = {{3, 0, 0}}, .velocity_mps = {{0, 1, 0}}});
+  const Simulation simulation(std::move(model), &engine);
+  EXPECT_LT((true_point(simulation, 0) - Vector3d(-47, 50, 0)).norm(), 1e-11);
+  EXPECT_LT((true_point(simulation, 39999) - Vector3d(53, -50 + 1.99995, 0)).norm(), 1e-11);
+  const PulseBatch last = simulation.simulate({39999, 1});
+  EXPECT_EQ(last.pulses.py_est[0], 1.99995);
+  EXPECT_EQ(last.points.x_est[0], last.points.x_true[0]);
 }
 
 // A compensated pattern meets the ground where it shall from any place and attitude, lever arm included.

@@ -1,0 +1,20 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include "raster/grid_spec.h"
+#include "raster/region.h"
+#include "simulation/pulse_simulator.h"
+#include "terrain/surface.h"
+
+namespace landfall {
+
+/// What the draws of a campaign share.
+struct CampaignScene {
+  TrueRanges truth;  ///< one range per pixel and pulse, and its echo if the receiver sees waveforms; empty
+                     ///< for draws that trace
+  const TerrainSurface* ground;  ///< the true ground of all draws; null where it varies
+  GridSpec grid;
+  BinMask region;  ///< judged_region(), which no draw changes
+};
+
+}  // namespace landfall

@@ -1,0 +1,127 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Draws the landings of a draws.h5 that monte-carlo made with landing: the touchdowns with the lidar and without, safe and not, the
+distance that the lander diverted, and slope and roughness on the true ground against their limits.
+"""
+import os
+
+import numpy as np
+
+from landfall import command, maps, plots
+from landfall.errors import DataError
+from landfall.plot_draws import Draws, light_of
+
+ARMS = {"landing": "with the lidar", "blind": "without a lidar"}
+
+
+def parse(arguments):
+    parser = command.Parser(prog="plot_landing.py", description=__doc__)
+    parser.add_argument("draws", metavar="DRAWS.h5")
+    parser.add_argument("-o", "--output", metavar="PNG", help="output file (default: DRAWS-landing.png beside the input)")
+    plots.add_output_options(parser)
+    options = parser.parse_args(arguments)
+    options.output = options.output or os.path.splitext(options.draws)[0] + "-landing.png"
+    plots.require_png(options.output)
+    return options
+
+
+def require_landings(draws):
+    if "landing.safe" not in draws.columns:
+        raise DataError(f"{draws.name}: has no landings; make it with the section landing")
+
+
+def arm_of(draws, arm):
+    """x, y, slope, roughness and whether each landing is safe."""
+    values = [draws.columns[f"{arm}.{name}"] for name in ("x_m", "y_m", "slope_deg", "roughness_m", "safe")]
+    return (*values[:4], values[4] == 1)
+
+
+def frame(ax, draws):
+    """Axes of the site; its half width is that of all touchdowns, and at least that of the map."""
+    reach = [np.nanmax(np.abs(draws.columns[f"{arm}.{axis}"])) for arm in ARMS for axis in ("x_m", "y_m")]
+    half = max(reach + ([abs(draws.grid.x[0]), abs(draws.grid.y[0])] if draws.grid is not None else [])) * 1.05
+    ax.set(xlim=(-half, half), ylim=(-half, half), xlabel="x (m)", ylabel="y (m)")
+    ax.set_aspect("equal")
+
+
+def draw_touchdowns(ax, draws, arm):
+    if draws.grid is not None:
+        size = maps.block_size(ax, draws.layers["in_region"].shape)
+        light = np.nan_to_num(light_of(draws, size), nan=1)
+        maps.draw_image(ax, draws.grid, np.repeat(np.clip(0.95 * light, 0, 1)[..., None], 3, axis=-1), size, gid="ground")
+    x, y, slope, _, safe = arm_of(draws, arm)
+    over_ground = ~np.isnan(slope)
+    for shown, color, marker, label in ((safe, maps.BLUE, "o", "safe"), (~safe & over_ground, maps.VERMILION, "X", "not safe"),
+                                        (~over_ground, "black", "1", "over no ground")):
+        if shown.any():
+            ax.scatter(x[shown], y[shown], s=28, color=color, marker=marker, alpha=0.6, linewidths=0 if marker != "1" else 1,
+                       label=f"{label}: {np.count_nonzero(shown)}", gid=f"{arm}-{label.replace(' ', '-')}")
+    ax.set_title(f"touchdowns {ARMS[arm]}")
+    frame(ax, draws)
+    radius_m = draws.config.get("hazard/sites/divert_radius_m")
+    if radius_m is not None and arm == "landing":
+        ax.add_patch(maps.plt.Circle((0, 0), radius_m, fill=False, color="black", linestyle=":", label=f"divert radius {radius_m:g} m"))
+    ax.legend(loc="upper right", fontsize=maps.NOTE_PT)
+    rate = draws.verdict["landing"]["safe" if arm == "landing" else "blind"]
+    text = f"{rate['passed']} of {rate['draws']} safe"
+    if "note" not in draws.verdict["landing"]:
+        text += f": {rate['wilson_low']:.3f} to {rate['wilson_high']:.3f} (Wilson, 95 %)"
+    maps.note(ax, text)
+
+
+def draw_diverts(ax, draws):
+    distance = np.hypot(draws.columns["site.x_m"], draws.columns["site.y_m"])
+    known = ~np.isnan(distance)
+    ax.set(title="divert to the best site", xlabel="distance from the origin (m)", ylabel="draws")
+    if known.any():
+        ax.hist(distance[known], 30, color=maps.BLUE, gid="diverts")
+        ax.yaxis.get_major_locator().set_params(integer=True)
+    maps.note(ax, f"{np.count_nonzero(known)} of {draws.count()} draws have a site")
+
+
+def draw_margin(ax, draws, column, key, unit):
+    """The distribution of what decides a landing, for both arms, and its limit."""
+    limit = draws.config.get(f"hazard/limits/{key}")
+    for (arm, label), color in zip(ARMS.items(), (maps.BLUE, maps.VERMILION)):
+        values = draws.columns[f"{arm}.{column}"]
+        values = np.sort(values[~np.isnan(values)])
+        if values.size:
+            ax.step(values, np.arange(1, values.size + 1) / values.size, where="post", color=color, label=label, gid=arm)
+    if limit is not None:
+        ax.axvline(limit, color="black", linestyle="--", label=f"limit: at most {limit:g}", gid="limit")
+    ax.set(title=column.split("_", maxsplit=1)[0] + " on the true ground", xlabel=unit, ylabel="share of landings at most this", ylim=(0, 1.02))
+    ax.legend(fontsize=maps.NOTE_PT, loc="lower right")
+
+
+def draw_pairs(ax, draws):
+    """The paired table in words."""
+    landing = draws.verdict["landing"]
+    ax.set_axis_off()
+    difference = landing["difference"]
+    lines = [f"safe with and without a lidar: {landing['both']}", f"only with the lidar: {landing['only_lidar']}",
+             f"only without: {landing['only_blind']}", f"neither: {landing['neither']}", "",
+             f"P(safe, lidar) - P(safe, blind) = {difference['value']:+.3f}"]
+    lines += [landing["note"]] if "note" in landing else [f"{difference['low']:+.3f} to {difference['high']:+.3f} (Newcombe, 95 %)",
+                                                          f"McNemar's exact p = {landing['mcnemar_p']:.2g}"]
+    ax.text(0.05, 0.95, "\n".join(lines), va="top", fontsize=13, linespacing=1.6, gid="pairs")
+
+
+def draw(draws):
+    landing = draws.verdict["landing"]
+    title = f"{draws.name}: {plots.counted(draws.count(), 'landing')}, safe with the lidar {landing['safe']['passed']}, without {landing['blind']['passed']}"
+    figure, axes = maps.new_figure((2, 3), (19, 11), title)
+    for ax, arm in zip(axes[0], ARMS):
+        draw_touchdowns(ax, draws, arm)
+    draw_pairs(axes[0, 2], draws)
+    draw_diverts(axes[1, 0], draws)
+    draw_margin(axes[1, 1], draws, "slope_deg", "slope_deg", "slope (degrees)")
+    draw_margin(axes[1, 2], draws, "roughness_m", "roughness_m", "roughness (m)")
+    return figure
+
+
+def main(arguments):
+    options = parse(arguments)
+    maps.use_dpi(options.dpi)
+    command.check_outputs([options.output], options.overwrite)
+    draws = Draws(options.draws)
+    require_landings(draws)
+    plots.save({options.output: draw(draws)}, options.dpi)

@@ -1,0 +1,85 @@
+#!/usr/bin/python3
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Tests of plot_landing.py, and of plot_draws.py, on draws that trace and land."""
+import json
+import os
+import sys
+import unittest
+
+import numpy as np
+
+import harness
+
+sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", "python"))
+sys.dont_write_bytecode = True
+
+from landfall import plot_draws, plot_landing
+from landfall.errors import DataError
+import matplotlib.pyplot as plt
+
+TERRAIN = {**harness.TERRAIN, "base": {"type": "plane", "elevation_m": 0}}
+CAMPAIGN = {"draws": 12, "metrics": "verdict", "scan": harness.SCAN, "regrid": harness.REGRID, "eval": harness.EVAL, "terrain": TERRAIN,
+            "hazard": {**harness.HAZARD, "touchdown_sigma_m": 0.8}, "landing": {},
+            "vary": {"terrain.features.0.x_m": {"type": "uniform", "low": -3, "high": 3}, "scan.navigation_error.position_m.1": {"type": "normal", "sigma": 4}}}
+
+
+class LandingTest(harness.ToolTest):
+    @classmethod
+    def setUpClass(cls):
+        super().setUpClass()
+        cls.addClassCleanup(plt.close, "all")
+
+    def draws(self, name="draws.h5", **changes):
+        self.succeed("monte-carlo", "-c", self.config({**CAMPAIGN, **changes}), "-O", "-o", self.path(name))
+        return self.path(name)
+
+    @staticmethod
+    def points(ax, gid):
+        found = [item for item in ax.collections if item.get_gid() == gid]
+        return len(found[0].get_offsets()) if found else 0
+
+    def test_touchdowns_and_margins(self):
+        """Every landing is a mark of its kind; the curves of the margins end at 1."""
+        draws = plot_landing.Draws(self.draws())
+        axes = plot_landing.draw(draws).axes
+        for ax, arm in zip(axes, plot_landing.ARMS):
+            safe, ground = draws.columns[f"{arm}.safe"] == 1, ~np.isnan(draws.columns[f"{arm}.slope_deg"])
+            self.assertTrue((~ground).any() and ground.any(), arm)
+            for gid, expected in (("safe", safe), ("not-safe", ~safe & ground), ("over-no-ground", ~ground)):
+                self.assertEqual(self.points(ax, f"{arm}-{gid}"), np.count_nonzero(expected), gid)
+        curves = {line.get_gid(): line for ax in axes for line in ax.lines if line.get_gid() in plot_landing.ARMS}
+        self.assertEqual(set(curves), set(plot_landing.ARMS))
+        for line in curves.values():
+            self.assertEqual(line.get_ydata()[-1], 1)
+        landing = draws.verdict["landing"]
+        text = next(item for ax in axes for item in ax.texts if item.get_gid() == "pairs").get_text()
+        self.assertIn(f"only with the lidar: {landing['only_lidar']}", text)
+
+    def test_files(self):
+        """With and without maps; the figure of the campaign too, although its ground varies."""
+        for layers in (True, False):
+            path = self.draws(layers=layers)
+            for module, name in ((plot_landing, "landing"), (plot_draws, "draws")):
+                output = self.path(f"{name}-{layers}.png")
+                module.main([path, "-o", output])
+                self.assertGreater(os.path.getsize(output), 10000)
+
+    def test_without_landings(self):
+        path = self.draws(landing=None)
+        with self.assertRaisesRegex(DataError, "landing"):
+            plot_landing.main([path, "-o", self.path("x.png")])
+        self.assertFalse(os.path.exists(self.path("x.png")))
+
+    def test_report(self):
+        """The page has both rates, and its data the touchdowns and the commands of the chain."""
+        self.succeed("monte-carlo", "-c", self.config(CAMPAIGN), "-o", self.path("draws.h5"), "--report", self.path("report.html"), "--verdict", self.path("v.json"))
+        page = harness.read_bytes(self.path("report.html")).decode()
+        verdict = json.loads(harness.read_bytes(self.path("v.json")))["landing"]
+        for requirement, rate in (("landing_safe", verdict["safe"]), ("blind_safe", verdict["blind"])):
+            row = page.split(f'data-requirement="{requirement}"')[1].split("</tr>")[0]
+            self.assertIn(f"{rate['passed']} of {rate['draws']}", row)
+        self.assertIn('"traces":true', page.replace(" ", ""))
+
+
+if __name__ == "__main__":
+    unittest.main()
