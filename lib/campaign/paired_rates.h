@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <cstdint>
+
+#include "campaign/pass_rate.h"
+
+namespace landfall {
+
+/// How many of n pairs passed on both sides, on one side only and on neither; a pair is the same draw of two
+/// campaigns, or of two arms of one. No count is negative.
+struct PairedCounts {
+  std::int64_t both = 0;
+  std::int64_t only_a = 0;
+  std::int64_t only_b = 0;
+  std::int64_t neither = 0;
+
+  [[nodiscard]] std::int64_t pairs() const { return both + only_a + only_b + neither; }
+  [[nodiscard]] PassRate rate_a() const { return {both + only_a, pairs()}; }
+  [[nodiscard]] PassRate rate_b() const { return {both + only_b, pairs()}; }
+  friend bool operator==(const PairedCounts&, const PairedCounts&) = default;
+};
+
+/// McNemar's exact two-sided test of equal pass probabilities: twice the probability that at most
+/// min(only_a, only_b) of only_a + only_b fair coins show heads, at most 1; 1 without a discordant pair.
+[[nodiscard]] double mcnemar_p(const PairedCounts& counts);
+
+/// A difference of two probabilities with its interval.
+struct ProbabilityDifference {
+  double value = 0;
+  double low = -1;
+  double high = 1;
+};
+
+/// P(A passes) - P(B passes) with the interval of Newcombe's method 10 for paired proportions (Statistics in
+/// Medicine 17, 1998, 2635-2650): the Wilson limits of both rates, combined with the correlation of the
+/// pairs, phi = (ad - bc) / sqrt of the product of the four margins, in which ad - bc > 0 is reduced by n/2
+/// but not below 0. phi is 0 where a margin is 0. Without a pair: 0 in [-1, 1].
+[[nodiscard]] ProbabilityDifference newcombe_difference(const PairedCounts& counts, double confidence = 0.95);
+
+}  // namespace landfall
