@@ -9,6 +9,7 @@
 #include "cli/tool.h"
 #include "files/file_description.h"
 #include "files/landfall_file.h"
+#include "tools.h"
 
 namespace landfall {
 namespace {
@@ -119,10 +120,8 @@ ExitCode run(cli::Session& session, const Options& o) {
 }
 
 }  // namespace
-}  // namespace landfall
 
-int main(int argc, char** argv) {
-  using namespace landfall;
+int landfall_info(int argc, const char* const* argv, cli::Invocation* invocation) {
   Options options;
   cli::Tool tool;
   tool.name = "landfall-info";
@@ -132,5 +131,7 @@ int main(int argc, char** argv) {
   tool.writes = false;
   tool.bind = [&](CLI::App& app) { bind(app, options); };
   tool.run = [&](cli::Session& session) { return run(session, options); };
-  return cli::tool_main(argc, argv, tool);
+  return cli::tool_main(argc, argv, tool, invocation);
 }
+
+}  // namespace landfall

@@ -13,10 +13,12 @@
 #include "cli/tool.h"
 #include "config/dem_config.h"
 #include "config/draws_config.h"
+#include "config/stage_sections.h"
 #include "files/number_table.h"
 #include "report/draws_page.h"
 #include "scene/campaign.h"
 #include "scene/campaign_run.h"
+#include "tools.h"
 
 namespace landfall {
 namespace {
@@ -127,10 +129,8 @@ ExitCode run(cli::Session& session, const cli::CampaignOptions& o) {
 }
 
 }  // namespace
-}  // namespace landfall
 
-int main(int argc, char** argv) {
-  using namespace landfall;
+int monte_carlo(int argc, const char* const* argv, cli::Invocation* invocation) {
   cli::CampaignOptions options;
   cli::Tool tool;
   tool.name = "monte-carlo";
@@ -139,7 +139,10 @@ int main(int argc, char** argv) {
   tool.examples = kExamples;
   tool.schema = "draws";
   tool.bind = [&](CLI::App& app) { cli::bind_campaign(app, options); };
+  tool.complete = [](JsonSource& source) { fill_area(source.value, false); };
   tool.check = [&](const cli::Session& session) { check_config(session, options); };
   tool.run = [&](cli::Session& session) { return run(session, options); };
-  return cli::tool_main(argc, argv, tool);
+  return cli::tool_main(argc, argv, tool, invocation);
 }
+
+}  // namespace landfall

@@ -124,6 +124,7 @@ DrawsConfig::DrawsConfig(const Json& resolved, std::string name, const Json& sca
       draw_count_(resolved.at("draws")),
       metrics_(resolved.at("metrics") == "full" ? MetricsKind::full : MetricsKind::verdict),
       has_layers_(resolved.at("layers")) {
+  json_.erase("area");  // the sections have its values
   if (const Json& stop = resolved.at("stop"); stop.at("type") == "sprt") {
     sprt_ = {stop.at("p0"), stop.at("p1"), stop.at("alpha"), stop.at("beta")};
     at_path(name_ + ": /stop/", [&] { check(*sprt_); });

@@ -6,6 +6,7 @@
 
 #include "base/abbreviated.h"
 #include "base/error.h"
+#include "files/current_output.h"
 #include "files/stored_json.h"
 #include "hdf5/file_seal.h"
 #include "hdf5/h5_close.h"
@@ -29,6 +30,13 @@ std::string title_of(const std::string& kind) {
 h5::Handle create_quietly(const std::filesystem::path& path) {
   h5::initialise();
   return h5::create_file(path);
+}
+
+/// The path of an output that is to be written.
+const std::filesystem::path& path_unless_current(const OutputOptions& options, const std::string& kind,
+                                                 const Provenance& provenance) {
+  leave_current(options.path, kind, provenance);
+  return options.path;
 }
 
 h5::Handle open_quietly(const std::string& path) {
@@ -88,7 +96,7 @@ bool is_history(const nlohmann::json& chain) {
 
 LandfallFileWriter::LandfallFileWriter(const OutputOptions& options, const std::string& kind,
                                        const Provenance& provenance)
-    : output_(options.path, options.overwrite),
+    : output_(path_unless_current(options, kind, provenance), options.overwrite),
       compression_(options.compression),
       file_(create_quietly(output_.temporary())) {
   h5::write_attribute(root(), "title", title_of(kind));
