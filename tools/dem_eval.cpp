@@ -15,6 +15,7 @@
 #include "files/evaluation_file.h"
 #include "files/metrics_json.h"
 #include "report/page.h"
+#include "tools.h"
 
 namespace landfall {
 namespace {
@@ -134,10 +135,8 @@ ExitCode run(cli::Session& session, const Options& o) {
 }
 
 }  // namespace
-}  // namespace landfall
 
-int main(int argc, char** argv) {
-  using namespace landfall;
+int dem_eval(int argc, const char* const* argv, cli::Invocation* invocation) {
   Options options;
   cli::Tool tool;
   tool.name = "dem-eval";
@@ -151,5 +150,7 @@ int main(int argc, char** argv) {
     static_cast<void>(evaluation_config(s.config(), s.config_name()));
   };
   tool.run = [&](cli::Session& session) { return run(session, options); };
-  return cli::tool_main(argc, argv, tool);
+  return cli::tool_main(argc, argv, tool, invocation);
 }
+
+}  // namespace landfall

@@ -14,6 +14,7 @@
 #include "config/hazard_config.h"
 #include "files/hazard_file.h"
 #include "report/hazard_page.h"
+#include "tools.h"
 
 namespace landfall {
 namespace {
@@ -89,10 +90,10 @@ ExitCode run(cli::Session& session, const Options& o) {
   if (score_file && !source.z_true)
     throw FormatError(o.map + ": has no true elevations (z_true), which --score needs");
   input = cli::complete_hazard_input(session, {o.map, o.terrain}, source, parameters, provenance);
+  LandfallFileWriter file(output, "hazards", provenance);
   HazardMap map;
   session.with_file_names(o.map, [&] { map = map_hazards(input, parameters, session.phases()); });
   session.phase("write", [&](const ProgressCallback&) {
-    LandfallFileWriter file(output, "hazards", provenance);
     if (sites_file) write_text(*sites_file, sites_json(map).dump(2) + "\n");
     if (score_file) write_text(*score_file, score_json(map.truth->score).dump(2) + "\n");
     if (report_file)
@@ -110,10 +111,8 @@ ExitCode run(cli::Session& session, const Options& o) {
 }
 
 }  // namespace
-}  // namespace landfall
 
-int main(int argc, char** argv) {
-  using namespace landfall;
+int hazard_map(int argc, const char* const* argv, cli::Invocation* invocation) {
   Options options;
   cli::Tool tool;
   tool.name = "hazard-map";
@@ -124,5 +123,7 @@ int main(int argc, char** argv) {
   tool.bind = [&](CLI::App& app) { bind(app, options); };
   tool.check = [](const cli::Session& s) { static_cast<void>(hazard_config(s.config())); };
   tool.run = [&](cli::Session& session) { return run(session, options); };
-  return cli::tool_main(argc, argv, tool);
+  return cli::tool_main(argc, argv, tool, invocation);
 }
+
+}  // namespace landfall

@@ -5,6 +5,7 @@
 #include "cli/tool.h"
 #include "exports/file_export.h"
 #include "output/byte_sink.h"
+#include "tools.h"
 
 namespace landfall {
 namespace {
@@ -72,10 +73,8 @@ ExitCode run(cli::Session& session, const ExportOptions& o) {
 }
 
 }  // namespace
-}  // namespace landfall
 
-int main(int argc, char** argv) {
-  using namespace landfall;
+int landfall_export(int argc, const char* const* argv, cli::Invocation* invocation) {
   ExportOptions options;
   cli::Tool tool;
   tool.name = "landfall-export";
@@ -84,5 +83,7 @@ int main(int argc, char** argv) {
   tool.writes_hdf5 = false;
   tool.bind = [&](CLI::App& app) { bind(app, options); };
   tool.run = [&](cli::Session& session) { return run(session, options); };
-  return cli::tool_main(argc, argv, tool);
+  return cli::tool_main(argc, argv, tool, invocation);
 }
+
+}  // namespace landfall

@@ -1,14 +1,23 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // landfall-info: describes the content of a landfall file.
 #include <CLI/CLI.hpp>
+#include <algorithm>
+#include <cmath>
 #include <iostream>
+#include <optional>
 
+#include "base/abbreviated.h"
+#include "base/parsed_number.h"
 #include "base/shown_text.h"
+#include "cli/comparison_text.h"
 #include "cli/description_text.h"
 #include "cli/devices.h"
 #include "cli/tool.h"
+#include "files/bin_description.h"
+#include "files/comparison.h"
 #include "files/file_description.h"
 #include "files/landfall_file.h"
+#include "tools.h"
 
 namespace landfall {
 namespace {
@@ -18,6 +27,8 @@ constexpr const char* kExamples = R"(Examples:
   landfall-info terrain.h5 scan.h5 dem.h5 eval.h5
   landfall-info dem.h5 --json
   landfall-info huge.h5 --no-statistics --config
+  landfall-info --compare a/eval.h5 b/eval.h5
+  landfall-info dem.h5 --at 12.5,-3 --scan scan.h5
   landfall-info --check *.h5
   landfall-info --devices
 Keys of --json: docs/user/landfall-info.md.)";
@@ -26,6 +37,10 @@ constexpr const char* kDescription =
     R"(Prints for each file its kind and origin, extent and frame, statistics of every layer and column, the pixel outcomes of a scan, the verdicts of an evaluation, the configuration where it differs from the defaults, and every step that led to the file.
 
 Files are read in pieces, so that the memory does not depend on their size. A file that is damaged, incomplete or not a landfall file is refused with a one-line message; the other files are still described.
+
+--compare shows where two files of one kind differ: their configurations and those of the steps before them, requirements and metrics, the layers of equal grids, and the draws of equal seeds in pairs. All differences are B - A, B being the second file.
+
+--at shows the layers of one bin of a DEM and, with --scan, each return that lies in it.
 
 --check only checks files, as every tool does when it opens one: the seal, the structure, links, filters and sizes, and that the file is complete. It prints a line for each file that is refused, and nothing for the others. It takes milliseconds, because values are not read: their own checksums show damage when they are read.
 
@@ -38,12 +53,23 @@ struct Options {
   bool config = false;
   bool check = false;
   bool devices = false;
+  bool compare = false;
+  std::string at;
+  std::string scan;
 };
 
 void bind(CLI::App& app, Options& o) {
   app.add_option("files", o.files,
                  "Files to describe (terrain.h5, scan.h5, dem.h5, eval.h5, plan.h5, hazards.h5 or draws.h5)")
       ->type_name("FILE...");
+  app.add_flag("--compare", o.compare, "Show where two files of one kind differ, the first A, the second B");
+  CLI::Option* const at =
+      app.add_option("--at", o.at, "Show the layers of the bin of a DEM at this place, metres")
+          ->type_name("X,Y");
+  app.add_option("--scan", o.scan,
+                 "Also show each return in that bin, of the scan that made the DEM (scan.h5)")
+      ->type_name("FILE")
+      ->needs(at);
   app.add_flag("--json", o.json, "Print a JSON object; an array for several files");
   app.add_flag("--no-statistics", o.no_statistics,
                "List layers and columns with their meaning, without reading values");
@@ -66,7 +92,7 @@ nlohmann::ordered_json describe(cli::Session& session, const Options& o, const s
 }
 
 ExitCode list_devices(cli::Session& session, const Options& o) {
-  if (!o.files.empty() || o.no_statistics || o.config || o.check)
+  if (!o.files.empty() || o.no_statistics || o.config || o.check || o.compare || !o.at.empty())
     throw UsageError("--devices describes no file; omit files, --no-statistics, --config and --check");
   nlohmann::ordered_json measured;
   session.phase("measure",
@@ -112,17 +138,59 @@ ExitCode describe_files(cli::Session& session, const Options& o) {
   return code;
 }
 
+/// What --compare and --at print.
+template <class Text>
+ExitCode print_json(const Options& o, const nlohmann::ordered_json& json, const Text& text) {
+  std::cout << (o.json ? shown_lines(json.dump(2)) + "\n" : text(json));
+  return ExitCode::done;
+}
+
+ExitCode compare(cli::Session& session, const Options& o) {
+  if (!o.at.empty() || o.no_statistics || o.config || o.check)
+    throw UsageError("--compare takes only --json");
+  if (o.files.size() != 2) throw UsageError("--compare needs two files, A and B");
+  nlohmann::ordered_json json;
+  session.phase("compare", [&](const ProgressCallback& progress) {
+    json = compare_files(o.files[0], o.files[1], progress);
+  });
+  return print_json(o, json, cli::comparison_text);
+}
+
+MapPoint point_of(const std::string& text) {
+  const std::size_t comma = std::min(text.find(','), text.size());
+  const ParsedNumber x = parsed_number(text.substr(0, comma));
+  const ParsedNumber y = parsed_number(text.substr(std::min(comma + 1, text.size())));
+  const auto is_finite = [](const ParsedNumber& number) {
+    return number.outcome == ParsedNumber::Outcome::number && std::isfinite(number.value);
+  };
+  if (!is_finite(x) || !is_finite(y))
+    throw UsageError("--at " + abbreviated(text) + ": expected X,Y, metres");
+  return {x.value, y.value};
+}
+
+ExitCode show_bin(cli::Session& session, const Options& o) {
+  if (o.no_statistics || o.config || o.check) throw UsageError("--at takes only --scan and --json");
+  if (o.files.size() != 1) throw UsageError("--at needs one DEM");
+  std::optional<std::filesystem::path> scan;
+  if (!o.scan.empty()) scan = o.scan;
+  nlohmann::ordered_json json;
+  session.phase("read", [&](const ProgressCallback& progress) {
+    json = describe_bin(o.files[0], point_of(o.at), scan, progress);
+  });
+  return print_json(o, json, cli::bin_text);
+}
+
 ExitCode run(cli::Session& session, const Options& o) {
   if (o.devices) return list_devices(session, o);
+  if (o.compare) return compare(session, o);
+  if (!o.at.empty()) return show_bin(session, o);
   if (o.files.empty()) throw UsageError("a file to describe is required");
   return o.check ? check_files(session, o) : describe_files(session, o);
 }
 
 }  // namespace
-}  // namespace landfall
 
-int main(int argc, char** argv) {
-  using namespace landfall;
+int landfall_info(int argc, const char* const* argv, cli::Invocation* invocation) {
   Options options;
   cli::Tool tool;
   tool.name = "landfall-info";
@@ -132,5 +200,7 @@ int main(int argc, char** argv) {
   tool.writes = false;
   tool.bind = [&](CLI::App& app) { bind(app, options); };
   tool.run = [&](cli::Session& session) { return run(session, options); };
-  return cli::tool_main(argc, argv, tool);
+  return cli::tool_main(argc, argv, tool, invocation);
 }
+
+}  // namespace landfall

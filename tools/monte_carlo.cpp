@@ -14,11 +14,13 @@
 #include "cli/tool.h"
 #include "config/dem_config.h"
 #include "config/draws_config.h"
+#include "config/stage_sections.h"
 #include "exports/terrain_output.h"
 #include "files/table_reader.h"
 #include "report/draws_page.h"
 #include "runs/campaign.h"
 #include "runs/campaign_run.h"
+#include "tools.h"
 
 namespace landfall {
 namespace {
@@ -135,10 +137,8 @@ ExitCode run(cli::Session& session, const cli::CampaignOptions& o) {
 }
 
 }  // namespace
-}  // namespace landfall
 
-int main(int argc, char** argv) {
-  using namespace landfall;
+int monte_carlo(int argc, const char* const* argv, cli::Invocation* invocation) {
   cli::CampaignOptions options;
   cli::Tool tool;
   tool.name = "monte-carlo";
@@ -149,9 +149,14 @@ int main(int argc, char** argv) {
   tool.has_seed = true;
   tool.seed_key = "/scan/seed";
   tool.bind = [&](CLI::App& app) { cli::bind_campaign(app, options); };
-  tool.expand = [](JsonSource& source, const cli::CommonOptions&) { expand_sections(source); };
-  tool.complete = [](JsonSource& source) { expand_sections(source); };
+  tool.expand = [](JsonSource& source, const cli::CommonOptions&) { expand_stage_sections(source); };
+  tool.complete = [](JsonSource& source) {
+    expand_stage_sections(source);
+    fill_area(source.value, false);
+  };
   tool.check = [&](const cli::Session& session) { check_config(session, options); };
   tool.run = [&](cli::Session& session) { return run(session, options); };
-  return cli::tool_main(argc, argv, tool);
+  return cli::tool_main(argc, argv, tool, invocation);
 }
+
+}  // namespace landfall

@@ -8,6 +8,7 @@
 #include "cli/tool.h"
 #include "config/uncertainty_config.h"
 #include "runs/dem_output.h"
+#include "tools.h"
 
 namespace landfall {
 namespace {
@@ -109,10 +110,8 @@ ExitCode run(cli::Session& session, const Options& o) {
 }
 
 }  // namespace
-}  // namespace landfall
 
-int main(int argc, char** argv) {
-  using namespace landfall;
+int regrid(int argc, const char* const* argv, cli::Invocation* invocation) {
   Options options;
   cli::Tool tool;
   tool.name = "regrid";
@@ -127,5 +126,7 @@ int main(int argc, char** argv) {
     static_cast<void>(checked_config(session, options.layers));
   };
   tool.run = [&](cli::Session& session) { return run(session, options); };
-  return cli::tool_main(argc, argv, tool);
+  return cli::tool_main(argc, argv, tool, invocation);
 }
+
+}  // namespace landfall

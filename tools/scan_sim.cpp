@@ -15,6 +15,7 @@
 #include "runs/redraw.h"
 #include "scene/scene.h"
 #include "simulation/scan_pipeline.h"
+#include "tools.h"
 
 namespace landfall {
 namespace {
@@ -157,10 +158,8 @@ ExitCode run(cli::Session& session, const Options& o) {
 }
 
 }  // namespace
-}  // namespace landfall
 
-int main(int argc, char** argv) {
-  using namespace landfall;
+int scan_sim(int argc, const char* const* argv, cli::Invocation* invocation) {
   Options options;
   cli::Tool tool;
   tool.name = "scan-sim";
@@ -176,5 +175,7 @@ int main(int argc, char** argv) {
       for (const std::string& warning : warnings) session.warn(warning);
   };
   tool.run = [&](cli::Session& session) { return run(session, options); };
-  return cli::tool_main(argc, argv, tool);
+  return cli::tool_main(argc, argv, tool, invocation);
 }
+
+}  // namespace landfall

@@ -1,14 +1,18 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // terrain-gen: builds the true terrain of a landing site, or exports one.
 #include <CLI/CLI.hpp>
+#include <utility>
+#include <vector>
 
 #include "cli/outcomes.h"
 #include "cli/tool.h"
 #include "config/import_config.h"
 #include "config/terrain_config.h"
 #include "exports/terrain_output.h"
+#include "files/current_output.h"
 #include "files/raster_screening.h"
 #include "terrain/gdal/gdal_loader.h"
+#include "tools.h"
 
 namespace landfall {
 namespace {
@@ -107,14 +111,15 @@ TerrainContent write(cli::Session& session, const Options& o) {
   };
   if (is_export(o.import)) return export_terrain(o.import.from, output({o.import.from}));
   const TerrainConfig config = terrain_config(session.config(), session.config_name());
-  return build_terrain(config, o.links, output(input_files(config, session.options().output_path, o.links)));
+  const std::vector<std::string> inputs = input_files(config, session.options().output_path, o.links);
+  TerrainOutput terrain = output(inputs);
+  if (inputs.empty()) leave_current(terrain.file.path, "terrain", terrain.provenance);  // before the work
+  return build_terrain(config, o.links, std::move(terrain));
 }
 
 }  // namespace
-}  // namespace landfall
 
-int main(int argc, char** argv) {
-  using namespace landfall;
+int terrain_gen(int argc, const char* const* argv, cli::Invocation* invocation) {
   Options options;
   cli::Tool tool;
   tool.name = "terrain-gen";
@@ -134,5 +139,7 @@ int main(int argc, char** argv) {
     cli::report_terrain(session, write(session, options));
     return ExitCode::done;
   };
-  return cli::tool_main(argc, argv, tool);
+  return cli::tool_main(argc, argv, tool, invocation);
 }
+
+}  // namespace landfall

@@ -116,9 +116,15 @@ std::string option_case(const OptionView& option) {
 
 }  // namespace
 
+std::string completion_function(const std::string& tool) {
+  std::string function = "_landfall_" + tool;
+  std::ranges::replace_if(
+      function, [](char c) { return c == '-' || c == ' '; }, '_');
+  return function;
+}
+
 std::string bash_completion(const CLI::App& app, const Tool& tool) {
-  std::string function = "_landfall_" + tool.name;
-  std::replace(function.begin(), function.end(), '-', '_');
+  const std::string function = completion_function(tool.name);
   std::string text = "# bash completion of " + tool.name + "\n" + kHelpers + function + kBegin;
   std::vector<std::string> names;
   std::string argument = ":";
@@ -134,8 +140,8 @@ std::string bash_completion(const CLI::App& app, const Tool& tool) {
       text += option_case(option);
   }
   return text + "    *)\n      if [[ $current == -* ]]; then\n        " + match(names) +
-         "\n      else\n        " + argument + "\n      fi\n      ;;\n  esac\n}\ncomplete -F " + function +
-         " " + tool.name + "\n";
+         "\n      else\n        " + argument + "\n      fi\n      ;;\n  esac\n}\n" +
+         (tool.name.find(' ') == std::string::npos ? "complete -F " + function + " " + tool.name + "\n" : "");
 }
 
 }  // namespace landfall::cli

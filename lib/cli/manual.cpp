@@ -5,6 +5,7 @@
 #include "cli/manual.h"
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <array>
 #include <sstream>
 
@@ -17,8 +18,8 @@
 namespace landfall::cli {
 namespace {
 
-constexpr std::array kTools = {"dem-eval",    "hazard-map", "landfall-export", "landfall-info",
-                               "monte-carlo", "regrid",     "scan-sim",        "terrain-gen"};
+constexpr std::array kTools = {"dem-eval",      "hazard-map",  "landfall", "landfall-run", "landfall-export",
+                               "landfall-info", "monte-carlo", "regrid",   "scan-sim",     "terrain-gen"};
 
 /// Escapes text so that roff prints it unchanged, and so that it can be copied into a shell.
 std::string roff(const std::string& text) {
@@ -59,12 +60,19 @@ std::string upper(std::string text) {
   return text;
 }
 
+/// "landfall-run": a page's name has no blank.
+std::string page_name(const Tool& tool) {
+  std::string name = tool.name;
+  std::ranges::replace(name, ' ', '-');
+  return name;
+}
+
 /// A summary in the form of man page indexes: without capital and full stop.
 std::string name_line(const Tool& tool) {
   std::string text = tool.summary;
   if (text.ends_with('.')) text.pop_back();
   if (text.front() >= 'A' && text.front() <= 'Z') text.front() = static_cast<char>(text.front() - 'A' + 'a');
-  return ".SH NAME\n" + roff(tool.name) + " \\- " + roff(text) + "\n";
+  return text;
 }
 
 std::string bold(const std::string& text) { return "\\fB" + roff(text) + "\\fR"; }
@@ -168,6 +176,10 @@ std::string exit_section(const Tool& tool) {
   if (tool.name == "monte-carlo")
     text += ".TP\n.B 3\nWith " + bold("--require-pass") +
             ": a draw fails, or the sequential test does not accept.\n";
+  if (tool.name == "landfall run")
+    text += ".TP\n.B 3\nWith " + bold("--require-pass") +
+            ": a requirement is missed or cannot be judged; with " + bold("--require-safe") +
+            ": no site is safe enough.\n";
   return text;
 }
 
@@ -191,13 +203,6 @@ std::string example_section(const Tool& tool) {
   return ".SH EXAMPLES\n.EX\n" + commands + ".EE\n" + (prose.empty() ? "" : ".PP\n" + prose);
 }
 
-std::string see_also(const Tool& tool) {
-  std::string text;
-  for (const char* const name : kTools)
-    if (name != tool.name) text += (text.empty() ? "" : ",\n") + std::string(".BR ") + roff(name) + " (1)";
-  return ".SH SEE ALSO\n" + text + "\n";
-}
-
 /// Paragraphs are separated by empty lines.
 std::string paragraphs(const std::string& text) {
   std::string result;
@@ -208,18 +213,30 @@ std::string paragraphs(const std::string& text) {
 
 }  // namespace
 
+std::string manual_text(const std::string& text) { return roff(text); }
+
+std::string manual_head(const std::string& name, const std::string& summary) {
+  return ".TH " + upper(name) + " 1 \"\" \"landfall " + program_version() +
+         "\" \"landfall\"\n.nh\n.ad l\n.SH NAME\n" + roff(name) + " \\- " + roff(summary) + "\n";
+}
+
+std::string manual_see_also(const std::string& name) {
+  std::string text;
+  for (const char* const other : kTools)
+    if (other != name) text += (text.empty() ? "" : ",\n") + std::string(".BR ") + roff(other) + " (1)";
+  return ".SH SEE ALSO\n" + text + "\n";
+}
+
 std::string manual_page(const CLI::App& app, const Tool& tool) {
   const std::vector<OptionView> options = options_of(app);
-  std::string text =
-      ".TH " + upper(tool.name) + " 1 \"\" \"landfall " + program_version() + "\" \"landfall\"\n.nh\n.ad l\n";
-  text += name_line(tool) + synopsis(tool, options);
+  std::string text = manual_head(page_name(tool), name_line(tool)) + synopsis(tool, options);
   text += ".SH DESCRIPTION\n" + paragraphs(tool.description.empty() ? tool.summary : tool.description);
   text += option_section(options) + configuration_section(tool) + exit_section(tool) +
           environment_section(tool) + example_section(tool);
   text +=
       ".SH FILES\nEvery file is HDF5; docs/user/files/ of the documentation describes its contents, and\n.BR "
       "landfall\\-info (1)\nprints them.\n";
-  return text + see_also(tool);
+  return text + manual_see_also(page_name(tool));
 }
 
 }  // namespace landfall::cli

@@ -16,4 +16,12 @@ struct Tool;
 /// the version but no date, so that equal programs have equal pages.
 [[nodiscard]] std::string manual_page(const CLI::App& app, const Tool& tool);
 
+// Parts of a man page.
+/// The title lines and the section NAME.
+[[nodiscard]] std::string manual_head(const std::string& name, const std::string& summary);
+/// Text as roff prints it unchanged.
+[[nodiscard]] std::string manual_text(const std::string& text);
+/// The section SEE ALSO: all tools but `name`.
+[[nodiscard]] std::string manual_see_also(const std::string& name);
+
 }  // namespace landfall::cli

@@ -23,6 +23,7 @@
 #include "config/presets.h"
 #include "config/schema.h"
 #include "exports/quick_look.h"
+#include "files/current_output.h"
 #include "picture/png.h"
 
 namespace landfall::cli {
@@ -131,7 +132,7 @@ void Session::claim_output(const std::string& option, const std::string& path,
   if (path == "-")
     throw UsageError(option + " needs a file: " + (option == "-o" ? "this output" : "it") +
                      " cannot be written to standard output (./- is a file named -)");
-  require_usable_output(path, options_.overwrite);
+  require_usable_output(path, options_.overwrite || (option == "-o" && CurrentOutputsAreKept::are_kept()));
   std::vector<std::string> named = inputs;
   add_named_files(config_, named);
   named.insert(named.end(), options_.config_names.begin(), options_.config_names.end());

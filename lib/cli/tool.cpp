@@ -24,6 +24,7 @@
 #include "cli/standard_streams.h"
 #include "config/presets.h"
 #include "config/schema.h"
+#include "files/current_output.h"
 #include "output/temporary_files.h"
 
 namespace landfall::cli {
@@ -84,9 +85,15 @@ void bind_config(CLI::App& app, CommonOptions& o, const Tool& tool) {
       ->group(kConfiguration);
 }
 
-void bind_output(CLI::App& app, CommonOptions& o) {
-  app.add_option("-o,--output", o.output_path, "Output file")->type_name("FILE")->group(kOutput);
-  app.add_flag("-O,--overwrite", o.overwrite, "Replace an existing output")->group(kOutput);
+void bind_output(CLI::App& app, CommonOptions& o, const Tool& tool) {
+  app.add_option("-o,--output", o.output_path,
+                 tool.writes_folder ? "Folder of the outputs; made if it does not exist" : "Output file")
+      ->type_name(tool.writes_folder ? "DIR" : "FILE")
+      ->group(kOutput);
+  app.add_flag("-O,--overwrite", o.overwrite,
+               tool.writes_folder ? "Replace files of the outputs' names, whatever they are"
+                                  : "Replace an existing output")
+      ->group(kOutput);
   app.add_option("--compression", o.compression, "Deflate level of the output; 0: no compression")
       ->type_name("0..9")
       ->check(CLI::Range(0, 9))
@@ -122,11 +129,12 @@ void bind_general(CLI::App& app, CommonOptions& o, const Tool& tool) {
 
 void bind_common(CLI::App& app, CommonOptions& o, const Tool& tool) {
   if (!tool.schema.empty()) bind_config(app, o, tool);
-  if (tool.writes) bind_output(app, o);
+  if (tool.writes) bind_output(app, o, tool);
   if (tool.writes && !tool.schema.empty()) {
-    app.add_option("--view", o.view_path, "Also write a picture of the output (.png)")
-        ->type_name("FILE")
-        ->group(kOutput);
+    if (!tool.writes_folder)
+      app.add_option("--view", o.view_path, "Also write a picture of the output (.png)")
+          ->type_name("FILE")
+          ->group(kOutput);
     app.add_flag("--record-environment", o.record_environment,
                  "Record host, time and directory in the output")
         ->group(kOutput);
@@ -242,7 +250,7 @@ std::string option_hint(const CLI::App& app, const Error& error) {
 
 }  // namespace
 
-int tool_main(int argc, const char* const* argv, const Tool& tool) {
+int tool_main(int argc, const char* const* argv, const Tool& tool, Invocation* invocation) {
   hold_closed_standard_streams();
   CLI::App app(tool.summary, tool.name);
   CommonOptions options;
@@ -257,10 +265,14 @@ int tool_main(int argc, const char* const* argv, const Tool& tool) {
   app.footer(tool.examples);
   tool.bind(app);
   bind_common(app, options, tool);
+  const CurrentOutputsAreKept kept(invocation != nullptr && invocation->keep_same);
   try {
     const ExitCode code = parse_and_run(app, argc, argv, tool, options, log);
     flush_stdout();
     return static_cast<int>(code);
+  } catch (const OutputIsCurrent&) {
+    invocation->kept = true;
+    return static_cast<int>(ExitCode::done);
   } catch (const CLI::ParseError& error) {
     return fail(plain_message(app, error) + " (see --help)", ExitCode::usage);
   } catch (const Error& error) {

@@ -26,6 +26,7 @@ struct Tool {
   std::string seed_key = "/seed";       ///< what --seed sets, a JSON pointer
   bool writes_hdf5 = true;              ///< false: the tool checks the extension of its output itself
   bool writes = true;                   ///< false: no -o, no summary of the run
+  bool writes_folder = false;           ///< -o names a folder; no --view
   std::function<void(CLI::App&)> bind;  ///< declares the tool's own options; opens nothing
   /// Translates the tool's own options into configuration values, before --set; may be empty.
   std::function<void(JsonSource&, const CommonOptions&)> expand;
@@ -38,8 +39,15 @@ struct Tool {
   std::function<ExitCode(Session&)> run;
 };
 
+/// A run that another program of landfall starts.
+struct Invocation {
+  bool keep_same = false;  ///< an output that is what this run would write is left as it is
+  bool kept = false;       ///< it was left
+};
+
 /// Parses the command line, prints requested texts, runs the tool; contains the only catch. Exit codes as in
-/// docs/user/cli.md; every error is one line on stderr that begins with the tool's name.
-int tool_main(int argc, const char* const* argv, const Tool& tool);
+/// docs/user/cli.md; every error is one line on stderr that begins with the tool's name. `invocation` may be
+/// null.
+int tool_main(int argc, const char* const* argv, const Tool& tool, Invocation* invocation = nullptr);
 
 }  // namespace landfall::cli

@@ -64,28 +64,6 @@ Json resolve_stage(const std::string& stage, const Json& config, const std::stri
   return stage == "scan" ? completed_scan(std::move(filled)) : filled;
 }
 
-/// Merges as RFC 7396 does, but keeps a null: it removes a key from what the result is merged over.
-void merge_keeping_nulls(Json& base, const Json& changes) {
-  if (!changes.is_object() || !base.is_object()) {
-    base = changes;
-    return;
-  }
-  for (const auto& [key, value] : changes.items())
-    if (base.contains(key))
-      merge_keeping_nulls(base[key], value);
-    else
-      base[key] = value;
-}
-
-/// A part of a section: a configuration or "preset:NAME".
-Json part_of(const Json& part, const std::string& stage, const std::string& where) {
-  if (part.is_object()) return part;
-  const std::string text = part.is_string() ? part.get<std::string>() : part.dump();
-  if (!part.is_string() || !text.starts_with("preset:"))
-    throw UsageError(where + ": " + abbreviated(text) + " is neither a configuration nor preset:NAME");
-  return at_path(where + ": ", [&] { return read_config({text}, stage).value; });
-}
-
 /// An object such as {"0": 0.1}, which changes elements of an array.
 bool has_indices(const Json& node) {
   if (!node.is_object()) return false;
@@ -221,21 +199,6 @@ void set_value(Json& config, const Json& completed, const Json::json_pointer& wh
 
 }  // namespace
 
-void expand_sections(JsonSource& source) {
-  for (const char* const stage : kStages) {
-    if (!source.value.contains(stage)) continue;
-    Json& section = source.value[stage];
-    if (!section.is_string() && !section.is_array()) continue;
-    const std::string where = source.name + ": /" + stage;
-    Json merged = Json::object();
-    for (const Json& part : section.is_array() ? section : Json::array({section}))
-      merge_keeping_nulls(merged, part_of(part, stage, where));
-    merged.erase("$schema");
-    merged.erase("$comment");
-    section = std::move(merged);
-  }
-}
-
 DrawsConfig::DrawsConfig(const Json& resolved, std::string name, const Json& scanned,
                          const NumberTable* samples)
     : name_(std::move(name)),
@@ -246,6 +209,7 @@ DrawsConfig::DrawsConfig(const Json& resolved, std::string name, const Json& sca
       traces_(scanned.is_null()),
       has_uncertainty_(resolved.at("uncertainty")),
       has_terrain_seeds_(resolved.at("terrain_seed") == "each") {
+  json_.erase("area");  // the sections have its values
   if (const Json& stop = resolved.at("stop"); stop.at("type") == "sprt") {
     sprt_ = {stop.at("p0"), stop.at("p1"), stop.at("alpha"), stop.at("beta")};
     at_path(name_ + ": /stop/", [&] { check(*sprt_); });

@@ -26,11 +26,6 @@ struct DrawStages {
   nlohmann::json terrain;  ///< null: the ground is a file's
 };
 
-/// Replaces the sections of a campaign that are "preset:NAME", or a list of such and of configurations, by
-/// the configuration to which these merge in order. Throws UsageError that begins with the name of the
-/// source.
-void expand_sections(JsonSource& source);
-
 /// A campaign (docs/user/monte-carlo.md).
 class DrawsConfig {
  public:

@@ -10,6 +10,7 @@
 
 #include "base/abbreviated.h"
 #include "base/error.h"
+#include "config/plain_number.h"
 #include "config/schema.h"
 #include "config/terrain_config.h"
 #include "terrain/mesh/mesh_name.h"
@@ -58,12 +59,6 @@ Json imported_base(const ImportOptions& options) {
 std::optional<double> optional_number(const Json& grid, const char* key) {
   if (!grid.is_object() || !grid.contains(key)) return std::nullopt;
   return grid.at(key).get<double>();
-}
-
-/// Stores 60, not 60.0, as a user would write it.
-Json plain(double number) {
-  if (number == std::floor(number) && std::abs(number) < 0x1p53) return static_cast<std::int64_t>(number);
-  return number;
 }
 
 void set_in_grid(JsonSource& source, const char* key, const std::string& text, const char* option) {
@@ -125,8 +120,8 @@ void complete_import(JsonSource& source, const ImportOptions& options, const Sit
   const SiteRequest request{optional_number(grid, "half_width_m"), optional_number(grid, "resolution_m")};
   if (request.half_width_m && request.resolution_m) return;
   const SiteSize size = fit(dem_base(resolved.at("base")), request);
-  if (!request.half_width_m) source.value["grid"]["half_width_m"] = plain(size.half_width_m);
-  if (!request.resolution_m) source.value["grid"]["resolution_m"] = plain(size.resolution_m);
+  if (!request.half_width_m) source.value["grid"]["half_width_m"] = plain_number(size.half_width_m);
+  if (!request.resolution_m) source.value["grid"]["resolution_m"] = plain_number(size.resolution_m);
 }
 
 }  // namespace landfall

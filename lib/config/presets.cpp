@@ -7,6 +7,7 @@
 #include "base/error.h"
 #include "config/embedded_presets.h"
 #include "config/schema.h"
+#include "config/stage_sections.h"
 
 namespace landfall {
 namespace {
@@ -36,7 +37,10 @@ JsonSource read_preset(const std::string& name, const std::string& schema) {
 }
 
 JsonSource read_one(const std::string& name, const std::string& schema) {
-  return name.starts_with(kPrefix) ? read_preset(name.substr(kPrefix.size()), schema) : read_json(name);
+  JsonSource source =
+      name.starts_with(kPrefix) ? read_preset(name.substr(kPrefix.size()), schema) : read_json(name);
+  if (has_stage_sections(schema)) expand_stage_sections(source);
+  return source;
 }
 
 }  // namespace

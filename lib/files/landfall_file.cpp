@@ -11,6 +11,7 @@
 
 #include "base/abbreviated.h"
 #include "base/error.h"
+#include "files/current_output.h"
 #include "files/stored_json.h"
 #include "hdf5/guard/file_seal.h"
 #include "hdf5/h5_close.h"
@@ -34,6 +35,13 @@ std::string title_of(const std::string& kind) {
 h5::Handle create_quietly(const std::filesystem::path& path) {
   h5::initialise();
   return h5::create_file(path);
+}
+
+/// The path of an output that is to be written.
+const std::filesystem::path& path_unless_current(const OutputOptions& options, const std::string& kind,
+                                                 const Provenance& provenance) {
+  leave_current(options.path, kind, provenance);
+  return options.path;
 }
 
 h5::Handle open_quietly(const std::string& path) {
@@ -93,7 +101,7 @@ bool is_history(const nlohmann::json& chain) {
 
 LandfallFileWriter::LandfallFileWriter(const OutputOptions& options, const std::string& kind,
                                        const Provenance& provenance)
-    : output_(options.path, options.overwrite),
+    : output_(path_unless_current(options, kind, provenance), options.overwrite),
       kind_(kind),
       compression_(options.compression),
       file_(create_quietly(output_.temporary())) {

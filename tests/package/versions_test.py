@@ -11,7 +11,7 @@ import unittest
 import yaml
 
 ROOT = os.environ["LANDFALL_ROOT"]
-SCHEMAS = ["design", "draws", "eval", "hazard", "regrid", "scan", "sensitivity", "study", "terrain"]
+SCHEMAS = ["chain", "design", "draws", "eval", "hazard", "regrid", "scan", "sensitivity", "study", "terrain"]
 
 
 def text(*path):
@@ -25,7 +25,7 @@ RELEASES = re.findall(r"^## (\S+)(?: - (\S+))?$", text("CHANGELOG.md"), re.MULTI
 
 class Versions(unittest.TestCase):
     def test_tools_and_packages_have_the_version(self):
-        for tool in ["terrain-gen", "scan-sim", "regrid", "dem-eval", "hazard-map", "monte-carlo", "landfall-info", "landfall-export"]:
+        for tool in ["terrain-gen", "scan-sim", "regrid", "dem-eval", "hazard-map", "monte-carlo", "landfall-info", "landfall-export", "landfall"]:
             words = subprocess.run([os.path.join(os.environ["LANDFALL_BIN"], tool), "--version"], check=True,
                                   capture_output=True, text=True).stdout
             self.assertIn(VERSION, words.split(), tool)

@@ -16,7 +16,7 @@ PYTHON = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", "p
 sys.path.insert(0, PYTHON)
 sys.dont_write_bytecode = True
 
-from landfall import colors, dictionary, files, maps, plot_dem, plot_eval, plot_plan, scales
+from landfall import colors, dictionary, files, maps, plot_compare, plot_dem, plot_eval, plot_plan, scales
 import matplotlib.pyplot as plt
 
 BINS = 41
@@ -126,6 +126,33 @@ class ScriptTest(unittest.TestCase):
         self.assertGreaterEqual(image.shape[1], minimum_width_px)
         self.assertGreater(image[..., :3].std(), 0.03, f"{name} is nearly blank")
         self.assertEqual([f for f in os.listdir(self.folder) if f.endswith(".tmp")], [])
+
+
+class PlotCompareTest(ScriptTest):
+    def test_two_dems(self):
+        make_dem(self.path("a.h5"))
+        make_dem(self.path("b.h5"), empty_bins=[(3, 4)])
+        self.assertEqual(self.expect_success("plot_compare.py", "a.h5", "b.h5"), ["b-compared.png"])
+        self.expect_picture("b-compared.png", 2000)
+
+    def test_the_statistics_are_those_of_the_difference(self):
+        difference = np.array([[1.0, 2.0], [np.nan, 6.0]])
+        self.assertEqual(plot_compare.statistics_text(difference),
+                         "3 bins with both: mean 3 m, standard deviation 2.16 m, NMAD 1.48 m")
+        self.assertEqual(plot_compare.statistics_text(np.full((2, 2), np.nan)), "no bin has a value in both")
+
+    def test_no_bin_in_both(self):
+        make_dem(self.path("a.h5"))
+        make_dem(self.path("b.h5"), empty_bins=[(row, col) for row in range(BINS) for col in range(BINS)])
+        self.expect_success("plot_compare.py", "a.h5", "b.h5", "-o", "c.png")
+        self.expect_picture("c.png")
+
+    def test_refusals(self):
+        make_dem(self.path("a.h5"))
+        make_dem(self.path("b.h5"), truth=False)
+        self.expect_failure(1, "b.h5: has no layer z_true", "plot_compare.py", "a.h5", "b.h5", "--layer", "z_true")
+        self.expect_failure(2, "count", "plot_compare.py", "a.h5", "b.h5", "--layer", "count")
+        self.expect_failure(1, "c.h5: no such file", "plot_compare.py", "a.h5", "c.h5")
 
 
 class PlotDemTest(ScriptTest):

@@ -16,6 +16,7 @@
 #include "config/import_config.h"
 #include "config/scan_config.h"
 #include "config/schema.h"
+#include "config/stage_sections.h"
 #include "config/terrain_config.h"
 #include "config/uncertainty_config.h"
 #include "fuzz_target.h"
@@ -128,7 +129,7 @@ void use_hazards(const JsonSource& source) {
 
 void use_draws(const JsonSource& source) {
   JsonSource expanded = source;
-  expand_sections(expanded);
+  expand_stage_sections(expanded);
   check_draws_config(resolve(expanded, "draws"), kName, true, nullptr);
 }
 

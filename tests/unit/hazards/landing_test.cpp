@@ -12,11 +12,11 @@
 namespace landfall {
 namespace {
 
-constexpr Lander kLander{.legs = 4, .leg_radius_m = 0.5, .pad_diameter_m = 0.1, .body_radius_m = 0.5};
+constexpr Lander kFourLegs{.legs = 4, .leg_radius_m = 0.5, .pad_diameter_m = 0.1, .body_radius_m = 0.5};
 constexpr HazardLimits kLimits{.slope_deg = 10, .roughness_m = 0.2};
 
 Landing land(const Touchdown& touchdown, const GroundElevation& elevation) {
-  return judge_landing(touchdown, kLander, kLimits, 0.1, elevation);
+  return judge_landing(touchdown, kFourLegs, kLimits, 0.1, elevation);
 }
 
 TEST(Landing, OnAPlaneHasItsSlopeInEveryYaw) {
@@ -57,7 +57,7 @@ TEST(Landing, OverNoGroundIsNotSafe) {
 
 TEST(Landing, NeedsLegsOfTwoBins) {
   const auto flat = [](double, double) { return 0.0; };
-  EXPECT_THROW(static_cast<void>(judge_landing({}, kLander, kLimits, 0.3, flat)), UsageError);
+  EXPECT_THROW(static_cast<void>(judge_landing({}, kFourLegs, kLimits, 0.3, flat)), UsageError);
 }
 
 TEST(LandingErrors, DependOnTheSeedOnly) {

@@ -1,0 +1,163 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "cli/chain.h"
+
+#include <algorithm>
+#include <fstream>
+#include <iterator>
+#include <utility>
+
+#include "base/file_extension.h"
+#include "base/number_text.h"
+#include "files/landfall_file.h"
+#include "files/provenance.h"
+#include "output/output_path.h"
+
+namespace landfall::cli {
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::json;
+using Words = std::vector<std::string>;
+
+/// A section as assignments of its keys.
+void add_section(Words& words, const Json& section) {
+  for (const auto& [key, value] : section.items())
+    words.insert(words.end(), {"--set", key + "=" + value.dump()});
+}
+
+void add_outputs(ChainStage& stage, const fs::path& output,
+                 const std::vector<std::pair<const char*, fs::path>>& sides) {
+  stage.output = output;
+  stage.arguments.insert(stage.arguments.end(), {"-o", output.string()});
+  for (const auto& [option, path] : sides) {
+    stage.arguments.insert(stage.arguments.end(), {option, path.string()});
+    stage.side_outputs.push_back(path);
+  }
+}
+
+ChainStage terrain_stage(const Json& config, const ChainRequest& request) {
+  ChainStage stage{"terrain-gen", {}, {}};
+  if (request.from.empty()) {
+    add_section(stage.arguments, config.at("terrain"));
+  } else {
+    stage.arguments = {"--from", request.from};
+    if (!request.center.empty()) stage.arguments.insert(stage.arguments.end(), {"--center", request.center});
+    const Json grid = config.at("terrain").value("grid", Json::object());
+    for (const auto& [key, option] :
+         {std::pair{"half_width_m", "--half-width"}, std::pair{"resolution_m", "--resolution"}})
+      if (grid.contains(key)) stage.arguments.insert(stage.arguments.end(), {option, grid[key].dump()});
+  }
+  add_outputs(stage, request.folder / "terrain.h5", {});
+  return stage;
+}
+
+/// A text that no shell changes.
+std::string shell_word(const std::string& word) {
+  const auto is_plain = [](char c) {
+    return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') ||
+           std::string_view("-_./,:=+@%").find(c) != std::string_view::npos;
+  };
+  if (!word.empty() && std::ranges::all_of(word, is_plain)) return word;
+  std::string text = "'";
+  for (const char c : word) text += c == '\'' ? "'\\''" : std::string(1, c);
+  return text + "'";
+}
+
+/// Identifies the content of a file: its file_id, or the hash of its bytes. Empty if it is an HDF5 file that
+/// no tool of landfall has completed.
+std::string identity(const fs::path& path) {
+  try {
+    if (file_extension(path) == ".h5") return LandfallFileReader(path, kLandfallKinds).file_id();
+    return content_id(path);
+  } catch (const FormatError&) {
+    return "";
+  }
+}
+
+bool is_there(const fs::path& path) {
+  std::error_code unreachable;
+  return fs::exists(fs::symlink_status(path, unreachable));
+}
+
+}  // namespace
+
+std::vector<ChainStage> chain_stages(const Json& config, const ChainRequest& request) {
+  const fs::path& folder = request.folder;
+  std::vector<ChainStage> stages = {terrain_stage(config, request)};
+  const std::string terrain = stages.back().output.string();
+
+  ChainStage& scan = stages.emplace_back(ChainStage{"scan-sim", {"--terrain", terrain}, {}});
+  add_section(scan.arguments, config.at("scan"));
+  add_outputs(scan, folder / "scan.h5", {});
+
+  ChainStage& regrid =
+      stages.emplace_back(ChainStage{"regrid", {(folder / "scan.h5").string(), "--terrain", terrain}, {}});
+  if (config.at("uncertainty").get<bool>()) regrid.arguments.emplace_back("--uncertainty");
+  add_section(regrid.arguments, config.at("regrid"));
+  add_outputs(regrid, folder / "dem.h5", {});
+
+  const std::string dem = (folder / "dem.h5").string();
+  ChainStage& eval = stages.emplace_back(ChainStage{"dem-eval", {dem, "--table"}, {}});
+  add_section(eval.arguments, config.at("eval"));
+  add_outputs(eval, folder / "eval.h5",
+              {{"--metrics", folder / "metrics.json"}, {"--report", folder / "report.html"}});
+  if (request.require_pass) eval.requirement = "--require-pass";
+
+  if (config.at("hazard").is_null()) return stages;
+  ChainStage& hazards =
+      stages.emplace_back(ChainStage{"hazard-map", {dem, "--terrain", terrain, "--table"}, {}});
+  add_section(hazards.arguments, config.at("hazard"));
+  add_outputs(hazards, folder / "hazards.h5",
+              {{"--sites", folder / "sites.json"}, {"--report", folder / "hazards.html"}});
+  if (request.require_safe) hazards.requirement = "--require-safe";
+  return stages;
+}
+
+std::string shell_command(const ChainStage& stage) {
+  std::string text = stage.tool;
+  for (const std::string& word : stage.arguments) text += " " + shell_word(word);
+  return stage.requirement.empty() ? text : text + " " + stage.requirement;
+}
+
+ChainRecord::ChainRecord(fs::path folder) : folder_(std::move(folder)) {
+  std::ifstream file(folder_ / ".landfall-run.json");
+  const std::string text{std::istreambuf_iterator<char>(file), {}};
+  const Json json = Json::parse(text, nullptr, false);
+  if (!json.is_object() || !json.contains("outputs") || !json["outputs"].is_object() ||
+      !json.contains("stages") || !json["stages"].is_object())
+    return;
+  outputs_ = json["outputs"];
+  stages_ = json["stages"];
+}
+
+bool ChainRecord::is_own(const fs::path& output) const {
+  const auto found = outputs_.find(output.filename().string());
+  return found != outputs_.end() && found->is_string() && !found->get_ref<const std::string&>().empty() &&
+         is_there(output) && *found == identity(output);
+}
+
+bool ChainRecord::is_foreign(const fs::path& output) const { return is_there(output) && !is_own(output); }
+
+std::string ChainRecord::table(const ChainStage& stage) const {
+  if (!stages_.contains(stage.tool) || !stages_[stage.tool].is_object()) return "";
+  const Json& table = stages_[stage.tool].value("table", Json());
+  return table.is_string() ? table.get<std::string>() : "";
+}
+
+bool ChainRecord::has_met(const ChainStage& stage) const {
+  if (!stages_.contains(stage.tool) || !stages_[stage.tool].is_object()) return false;
+  return stages_[stage.tool].value("met", Json()) == Json(true);
+}
+
+void ChainRecord::add(const ChainStage& stage, const std::string& table, std::optional<bool> met) {
+  std::vector<fs::path> outputs = stage.side_outputs;
+  outputs.push_back(stage.output);
+  for (const fs::path& output : outputs) outputs_[output.filename().string()] = identity(output);
+  stages_[stage.tool] = {{"table", table}, {"met", met ? Json(*met) : Json()}};
+  OutputPath file(folder_ / ".landfall-run.json", true);
+  write_text(file,
+             Json{{"format", "landfall.run"}, {"outputs", outputs_}, {"stages", stages_}}.dump(2) + "\n");
+  file.commit();
+}
+
+}  // namespace landfall::cli

@@ -1,0 +1,160 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "cli/comparison_text.h"
+
+#include <algorithm>
+#include <vector>
+
+#include "base/number_text.h"
+#include "base/shown_text.h"
+#include "cli/print.h"
+
+namespace landfall::cli {
+namespace {
+
+using Comparison = nlohmann::ordered_json;
+
+/// Longer metrics are shown only where they differ.
+constexpr std::size_t kShownMetrics = 200;
+
+std::string value_text(const Comparison& value) {
+  if (value.is_null()) return "-";
+  if (value.is_number_integer()) return grouped(value.get<std::int64_t>());
+  if (value.is_number()) return print("%.5g", value.get<double>());
+  return value.is_string() ? value.get<std::string>() : value.dump();
+}
+
+std::string side_text(const Comparison& entry, const char* side) {
+  return entry.contains(side) ? value_text(entry[side]) : "(none)";
+}
+
+std::string configuration_lines(const Comparison& differing) {
+  if (differing.empty()) return "\nconfiguration: no difference\n";
+  std::string text = "\nconfiguration, where it differs: A, B\n";
+  for (const Comparison& entry : differing)
+    text += "  " + entry["tool"].get<std::string>() + " " + entry["key"].get<std::string>() + ": " +
+            side_text(entry, "a") + ", " + side_text(entry, "b") + "\n";
+  return text;
+}
+
+std::string verdict_of(const Comparison& requirement) {
+  if (!requirement.is_object() || !requirement.contains("pass") || requirement["pass"].is_null())
+    return "not judged";
+  return requirement["pass"].get<bool>() ? "pass" : "FAIL";
+}
+
+std::string requirement_value(const Comparison& requirement) {
+  return requirement.is_object() && requirement.contains("value") ? value_text(requirement["value"]) : "-";
+}
+
+std::string requirement_lines(const Comparison& all) {
+  std::string text = print("\n%-24s %14s %-10s %14s %-10s\n", "requirement", "A", "", "B", "");
+  for (const Comparison& entry : all)
+    text += print("%-24s %14s %-10s %14s %s\n", entry["name"].get<std::string>().c_str(),
+                  requirement_value(entry["a"]).c_str(), verdict_of(entry["a"]).c_str(),
+                  requirement_value(entry["b"]).c_str(), verdict_of(entry["b"]).c_str());
+  return text;
+}
+
+std::string metric_lines(const Comparison& metrics) {
+  std::string text = print("\n%-48s %12s %12s %12s\n", "number that differs", "A", "B", "B - A");
+  std::size_t shown = 0;
+  for (const Comparison& entry : metrics) {
+    if (entry["a"] == entry["b"] || shown == kShownMetrics) continue;
+    ++shown;
+    text += print("%-48s %12s %12s %12s\n", entry["metric"].get<std::string>().c_str(),
+                  value_text(entry["a"]).c_str(), value_text(entry["b"]).c_str(),
+                  value_text(entry["difference"]).c_str());
+  }
+  return shown == 0 ? "\nnumbers: no difference\n" : text;
+}
+
+std::string layer_lines(const Comparison& layers) {
+  std::string text = print("\n%-18s %11s %10s %10s %10s %10s %10s %10s  %s\n", "layer, B - A", "in both",
+                           "mean", "std", "NMAD", "5 %", "50 %", "95 %", "unit");
+  for (const Comparison& layer : layers) {
+    const std::string name = layer["layer"].get<std::string>();
+    if (layer.contains("differing")) {
+      text += print("%-18s %s of %s bins differ\n", name.c_str(), value_text(layer["differing"]).c_str(),
+                    value_text(layer["bins"]).c_str());
+      continue;
+    }
+    text += print("%-18s %11s", name.c_str(), value_text(layer["valid_both"]).c_str());
+    for (const char* const key : {"mean", "std", "nmad", "p05", "p50", "p95"})
+      text += print(" %10s", layer[key].is_null() ? "-" : print("%.4g", layer[key].get<double>()).c_str());
+    const std::string unit = layer["unit"].get<std::string>();
+    text += unit == "1" ? "\n" : "  " + unit + "\n";
+  }
+  return text;
+}
+
+std::string pair_lines(const Comparison& json) {
+  std::string text = print("\n%-20s %7s %7s %7s %8s %11s  %s\n", "draws that pass", "both", "only A",
+                           "only B", "neither", "McNemar p", "B - A, 95 % interval");
+  for (const Comparison& pair : json) {
+    const Comparison& difference = pair["difference"];
+    text +=
+        print("%-20s %7s %7s %7s %8s %11.3g  %.4f, %.4f to %.4f\n", pair["name"].get<std::string>().c_str(),
+              value_text(pair["both"]).c_str(), value_text(pair["only_a"]).c_str(),
+              value_text(pair["only_b"]).c_str(), value_text(pair["neither"]).c_str(),
+              pair["mcnemar_p"].get<double>(), difference["value"].get<double>(),
+              difference["low"].get<double>(), difference["high"].get<double>());
+  }
+  return text;
+}
+
+std::string side_line(const char* name, const Comparison& side) {
+  return std::string(name) + "  " + side["file"].get<std::string>() + "  file id " +
+         side["file_id"].get<std::string>() + "\n";
+}
+
+std::string return_lines(const Comparison& returns) {
+  std::string text = print("\n%8s %6s %10s %-12s %12s %12s %10s %8s %8s\n", "pulse", "pixel", "t, s",
+                           "status", "range true", "measured, m", "z_est, m", "weight", "share");
+  const auto fixed = [](const Comparison& value, int digits) {
+    return value.is_null() ? std::string("-") : print("%.*f", digits, value.get<double>());
+  };
+  for (const Comparison& point : returns)
+    text += print("%8s %6s %10s %-12s %12s %12s %10s %8s %8s\n", value_text(point["pulse"]).c_str(),
+                  value_text(point["pixel"]).c_str(), fixed(point["t_s"], 6).c_str(),
+                  point["status"].get<std::string>().c_str(), fixed(point["range_true_m"], 4).c_str(),
+                  fixed(point["range_measured_m"], 4).c_str(), fixed(point["z_est_m"], 4).c_str(),
+                  fixed(point["weight"], 4).c_str(), fixed(point["share"], 4).c_str());
+  return returns.empty() ? "\nno return of the scan lies in this bin\n" : text;
+}
+
+}  // namespace
+
+std::string comparison_text(const Comparison& json) {
+  std::string text = "two files of kind " + json["kind"].get<std::string>() +
+                     (json["same_file_id"].get<bool>() ? ", made in the same way\n" : "\n") +
+                     side_line("A", json["a"]) + side_line("B", json["b"]) +
+                     configuration_lines(json["configuration"]);
+  if (json.contains("requirements")) text += requirement_lines(json["requirements"]);
+  if (json.contains("metrics")) text += metric_lines(json["metrics"]);
+  if (json.contains("pairs")) text += pair_lines(json["pairs"]);
+  if (json.contains("same_seeds") && !json["same_seeds"].get<bool>())
+    text += "\nthe draws have other seeds in B: they are not compared in pairs\n";
+  if (json.contains("layers")) text += layer_lines(json["layers"]);
+  if (json.contains("same_grid") && !json["same_grid"].get<bool>())
+    text += "\nthe grids differ: layers are not compared\n";
+  return shown_lines(text);
+}
+
+std::string bin_text(const Comparison& bin) {
+  std::string text = bin["file"].get<std::string>() + ": the bin at x " +
+                     print("%.10g", bin["x_m"].get<double>()) + " m, y " +
+                     print("%.10g", bin["y_m"].get<double>()) + " m (row " + value_text(bin["row"]) +
+                     ", column " + value_text(bin["column"]) + "; " +
+                     print("%g", bin["resolution_m"].get<double>()) + " m wide)\n\n";
+  for (const auto& [layer, value] : bin["layers"].items()) {
+    const std::string unit = bin["units"][layer].get<std::string>();
+    const std::string number =
+        value.is_number_float() ? print("%.8g", value.get<double>()) : value_text(value);
+    text += print("  %-16s %s%s\n", layer.c_str(), number.c_str(),
+                  unit.empty() || unit == "1" || value.is_null() ? "" : (" " + unit).c_str());
+  }
+  if (bin.contains("returns")) text += return_lines(bin["returns"]);
+  return shown_lines(text);
+}
+
+}  // namespace landfall::cli

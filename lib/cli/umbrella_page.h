@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <string>
+#include <vector>
+
+namespace landfall::cli {
+
+/// A command of `landfall`.
+struct CommandEntry {
+  const char* name;     ///< "info"
+  const char* tool;     ///< the program that it starts, "landfall-info"; empty if there is none
+  const char* summary;  ///< one line without a full stop
+};
+
+/// What `landfall help` prints.
+[[nodiscard]] std::string umbrella_help(const std::vector<CommandEntry>& commands);
+
+/// The man page of `landfall`.
+[[nodiscard]] std::string umbrella_manual(const std::vector<CommandEntry>& commands);
+
+/// The bash completion of `landfall`: the first word is a command, the others are completed as those of its
+/// tool, whose completion bash-completion loads on demand. Commands without a program complete file names,
+/// but a command of which `own` contains the function of completion_function() uses that.
+[[nodiscard]] std::string umbrella_completion(const std::vector<CommandEntry>& commands,
+                                              const std::string& own = "");
+
+}  // namespace landfall::cli

@@ -1,0 +1,280 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "files/comparison.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "base/error.h"
+#include "campaign/paired_rates.h"
+#include "evaluation/metrics.h"
+#include "evaluation/order_statistics.h"
+#include "files/contents.h"
+#include "files/draws_file.h"
+#include "files/file_description.h"
+#include "files/grid_file.h"
+
+namespace landfall {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+/// The values of a configuration or of metrics by their dotted paths. Arrays are values.
+using Leaves = std::vector<std::pair<std::string, Json>>;
+
+void add_leaves(const Json& json, const std::string& path, Leaves& leaves) {
+  if (!json.is_object() || json.empty()) {
+    if (!path.empty()) leaves.emplace_back(path, json);
+    return;
+  }
+  for (const auto& [key, value] : json.items())
+    add_leaves(value, path.empty() ? key : path + "." + key, leaves);
+}
+
+Leaves leaves_of(const Json& json) {
+  Leaves leaves;
+  add_leaves(json, "", leaves);
+  return leaves;
+}
+
+std::optional<Json> find(const Leaves& leaves, const std::string& path) {
+  const auto found = std::ranges::find(leaves, path, &Leaves::value_type::first);
+  return found == leaves.end() ? std::nullopt : std::optional(found->second);
+}
+
+/// The paths of both, those of `a` first.
+std::vector<std::string> paths_of(const Leaves& a, const Leaves& b) {
+  std::vector<std::string> paths;
+  for (const auto& [path, value] : a) paths.push_back(path);
+  for (const auto& [path, value] : b)
+    if (!find(a, path)) paths.push_back(path);
+  return paths;
+}
+
+/// The configurations of all steps by tool; of several steps of one tool those that follow get a number.
+std::vector<std::pair<std::string, Json>> configurations(const Json& description) {
+  std::vector<std::pair<std::string, Json>> steps;
+  std::map<std::string, int> count;
+  const Json chain = description.value("chain", Json::array());
+  for (const Json& step : chain) {
+    const std::string tool = step.value("tool", "");
+    const int number = ++count[tool];
+    Json config = step.value("config", Json());
+    if (step.contains("options") && step["options"].is_object()) config["--"] = step["options"];
+    steps.emplace_back(number == 1 ? tool : tool + " " + std::to_string(number), std::move(config));
+  }
+  return steps;
+}
+
+Json config_of_step(const std::vector<std::pair<std::string, Json>>& steps, const std::string& tool) {
+  const auto found = std::ranges::find(steps, tool, &std::pair<std::string, Json>::first);
+  return found == steps.end() ? Json() : found->second;
+}
+
+/// The keys that differ; a key that one of the files does not have has no value there.
+Json configuration_json(const Json& a, const Json& b) {
+  const auto steps_a = configurations(a);
+  const auto steps_b = configurations(b);
+  std::vector<std::string> tools;
+  for (const auto& steps : {steps_a, steps_b})
+    for (const auto& [tool, config] : steps)
+      if (std::ranges::find(tools, tool) == tools.end()) tools.push_back(tool);
+  Json differing = Json::array();
+  for (const std::string& tool : tools) {
+    const Leaves leaves_a = leaves_of(config_of_step(steps_a, tool));
+    const Leaves leaves_b = leaves_of(config_of_step(steps_b, tool));
+    for (const std::string& path : paths_of(leaves_a, leaves_b)) {
+      const std::optional<Json> in_a = find(leaves_a, path);
+      const std::optional<Json> in_b = find(leaves_b, path);
+      if (in_a == in_b) continue;
+      Json entry = {{"tool", tool}, {"key", path}};
+      if (in_a) entry["a"] = *in_a;
+      if (in_b) entry["b"] = *in_b;
+      differing.push_back(std::move(entry));
+    }
+  }
+  return differing;
+}
+
+/// The numbers of two objects side by side; arrays and texts are left out.
+Json numbers_json(const Json& a, const Json& b) {
+  const Leaves leaves_a = leaves_of(a);
+  const Leaves leaves_b = leaves_of(b);
+  const auto is_number = [](const std::optional<Json>& value) {
+    return value && (value->is_number() || value->is_null());
+  };
+  Json numbers = Json::array();
+  for (const std::string& path : paths_of(leaves_a, leaves_b)) {
+    const std::optional<Json> in_a = find(leaves_a, path);
+    const std::optional<Json> in_b = find(leaves_b, path);
+    if (path == "version" || !(is_number(in_a) || is_number(in_b))) continue;
+    const Json value_a = is_number(in_a) ? *in_a : Json();
+    const Json value_b = is_number(in_b) ? *in_b : Json();
+    Json entry = {{"metric", path}, {"a", value_a}, {"b", value_b}, {"difference", nullptr}};
+    if (value_a.is_number() && value_b.is_number())
+      entry["difference"] = value_b.get<double>() - value_a.get<double>();
+    numbers.push_back(std::move(entry));
+  }
+  return numbers;
+}
+
+Json requirements_json(const Json& a, const Json& b) {
+  Json all = Json::array();
+  for (const char* const section : {"requirements", "own_requirements"}) {
+    const Json in_a = a.value(section, Json::object());
+    const Json in_b = b.value(section, Json::object());
+    std::vector<std::string> names;
+    for (const Json& side : {in_a, in_b})
+      for (const auto& [name, requirement] : side.items())
+        if (std::ranges::find(names, name) == names.end()) names.push_back(name);
+    for (const std::string& name : names)
+      all.push_back({{"name", name}, {"a", in_a.value(name, Json())}, {"b", in_b.value(name, Json())}});
+  }
+  return all;
+}
+
+/// The statistics of B - A where both have a value.
+Json difference_json(const Grid<double>& a, const Grid<double>& b) {
+  const std::size_t size = a.spec().size();
+  const auto difference = [&](std::size_t i) { return b.values()[i] - a.values()[i]; };
+  CountedSum sum;
+  double largest = 0;
+  std::int64_t only_a = 0;
+  std::int64_t only_b = 0;
+  for (std::size_t i = 0; i < size; ++i) {
+    const bool in_a = std::isfinite(a.values()[i]);
+    const bool in_b = std::isfinite(b.values()[i]);
+    only_a += in_a && !in_b ? 1 : 0;
+    only_b += in_b && !in_a ? 1 : 0;
+    if (!in_a || !in_b) continue;
+    sum.add(difference(i));
+    largest = std::max(largest, std::abs(difference(i)));
+  }
+  Json json = {{"valid_both", sum.count}, {"only_a", only_a}, {"only_b", only_b}};
+  for (const char* const key : {"mean", "std", "nmad", "p05", "p50", "p95", "max_abs"}) json[key] = nullptr;
+  if (sum.count == 0) return json;
+  const double mean = sum.mean();
+  double squares = 0;
+  for (std::size_t i = 0; i < size; ++i)
+    if (const double d = difference(i); std::isfinite(d)) squares += (d - mean) * (d - mean);
+  const auto quantile = [&](double q) { return quantile_of(size, difference, q).value(); };
+  const double median = quantile(0.5);
+  const auto deviation = [&](std::size_t i) { return std::abs(difference(i) - median); };
+  json["mean"] = mean;
+  json["std"] = std::sqrt(squares / static_cast<double>(sum.count));
+  json["nmad"] = 1.4826 * quantile_of(size, deviation, 0.5).value();
+  json["p05"] = quantile(0.05);
+  json["p50"] = median;
+  json["p95"] = quantile(0.95);
+  json["max_abs"] = largest;
+  return json;
+}
+
+/// Layers of names and classes, whose differences mean nothing, are counted where they differ.
+bool is_class(const ContentInfo& layer) { return layer.type == h5::Type::int8 || layer.name == "hole_id"; }
+
+Json class_json(const Grid<double>& a, const Grid<double>& b) {
+  std::int64_t differing = 0;
+  for (std::size_t i = 0; i < a.spec().size(); ++i) differing += a.values()[i] != b.values()[i] ? 1 : 0;
+  return {{"bins", a.spec().size()}, {"differing", differing}};
+}
+
+/// Adds the layers that both have, or why there are none.
+void add_layers(Json& json, const LandfallFileReader& a, const LandfallFileReader& b,
+                const ProgressCallback& progress) {
+  if (!has_grid(a) || !has_grid(b)) return;
+  const GridLayerReader grid_a(a);
+  const GridLayerReader grid_b(b);
+  json["same_grid"] = grid_a.spec() == grid_b.spec();
+  if (grid_a.spec() != grid_b.spec()) return;
+  json["layers"] = Json::array();
+  const std::vector<ContentInfo> layers = layers_of(a, grid_a.spec());
+  const std::vector<ContentInfo> others = layers_of(b, grid_b.spec());
+  std::size_t done = 0;
+  for (const ContentInfo& layer : layers) {
+    report(progress, static_cast<double>(done++) / static_cast<double>(layers.size()));
+    if (std::ranges::find(others, layer.name, &ContentInfo::name) == others.end()) continue;
+    const Grid<double> values_a = grid_a.read<double>(layer.name);
+    const Grid<double> values_b = grid_b.read<double>(layer.name);
+    Json entry = {{"layer", layer.name}, {"unit", layer.units}};
+    entry.update(is_class(layer) ? class_json(values_a, values_b) : difference_json(values_a, values_b));
+    json["layers"].push_back(std::move(entry));
+  }
+}
+
+Json pair_json(const std::string& name, const std::vector<double>& a, const std::vector<double>& b) {
+  PairedCounts counts;  // A is the file's B: the difference is B - A
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    const bool in_a = a[i] == 1;
+    const bool in_b = b[i] == 1;
+    ++(in_a ? (in_b ? counts.both : counts.only_b) : (in_b ? counts.only_a : counts.neither));
+  }
+  const ProbabilityDifference difference = newcombe_difference(counts);
+  return {{"name", name},
+          {"both", counts.both},
+          {"only_a", counts.only_b},
+          {"only_b", counts.only_a},
+          {"neither", counts.neither},
+          {"mcnemar_p", mcnemar_p(counts)},
+          {"difference", {{"value", difference.value}, {"low", difference.low}, {"high", difference.high}}}};
+}
+
+/// The outcomes of draws that can be paired, by name.
+std::vector<std::pair<std::string, std::vector<double>>> outcomes(const DrawTable& table) {
+  std::vector<std::pair<std::string, std::vector<double>>> all;
+  for (const RequirementInfo& info : kRequirementInfo)
+    all.emplace_back(info.name, pass_column(table, info.name).values);
+  all.emplace_back("all", std::vector<double>(table.pass.begin(), table.pass.end()));
+  for (const char* const name : {"site.true_safe", "landing.safe", "blind.safe"})
+    if (const DrawColumn* const column = find_metric(table, name)) all.emplace_back(name, column->values);
+  return all;
+}
+
+void add_draws(Json& json, const std::filesystem::path& a, const std::filesystem::path& b) {
+  const DrawTable table_a = read_draws(a).draws.table;
+  const DrawTable table_b = read_draws(b).draws.table;
+  json["same_seeds"] = table_a.seeds == table_b.seeds;
+  if (table_a.seeds != table_b.seeds) return;
+  json["draws"] = table_a.size();
+  json["pairs"] = Json::array();
+  const auto outcomes_b = outcomes(table_b);
+  for (const auto& [name, values] : outcomes(table_a)) {
+    const auto other = std::ranges::find(outcomes_b, name, [](const auto& outcome) { return outcome.first; });
+    if (other != outcomes_b.end()) json["pairs"].push_back(pair_json(name, values, other->second));
+  }
+}
+
+}  // namespace
+
+Json compare_files(const std::filesystem::path& a, const std::filesystem::path& b,
+                   const ProgressCallback& progress) {
+  const Json of_a = describe_file(a, {.statistics = false});
+  const Json of_b = describe_file(b, {.statistics = false});
+  if (of_a["kind"] != of_b["kind"])
+    throw UsageError("--compare needs two files of one kind: " + a.string() + " is a " +
+                     of_a["kind"].get<std::string>() + ", " + b.string() + " a " +
+                     of_b["kind"].get<std::string>());
+  Json json = {{"kind", of_a["kind"]},
+               {"a", {{"file", a.string()}, {"file_id", of_a["file_id"]}}},
+               {"b", {{"file", b.string()}, {"file_id", of_b["file_id"]}}},
+               {"same_file_id", of_a["file_id"] == of_b["file_id"]},
+               {"configuration", configuration_json(of_a, of_b)}};
+  for (const char* const part : {"scan", "metrics", "score", "plan"}) {
+    if (!of_a.contains(part) || !of_b.contains(part)) continue;
+    const Json requirements = requirements_json(of_a[part], of_b[part]);
+    if (!requirements.empty()) json["requirements"] = requirements;
+    json["metrics"] = numbers_json(of_a[part], of_b[part]);
+  }
+  if (of_a["kind"] == "draws") {
+    json["metrics"] = numbers_json(of_a["verdict"], of_b["verdict"]);
+    add_draws(json, a, b);
+  }
+  add_layers(json, LandfallFileReader(a, kLandfallKinds), LandfallFileReader(b, kLandfallKinds), progress);
+  return json;
+}
+
+}  // namespace landfall

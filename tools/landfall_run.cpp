@@ -1,0 +1,241 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// landfall run: the whole chain from one configuration.
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <filesystem>
+#include <functional>
+#include <iostream>
+#include <map>
+#include <optional>
+#include <sstream>
+#include <vector>
+
+#include "cli/chain.h"
+#include "cli/tool.h"
+#include "config/chain_config.h"
+#include "config/stage_sections.h"
+#include "files/landfall_file.h"
+#include "output/output_path.h"
+#include "tools.h"
+
+namespace landfall {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr const char* kExamples = R"(Examples:
+  landfall run -c preset:paper -o paper
+  landfall run -c chain.json -o site --set scan.noise.range_sigma_m=0.02
+  landfall run -c chain.json --from moon.tif --center 3800,3380 -o moon
+  landfall run -c chain.json -o site --require-pass --require-safe
+  landfall run -c chain.json -o site --print-commands
+Exit status 3: --require-pass is given, and a requirement is missed or cannot
+be judged; or --require-safe is given, and no site is safe enough.
+Configuration: --print-schema, man landfall-run, docs/user/landfall.md.)";
+
+constexpr const char* kDescription =
+    R"(Runs terrain-gen, scan-sim, regrid, dem-eval and hazard-map from one configuration, whose sections terrain, scan, regrid, eval and hazard are those of the tools. The folder of -o gets terrain.h5, scan.h5, dem.h5, eval.h5, metrics.json, report.html, hazards.h5, sites.json and hazards.html, each with the bytes that the single tool writes, and the tables of requirements and landing sites are printed.
+
+A stage of the folder whose inputs have not changed is not run again; one whose inputs have changed is replaced. A file of such a name that this command did not make is refused without -O. After a failure the finished stages remain.)";
+
+struct Options {
+  std::string from, center;
+  bool require_pass = false;
+  bool require_safe = false;
+  bool print_commands = false;
+  bool replaces_terrain = false;  ///< --from, and the configuration has a section terrain
+};
+
+void bind(CLI::App& app, Options& o) {
+  CLI::Option* const from =
+      app.add_option("--from", o.from, "Raster to import, in place of the section terrain")
+          ->type_name("FILE");
+  app.add_option("--center", o.center,
+                 "Site centre in the CRS of the raster; default: the middle of the raster")
+      ->type_name("X,Y")
+      ->needs(from);
+  app.add_flag("--require-pass", o.require_pass, "Exit with 3 unless every requirement of dem-eval passes");
+  app.add_flag("--require-safe", o.require_safe,
+               "Exit with 3 unless a site has a p_touchdown of at least hazard.sites.min_p");
+  app.add_flag("--print-commands", o.print_commands,
+               "Print the commands of the single tools and run nothing");
+}
+
+/// Sections of --set may be presets too.
+void complete(JsonSource& source, Options& o) {
+  expand_stage_sections(source);
+  if (!o.from.empty()) o.replaces_terrain = source.value.erase("terrain") > 0;
+  fill_area(source.value, true);
+}
+
+cli::ChainRequest request_of(const cli::Session& session, const Options& o) {
+  const fs::path folder = session.options().output_path;
+  if (folder.empty()) throw UsageError("-o/--output is required: the folder of the outputs");
+  return {folder, o.from, o.center, o.require_pass, o.require_safe};
+}
+
+void make_folder(const fs::path& folder) {
+  std::error_code failure;
+  if (fs::exists(folder) && !fs::is_directory(folder))
+    throw UsageError("output " + folder.string() + " exists and is not a folder");
+  fs::create_directory(folder, failure);
+  if (failure)
+    throw UsageError("output " + folder.string() + ": cannot make this folder: " + failure.message());
+}
+
+/// The options of this run that its tools take too. Log and progress go to one terminal and one file.
+std::vector<std::string> shared_options(const cli::CommonOptions& common) {
+  std::vector<std::string> words = {"-t", std::to_string(common.threads), "--compression",
+                                    std::to_string(common.compression)};
+  if (common.quiet) words.emplace_back("-q");
+  if (common.verbose) words.emplace_back("-v");
+  if (common.progress) words.emplace_back(*common.progress ? "--progress" : "--no-progress");
+  if (common.record_environment) words.emplace_back("--record-environment");
+  if (!common.log_path.empty()) words.insert(words.end(), {"--log", common.log_path});
+  return words;
+}
+
+/// Collects what is written to standard output.
+class CapturedOutput {
+ public:
+  CapturedOutput() : before_(std::cout.rdbuf(text_.rdbuf())) {}
+  ~CapturedOutput() { std::cout.rdbuf(before_); }
+  CapturedOutput(const CapturedOutput&) = delete;
+  CapturedOutput& operator=(const CapturedOutput&) = delete;
+  [[nodiscard]] std::string text() const { return text_.str(); }
+
+ private:
+  std::ostringstream text_;
+  std::streambuf* before_;
+};
+
+ToolFunction* function_of(const std::string& tool) {
+  static const std::map<std::string, ToolFunction*> functions = {{"terrain-gen", terrain_gen},
+                                                                 {"scan-sim", scan_sim},
+                                                                 {"regrid", regrid},
+                                                                 {"dem-eval", dem_eval},
+                                                                 {"hazard-map", hazard_map}};
+  return functions.at(tool);
+}
+
+/// The result of a stage.
+struct StageResult {
+  ExitCode code = ExitCode::done;
+  bool kept = false;
+  std::string table;
+};
+
+StageResult run_tool(const cli::ChainStage& stage, const std::vector<std::string>& options, bool keep_same) {
+  std::vector<const char*> argv = {stage.tool.c_str()};
+  for (const std::string& word : stage.arguments) argv.push_back(word.c_str());
+  for (const std::string& word : options) argv.push_back(word.c_str());
+  cli::Invocation invocation{.keep_same = keep_same};
+  const CapturedOutput output;
+  const int code = function_of(stage.tool)(static_cast<int>(argv.size()), argv.data(), &invocation);
+  return {static_cast<ExitCode>(code), invocation.kept, output.text()};
+}
+
+/// Runs a stage unless its outputs are those that it would make.
+StageResult run_stage(const cli::Session& session, const cli::ChainStage& stage, cli::ChainRecord& record) {
+  const auto is_own = [&](const fs::path& path) { return record.is_own(path); };
+  const auto is_foreign = [&](const fs::path& path) { return record.is_foreign(path); };
+  const bool sides_are_own = std::ranges::all_of(stage.side_outputs, is_own);
+  const bool has_foreign =
+      record.is_foreign(stage.output) || std::ranges::any_of(stage.side_outputs, is_foreign);
+  const bool is_judged = stage.requirement.empty() || record.has_met(stage);
+  std::vector<std::string> options = shared_options(session.options());
+  if (session.options().overwrite || !has_foreign) options.emplace_back("-O");
+  if (!stage.requirement.empty()) options.push_back(stage.requirement);
+  StageResult result = run_tool(stage, options, sides_are_own && is_judged);
+  if (result.kept) result.table = record.table(stage);
+  const bool is_done = result.code == ExitCode::done || result.code == ExitCode::requirement_missed;
+  if (is_done && (!result.kept || !record.is_own(stage.output))) {
+    std::optional<bool> met;
+    if (!stage.requirement.empty()) met = result.code == ExitCode::done;
+    record.add(stage, result.table, met);
+  }
+  return result;
+}
+
+/// Whether the tool itself can decide about an existing output: by its file_id.
+bool has_file_id(const fs::path& output) {
+  try {
+    return fs::exists(output) && is_landfall_file(output);
+  } catch (const FormatError&) {  // damaged
+    return false;
+  }
+}
+
+/// Refuses before the work what a stage would refuse after that of others.
+void require_own(const cli::Session& session, const std::vector<cli::ChainStage>& stages,
+                 const cli::ChainRecord& record) {
+  std::vector<std::string> inputs = session.options().config_names;
+  inputs.push_back(session.options().log_path);
+  for (const cli::ChainStage& stage : stages) {
+    std::vector<fs::path> outputs = stage.side_outputs;
+    outputs.push_back(stage.output);
+    for (const fs::path& output : outputs) {
+      for (const std::string& input : inputs)
+        if (!input.empty() && input != "-" && same_file(output, input))
+          throw UsageError("output " + output.string() + " is an input of this run; name another folder");
+      const bool is_decided_later = output == stage.output && has_file_id(output);
+      if (!session.options().overwrite && !is_decided_later && record.is_foreign(output))
+        throw UsageError("output " + output.string() +
+                         " exists, and landfall run did not make it; use -O to overwrite it");
+    }
+  }
+}
+
+ExitCode run(cli::Session& session, const Options& o) {
+  const cli::ChainRequest request = request_of(session, o);
+  const std::vector<cli::ChainStage> stages = cli::chain_stages(session.config(), request);
+  if (o.print_commands) {
+    for (const cli::ChainStage& stage : stages) std::cout << cli::shell_command(stage) << '\n';
+    return ExitCode::done;
+  }
+  if (o.replaces_terrain) session.warn("--from replaces the section terrain of " + session.config_name());
+  make_folder(request.folder);
+  cli::ChainRecord record(request.folder);
+  require_own(session, stages, record);
+  ExitCode verdict = ExitCode::done;
+  nlohmann::json summary = nlohmann::json::object();
+  std::string gap;
+  for (const cli::ChainStage& stage : stages) {
+    const double start_s = session.elapsed_s();
+    const StageResult result = run_stage(session, stage, record);
+    if (result.code != ExitCode::done && result.code != ExitCode::requirement_missed) {
+      session.conclude(stage.output.string() + " was not made; the finished stages remain", true);
+      return result.code;
+    }
+    if (result.code == ExitCode::requirement_missed) verdict = result.code;
+    if (result.kept) session.conclude(stage.output.string() + " is up to date");
+    summary[stage.tool] = {{"made", !result.kept}, {"wall_s", session.elapsed_s() - start_s}};
+    if (result.table.empty() || session.options().json_summary) continue;
+    std::cout << gap << result.table << std::flush;
+    gap = "\n";
+  }
+  session.count("stages", summary);
+  return verdict;
+}
+
+}  // namespace
+
+int landfall_run(int argc, const char* const* argv, cli::Invocation* invocation) {
+  Options options;
+  cli::Tool tool;
+  tool.name = "landfall run";
+  tool.summary = "Runs the whole chain, from the terrain to the landing sites, from one configuration.";
+  tool.description = kDescription;
+  tool.examples = kExamples;
+  tool.schema = "chain";
+  tool.writes_folder = true;
+  tool.bind = [&](CLI::App& app) { bind(app, options); };
+  tool.complete = [&](JsonSource& source) { complete(source, options); };
+  tool.check = [&](const cli::Session& session) {
+    check_chain_config(session.config(), session.config_name(), !options.from.empty());
+  };
+  tool.run = [&](cli::Session& session) { return run(session, options); };
+  return cli::tool_main(argc, argv, tool, invocation);
+}
+
+}  // namespace landfall
