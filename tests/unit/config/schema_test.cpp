@@ -141,7 +141,9 @@ void expect_known_keywords(const Json& schema) {
     if (key == "properties" || key == "definitions")
       for (const auto& [name, sub] : value.items()) expect_known_keywords(sub);
     if (key == "items" || (key == "additionalProperties" && value.is_object())) expect_known_keywords(value);
-    if (key == "minLength") EXPECT_EQ(value, 1);
+    if (key == "minLength") {
+      EXPECT_EQ(value, 1);
+    }
     if (key == "oneOf")
       for (const Json& sub : value) expect_known_keywords(sub);
   }
