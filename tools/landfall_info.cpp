@@ -138,7 +138,7 @@ ExitCode describe_files(cli::Session& session, const Options& o) {
   return code;
 }
 
-/// What --compare and --at print.
+/// The output of --compare and --at.
 template <class Text>
 ExitCode print_json(const Options& o, const nlohmann::ordered_json& json, const Text& text) {
   std::cout << (o.json ? shown_lines(json.dump(2)) + "\n" : text(json));

@@ -8,7 +8,7 @@
 
 namespace landfall {
 
-/// What the draws of a campaign share.
+/// The inputs that the draws of a campaign share.
 struct CampaignScene {
   TrueRanges truth;  ///< one range per pixel and pulse, and its echo if the receiver sees waveforms; empty
                      ///< for draws that trace

@@ -31,7 +31,7 @@ Grid<double> in_double(const Grid<float>& layer) {
   return result;
 }
 
-/// What dem-eval says about the 1-sigma layers of a DEM: its errors are those of its file.
+/// The metrics of dem-eval for the 1-sigma layers of a DEM: its errors are those of its file.
 UncertaintyMetrics assess(SigmaLayers sigma, const DrawnDem& dem, const TerrainSurface& ground,
                           const EvaluationParameters& parameters, const BinMask& region) {
   const GridSpec& grid = region.spec();

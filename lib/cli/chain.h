@@ -12,7 +12,7 @@
 
 namespace landfall::cli {
 
-/// What the options of `landfall run` ask for beside the configuration.
+/// The wishes that the options of `landfall run` express beside the configuration.
 struct ChainRequest {
   std::filesystem::path folder;
   std::string from;    ///< a raster in place of the terrain's section

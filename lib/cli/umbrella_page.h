@@ -13,7 +13,7 @@ struct CommandEntry {
   const char* summary;  ///< one line without a full stop
 };
 
-/// What `landfall help` prints.
+/// The text of `landfall help`.
 [[nodiscard]] std::string umbrella_help(const std::vector<CommandEntry>& commands);
 
 /// The man page of `landfall`.

@@ -50,7 +50,7 @@ struct TerrainInput : TerrainIdentity {
   std::shared_ptr<const TerrainSurface> surface{};
   std::shared_ptr<const TriangulatedGrid> grid{};  ///< the surface of a gridded terrain; else null
   std::shared_ptr<const TriangleMesh> mesh{};      ///< the surface of a mesh terrain; else null
-  /// Of a terrain made in memory that has one; open_albedo() opens that of a file.
+  /// The albedo of a terrain made in memory, if it has one; open_albedo() opens that of a file.
   std::shared_ptr<const SurfaceAlbedo> albedo{};
 };
 

@@ -10,13 +10,13 @@
 
 namespace landfall {
 
-/// Where the lander touches down, and the yaw of its leg 0 from +x to +y.
+/// The place where the lander touches down, and the yaw of its leg 0 from +x to +y.
 struct Touchdown {
   double x_m = 0, y_m = 0;
   double yaw_deg = 0;
 };
 
-/// What a touchdown meets on the true ground.
+/// A touchdown, judged on the true ground.
 struct Landing {
   Touchdown touchdown;
   double slope_deg = 0;    ///< NaN where a pad or the body is over no ground

@@ -168,7 +168,7 @@ class DrawLoop {
   }
 
  private:
-  /// What the sequential test counts.
+  /// The draws that the sequential test counts.
   [[nodiscard]] bool is_success(const DrawTable& table, std::int64_t row) const {
     const auto at = static_cast<std::size_t>(row);
     return scans_.config().tests_landing() ? find_metric(table, kLandingSafe)->values[at] == 1
