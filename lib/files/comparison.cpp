@@ -12,7 +12,7 @@
 #include "base/error.h"
 #include "campaign/paired_rates.h"
 #include "evaluation/metrics.h"
-#include "evaluation/order_statistics.h"
+#include "evaluation/quantile/order_statistics.h"
 #include "files/contents.h"
 #include "files/draws_file.h"
 #include "files/file_description.h"

@@ -4,7 +4,7 @@
 #include <memory>
 #include <utility>
 
-#include "geometry/parameter_check.h"
+#include "geometry/vector_check.h"
 #include "geometry/rotation.h"
 #include "trajectory/trajectory.h"
 
