@@ -4,19 +4,23 @@
 
 usage: check_unity.py REPOSITORY
 
-Which units share an object, and in which order, changes with each new file: so any two units of a library are compared, and
-each with the constants of the library's headers. Functions may share a name where the numbers of their parameters differ,
-aliases where they are equal. A name that collides in another way is seen by the compiler of preset release alone.
+Which units share an object, and in which order, changes with each new file: so any two units of a library, or of a program of unit
+tests, are compared, and each with the constants, types and inline functions of its headers. Functions may share a name where the
+numbers of their parameters differ, aliases where they are equal. A name that collides in another way is seen by the compiler of preset
+release alone.
 """
 import collections
 import pathlib
 import re
 import sys
 
-TARGET = re.compile(r"(?:landfall_library\((?=\w+\s+UNITY\b)|landfall_unity_groups\()(\w+)(.*?)\)", re.S)
+TARGET = re.compile(r"(?:landfall_library\((?=\w+\s+UNITY\b)|landfall_unity_groups\(|landfall_gtest\()(\w+)(.*?)\)", re.S)
 SETTING = re.compile(r"set\((\w+)([^)]*)\)")
+INCLUDE = re.compile(r'^#include "([^"]+)"', re.M)
+TEST = re.compile(r"TEST(?:_F|_P)?\(\s*(\w+),\s*(\w+)\s*\)|INSTANTIATE_TEST_SUITE_P\(\s*(\w+),\s*(\w+),")
 HEADER_CONSTANT = re.compile(r"^inline constexpr \S+ (k\w+)", re.M)
 HEADER_TYPE = re.compile(r"^(?:enum class|enum|struct|class) (\w+)(?: final)?(?: :[^;{]*)? \{", re.M)
+HEADER_FUNCTION = re.compile(r"^inline [^=(]*?(\w+)\(", re.M)
 FUNCTION = re.compile(r"(?:[^=(]|operator\W+)*\([^;]*\)[^;]*\{\}$")  # with its body
 NOISE = re.compile(r"""//[^\n]*|/\*.*?\*/|^[ \t]*\#(?:\\\n|[^\n])*  # comments, preprocessor
                        |(?P<literal>R"(?P<mark>\w*)\(.*?\)(?P=mark)"|"(?:\\.|[^"\\\n])*"|(?<!\w)'(?:\\.|[^'\\\n])+')""", re.S | re.M | re.X)
@@ -38,6 +42,11 @@ def count_to_bracket(text: str):
     return count, ""
 
 
+def complete_function(declaration: str) -> bool:
+    """Whether it ends with the body of a function, not with that of a lambda among the arguments of a macro."""
+    return declaration.count("(") == declaration.count(")") and bool(FUNCTION.match(declaration))
+
+
 def declarations(text: str):
     """(enclosing namespace, declaration) of the unnamed namespaces, with {} for what stands in braces."""
     for opening in re.finditer(r"\bnamespace\s*\{", text):
@@ -49,13 +58,15 @@ def declarations(text: str):
                 break
             if depth == 1 and character != ";" or depth == 2 and character == "{":
                 declaration += character
-            if depth == 1 and (character == ";" or character == "}" and FUNCTION.match(declaration)):
-                yield enclosing[-1], " ".join(declaration.split())
+            if depth == 1 and (character == ";" or character == "}" and complete_function(declaration)):
+                yield enclosing[-1] if enclosing else "", " ".join(declaration.split())
                 declaration = ""
 
 
 def meaning(text: str):
     """The name that a declaration introduces, and its kind with what tells it from others of that name."""
+    if match := TEST.match(text):
+        return "_".join(filter(None, match.groups())), ("test",)
     while match := re.match(r"template\s*<", text):
         text = count_to_bracket(text[match.end():])[1].strip()
     if match := re.match(r"(?:using|namespace) (\w+) =", text) or re.match(r"using .*?(\w+)$", text):
@@ -71,6 +82,11 @@ def collide(one, other) -> bool:
     return one[0] != other[0] or (one != other if one[0] == "alias" else one == other)
 
 
+def names_other(what) -> bool:
+    """Whether it is a using-declaration, which gives a header's name no other meaning."""
+    return what[0] == "alias" and "=" not in what[1]
+
+
 def collisions(library: str, files, headers):
     known = collections.defaultdict(list)
     for header in headers:
@@ -78,6 +94,8 @@ def collisions(library: str, files, headers):
             known[name].append((header, ("variable",)))
         for name in HEADER_TYPE.findall(header.read_text()):
             known[name].append((header, ("type",)))
+        for match in HEADER_FUNCTION.finditer(header.read_text()):
+            known[match[1]].append((header, ("function", count_to_bracket(header.read_text()[match.end():])[0])))
     for file in files:
         for namespace, declaration in declarations(without_noise(file.read_text())):
             if declaration.startswith("static_assert"):
@@ -85,21 +103,28 @@ def collisions(library: str, files, headers):
             name, what = meaning(declaration)
             # A header's constant is known by its name alone.
             for other, other_what in known[name] + known[namespace, name]:
-                if other != file and collide(what, other_what):
+                if other != file and collide(what, other_what) and not (other in headers and names_other(what)):
                     yield f"{library}: {name} stands in {other} and in {file}"
             known[namespace, name].append((file, what))
 
 
+def shared_headers(folder: pathlib.Path, files):
+    """The headers of a folder, and those of other folders of unit tests that the files include."""
+    included = {folder.parent / name for file in files for name in INCLUDE.findall(file.read_text())}
+    return sorted({*folder.rglob("*.h"), *(header for header in included if header.exists())})
+
+
 def violations(root: pathlib.Path):
-    for list_file in sorted(root.glob("lib/*/CMakeLists.txt")):
-        text = re.sub(r"#.*", "", list_file.read_text())
+    for list_file in sorted([*root.glob("lib/*/CMakeLists.txt"), *root.glob("tests/unit/*/CMakeLists.txt")]):
+        text = re.sub(r"#.*", "", list_file.read_text()).replace("${CMAKE_SOURCE_DIR}", str(root.resolve()))
         for name, value in SETTING.findall(text):
             text = text.replace("${" + name + "}", value)
         for library, arguments in TARGET.findall(text):
             sources = re.search(r"SOURCES\b(.*?)(\bLINKS|$)", arguments, re.S)
-            alone = re.search(r"ALONE((?:\s+[\w/]+\.cpp)+)", arguments)
+            alone = re.search(r"ALONE((?:\s+[^\s)]+\.cpp)+)", arguments)
             together = [name for name in sources[1].split() if name.endswith(".cpp") and name not in (alone[1].split() if alone else [])]
-            yield from collisions(library, [list_file.parent / name for name in together], sorted(list_file.parent.rglob("*.h")))
+            files = [list_file.parent / name for name in together]
+            yield from collisions(library, files, shared_headers(list_file.parent, files))
 
 
 def main():

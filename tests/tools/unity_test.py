@@ -41,6 +41,7 @@ class Unity(unittest.TestCase):
                 ("constexpr auto k = g([](auto a) { return a; }, 1);\nint f() { return 0; }", "void f() {}")]:
             self.assertEqual(self.checked(one, other), 1, (one, other))
         self.assertEqual(self.checked("constexpr int kRows = 1;", "", header="inline constexpr int kRows = 2;\n"), 1)
+        self.assertEqual(self.checked("int f(int a) { return a; }", "", header="inline int f(int b) { return b; }\n"), 1)
         self.assertEqual(self.checked("struct Row {\n int a;\n};", "", header="struct Row {\n  int a;\n};\n"), 1)
 
     def test_names_that_do_not(self):
@@ -52,6 +53,16 @@ class Unity(unittest.TestCase):
                 ("static_assert(a == 1);", "static_assert(a == 1);")]:
             self.assertEqual(self.checked(one, other), 0, (one, other))
         self.assertEqual(self.checked("struct Row {\n int a;\n};", "", header="struct Row;\nclass Table {\n  struct Row {};\n};\n"), 0)
+        self.assertEqual(self.checked("using shared::Row;\nusing shared::f;", "", header="struct Row {};\ninline int f(int b) { return b; }\n"), 0)
+
+    def test_unit_tests(self):
+        for one, other, result in [
+                ("TEST(Row, Fits) { f(); }", "TEST_F(Row, Fits) { f(); }", 1),
+                ("TEST(Row, Fits) { f(); }", "TEST(Row, IsShort) { f(); }", 0),
+                ("INSTANTIATE_TEST_SUITE_P(All, Row, kRows, [](int i) { return i; });", "INSTANTIATE_TEST_SUITE_P(All, Row, kRows);", 1),
+                ("INSTANTIATE_TEST_SUITE_P(All, Row, kRows, [](int i) { return i; });\nint row = 1;", "int column = 1;", 0)]:
+            self.assertEqual(self.checked(one, other, "landfall_gtest(some SOURCES one.cpp other.cpp LINKS)"), result, (one, other))
+            self.assertEqual(self.checked(one, other, "landfall_gtest(some SOURCES one.cpp other.cpp LINKS ALONE one.cpp)"), 0)
 
     def test_only_units_that_are_compiled_together_matter(self):
         alone_first = "landfall_library(some UNITY ALONE {} SOURCES one.cpp other.cpp LINKS)"

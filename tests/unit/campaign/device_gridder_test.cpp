@@ -19,7 +19,7 @@
 namespace landfall {
 namespace {
 
-using ::testing::HasSubstr;
+using testing::HasSubstr;
 
 std::int64_t different(std::span<const double> a, std::span<const double> b) {
   std::int64_t count = a.size() == b.size() ? 0 : 1;

@@ -5,18 +5,17 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <vector>
 
 #include "base/error.h"
 #include "campaign/draw_layers.h"
+#include "constants.h"
 #include "evaluation/fail_flag.h"
 #include "hazards/safety.h"
 
 namespace landfall {
 namespace {
 
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 constexpr GridSpec kSpec{1, 0, 0, 1, 4};
 constexpr double kUnit_m = 0x1p-30;
 

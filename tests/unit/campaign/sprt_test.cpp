@@ -6,7 +6,6 @@
 
 #include <cmath>
 #include <functional>
-#include <limits>
 #include <map>
 #include <string>
 #include <utility>
@@ -14,6 +13,7 @@
 
 #include "../refusal.h"
 #include "binomial.h"
+#include "constants.h"
 
 namespace landfall {
 namespace {
@@ -205,7 +205,6 @@ TEST(SprtParameters, DefaultsAreAccepted) {
 }
 
 TEST(SprtParameters, LieBetweenTheirBounds) {
-  constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
   for (const double bad : {-1.0, 0.0, 1.0, 2.0, kNan}) {
     EXPECT_THAT(refusal_of([&](auto& a) { a.p0 = bad; }), testing::EndsWith(" is not in (0, 1)"));
     EXPECT_THAT(refusal_of([&](auto& a) { a.p1 = bad; }), testing::EndsWith(" is not in (0, p0)"));

@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "../refusal.h"
+#include "constants.h"
 
 namespace landfall {
 namespace {
@@ -168,20 +169,19 @@ std::string refusal_of(const Variation<double>& variation, std::size_t draws = 3
 }
 
 TEST(Variation, ParametersAreChecked) {
-  constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
-  constexpr double kInf = std::numeric_limits<double>::infinity();
   constexpr double kMost = std::numeric_limits<double>::max();
   EXPECT_EQ(refusal_of(NormalVariation{-1, 0}), "accepted");
   EXPECT_EQ(refusal_of(NormalVariation{0, -0.5}),
             "vary/scan.noise.range_bias_m/sigma: -0.5 is not finite and >= 0");
   EXPECT_EQ(refusal_of(NormalVariation{kNan, 1}), "vary/scan.noise.range_bias_m/mean: nan is not finite");
-  EXPECT_EQ(refusal_of(NormalVariation{0, kInf}),
+  EXPECT_EQ(refusal_of(NormalVariation{0, kInfinity}),
             "vary/scan.noise.range_bias_m/sigma: inf is not finite and >= 0");
   EXPECT_EQ(refusal_of(UniformVariation{2, 2}), "accepted");
   EXPECT_EQ(refusal_of(UniformVariation{2, 1}),
             "vary/scan.noise.range_bias_m/high: 1 is not finite and >= low");
-  EXPECT_EQ(refusal_of(UniformVariation{-kInf, 1}), "vary/scan.noise.range_bias_m/low: -inf is not finite");
-  for (const UniformVariation bad : {UniformVariation{0, kNan}, {0, kInf}, {-kMost, kMost}})
+  EXPECT_EQ(refusal_of(UniformVariation{-kInfinity, 1}),
+            "vary/scan.noise.range_bias_m/low: -inf is not finite");
+  for (const UniformVariation bad : {UniformVariation{0, kNan}, {0, kInfinity}, {-kMost, kMost}})
     EXPECT_NE(refusal_of(bad), "accepted");
 }
 

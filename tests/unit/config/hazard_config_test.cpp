@@ -20,7 +20,7 @@ HazardParameters parameters_of(const std::string& text) {
   return hazard_config(resolve_config({"h.json", nlohmann::json::parse(text)}, embedded_schema("hazard")));
 }
 
-std::string refusal(const std::string& text) {
+std::string hazard_refusal(const std::string& text) {
   try {
     static_cast<void>(parameters_of(text));
   } catch (const UsageError& error) {
@@ -29,7 +29,7 @@ std::string refusal(const std::string& text) {
   return "accepted";
 }
 
-void expect_equal(const HazardParameters& a, const HazardParameters& b) {
+void expect_equal_parameters(const HazardParameters& a, const HazardParameters& b) {
   EXPECT_EQ(a.lander.legs, b.lander.legs);
   EXPECT_EQ(a.lander.leg_radius_m, b.lander.leg_radius_m);
   EXPECT_EQ(a.lander.pad_diameter_m, b.lander.pad_diameter_m);
@@ -49,7 +49,7 @@ void expect_equal(const HazardParameters& a, const HazardParameters& b) {
   EXPECT_EQ(a.sites.min_p, b.sites.min_p);
 }
 
-TEST(HazardConfig, EmptyIsTheDefault) { expect_equal(parameters_of("{}"), HazardParameters{}); }
+TEST(HazardConfig, EmptyIsTheDefault) { expect_equal_parameters(parameters_of("{}"), HazardParameters{}); }
 
 TEST(HazardConfig, EachKeyHasItsMember) {
   const HazardParameters expected{
@@ -65,13 +65,14 @@ TEST(HazardConfig, EachKeyHasItsMember) {
       .z_sigma_m = 0.02,
       .touchdown_sigma_m = 2,
       .sites = {.count = 9, .separation_m = 6, .divert_radius_m = 20, .divert_weight = 0.3, .min_p = 0.9}};
-  expect_equal(parameters_of(
-                   R"({"lander": {"legs": 3, "leg_radius_m": 1.5, "pad_diameter_m": 0.4, "pad_height": "mean",
+  expect_equal_parameters(
+      parameters_of(
+          R"({"lander": {"legs": 3, "leg_radius_m": 1.5, "pad_diameter_m": 0.4, "pad_height": "mean",
           "body_radius_m": 1.2}, "method": "plane", "region_radius_m": 30,
           "limits": {"slope_deg": 12, "roughness_m": 0.5}, "hole_fill_bins": 7, "z_sigma_m": 0.02,
           "touchdown_sigma_m": 2, "sites": {"count": 9, "separation_m": 6, "divert_radius_m": 20,
           "divert_weight": 0.3, "min_p": 0.9}})"),
-               expected);
+      expected);
 }
 
 TEST(HazardConfig, EachMethodHasItsName) {
@@ -86,22 +87,26 @@ TEST(HazardConfig, EachMethodHasItsName) {
 
 TEST(HazardConfig, AnUnknownSigmaIsNull) {
   EXPECT_EQ(parameters_of(R"({"z_sigma_m": null})").z_sigma_m, std::nullopt);
-  EXPECT_THAT(refusal(R"({"z_sigma_m": 0})"), HasSubstr("h.json: /z_sigma_m: 0 is not in (0, 1000]"));
-  EXPECT_THAT(refusal(R"({"z_sigma_m": "x"})"), HasSubstr("expected number or null"));
+  EXPECT_THAT(hazard_refusal(R"({"z_sigma_m": 0})"), HasSubstr("h.json: /z_sigma_m: 0 is not in (0, 1000]"));
+  EXPECT_THAT(hazard_refusal(R"({"z_sigma_m": "x"})"), HasSubstr("expected number or null"));
 }
 
 TEST(HazardConfig, ValuesOutOfBoundsAreRefused) {
-  EXPECT_THAT(refusal(R"({"lander": {"legs": 5}})"), HasSubstr("h.json: /lander/legs: 5 is not in [3, 4]"));
-  EXPECT_THAT(refusal(R"({"lander": {"pad_diameter_m": 0}})"), HasSubstr("/lander/pad_diameter_m: 0 is not"));
-  EXPECT_THAT(refusal(R"({"limits": {"slope_deg": 0}})"),
+  EXPECT_THAT(hazard_refusal(R"({"lander": {"legs": 5}})"),
+              HasSubstr("h.json: /lander/legs: 5 is not in [3, 4]"));
+  EXPECT_THAT(hazard_refusal(R"({"lander": {"pad_diameter_m": 0}})"),
+              HasSubstr("/lander/pad_diameter_m: 0 is not"));
+  EXPECT_THAT(hazard_refusal(R"({"limits": {"slope_deg": 0}})"),
               HasSubstr("/limits/slope_deg: 0 is not in (0, 90]"));
-  EXPECT_THAT(refusal(R"({"limits": {"roughness_m": -1}})"), HasSubstr("/limits/roughness_m: -1 is not"));
-  EXPECT_THAT(refusal(R"({"method": "median"})"), HasSubstr("/method: \"median\" is not one of"));
-  EXPECT_THAT(refusal(R"({"region_radius_m": 0})"), HasSubstr("/region_radius_m: 0 is not"));
-  EXPECT_THAT(refusal(R"({"hole_fill_bins": -1})"), HasSubstr("/hole_fill_bins: -1 is not"));
-  EXPECT_THAT(refusal(R"({"sites": {"count": 0}})"), HasSubstr("/sites/count: 0 is not"));
-  EXPECT_THAT(refusal(R"({"sites": {"min_p": 1.1}})"), HasSubstr("/sites/min_p: 1.1 is not in [0, 1]"));
-  EXPECT_THAT(refusal(R"({"slope_deg": 3})"), HasSubstr("unknown key"));
+  EXPECT_THAT(hazard_refusal(R"({"limits": {"roughness_m": -1}})"),
+              HasSubstr("/limits/roughness_m: -1 is not"));
+  EXPECT_THAT(hazard_refusal(R"({"method": "median"})"), HasSubstr("/method: \"median\" is not one of"));
+  EXPECT_THAT(hazard_refusal(R"({"region_radius_m": 0})"), HasSubstr("/region_radius_m: 0 is not"));
+  EXPECT_THAT(hazard_refusal(R"({"hole_fill_bins": -1})"), HasSubstr("/hole_fill_bins: -1 is not"));
+  EXPECT_THAT(hazard_refusal(R"({"sites": {"count": 0}})"), HasSubstr("/sites/count: 0 is not"));
+  EXPECT_THAT(hazard_refusal(R"({"sites": {"min_p": 1.1}})"),
+              HasSubstr("/sites/min_p: 1.1 is not in [0, 1]"));
+  EXPECT_THAT(hazard_refusal(R"({"slope_deg": 3})"), HasSubstr("unknown key"));
 }
 
 // The first preset states the defaults, the second is the one of NASA JPL's competition.
@@ -110,7 +115,7 @@ TEST(HazardConfig, Presets) {
     return hazard_config(
         resolve_config(read_config({"preset:" + name}, "hazard"), embedded_schema("hazard")));
   };
-  expect_equal(preset("paper-footprint"), HazardParameters{});
+  expect_equal_parameters(preset("paper-footprint"), HazardParameters{});
   HazardParameters jpl;
   jpl.lander = {.legs = 4,
                 .leg_radius_m = 1.7,
@@ -118,17 +123,17 @@ TEST(HazardConfig, Presets) {
                 .pad_height = PadHeight::mean,
                 .body_radius_m = 1.7};
   jpl.limits = {.slope_deg = 10, .roughness_m = 0.353};
-  expect_equal(preset("jpl-2015"), jpl);
+  expect_equal_parameters(preset("jpl-2015"), jpl);
   HazardParameters alhat;
   alhat.limits.slope_deg = 5;
-  expect_equal(preset("alhat"), alhat);
+  expect_equal_parameters(preset("alhat"), alhat);
   HazardParameters viking;
   viking.lander.legs = 3;
   viking.lander.pad_diameter_m = 0.3;
   viking.lander.leg_radius_m = viking.lander.body_radius_m = 1.276;
   EXPECT_NEAR(viking.lander.leg_radius_m, 2.21 / std::sqrt(3), 1e-4);
   viking.limits = {.slope_deg = 19, .roughness_m = 0.22};
-  expect_equal(preset("viking"), viking);
+  expect_equal_parameters(preset("viking"), viking);
 }
 
 }  // namespace

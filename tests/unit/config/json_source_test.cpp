@@ -26,7 +26,7 @@ std::string write_temporary(const std::string& name, const std::string& text) {
   return path.string();
 }
 
-std::string refusal(const std::string& text) {
+std::string json_refusal(const std::string& text) {
   try {
     static_cast<void>(read_json(write_temporary("json_source_test.json", text)));
   } catch (const UsageError& error) {
@@ -36,37 +36,37 @@ std::string refusal(const std::string& text) {
 }
 
 TEST(ReadJson, Comments) {
-  EXPECT_EQ(refusal("// a lidar\n{\"a\": 1, /* not 2 */ \"b\": \"// text\"} // end"), "accepted");
-  EXPECT_THAT(refusal("{\"a\": 1} /* open"), HasSubstr("not valid JSON"));
-  EXPECT_THAT(refusal("{\"a\": 1, // first\n \"a\": 2}"), HasSubstr("given twice"));
+  EXPECT_EQ(json_refusal("// a lidar\n{\"a\": 1, /* not 2 */ \"b\": \"// text\"} // end"), "accepted");
+  EXPECT_THAT(json_refusal("{\"a\": 1} /* open"), HasSubstr("not valid JSON"));
+  EXPECT_THAT(json_refusal("{\"a\": 1, // first\n \"a\": 2}"), HasSubstr("given twice"));
 }
 
 TEST(ReadJson, MissingFileAndWrongContent) {
   EXPECT_THROW(static_cast<void>(read_json("/nonexistent/a.json")), UsageError);
-  EXPECT_THAT(refusal("{\"a\": 1,}"), HasSubstr("line 1, column 9"));
-  EXPECT_THAT(refusal("[1]"), HasSubstr("must be a JSON object"));
-  EXPECT_THAT(refusal(""), HasSubstr("not valid JSON"));
+  EXPECT_THAT(json_refusal("{\"a\": 1,}"), HasSubstr("line 1, column 9"));
+  EXPECT_THAT(json_refusal("[1]"), HasSubstr("must be a JSON object"));
+  EXPECT_THAT(json_refusal(""), HasSubstr("not valid JSON"));
 }
 
 TEST(ReadJson, AMessageQuotesTheEndOfALongText) {
   const std::string end(57, 'x');
   const std::string text = "\"" + std::string(3000, 'x');
-  EXPECT_THAT(refusal("{" + text),
+  EXPECT_THAT(json_refusal("{" + text),
               HasSubstr("missing closing quote; last read: '..." + end + "'; expected string literal"));
-  EXPECT_THAT(refusal("{\"a\": " + text),
+  EXPECT_THAT(json_refusal("{\"a\": " + text),
               testing::EndsWith("missing closing quote; last read: '..." + end + "'"));
-  EXPECT_THAT(refusal("{\"a\": nil}"), testing::EndsWith("last read: '\"a\": ni'"));
+  EXPECT_THAT(json_refusal("{\"a\": nil}"), testing::EndsWith("last read: '\"a\": ni'"));
 }
 
 TEST(ReadJson, NanAndInfinityAreNotJson) {
-  EXPECT_THAT(refusal("{\"a\": NaN}"), HasSubstr("not valid JSON"));
-  EXPECT_THAT(refusal("{\"a\": -Infinity}"), HasSubstr("not valid JSON"));
-  EXPECT_THAT(refusal("{\"a\": 1e999}"), HasSubstr("not valid JSON"));
+  EXPECT_THAT(json_refusal("{\"a\": NaN}"), HasSubstr("not valid JSON"));
+  EXPECT_THAT(json_refusal("{\"a\": -Infinity}"), HasSubstr("not valid JSON"));
+  EXPECT_THAT(json_refusal("{\"a\": 1e999}"), HasSubstr("not valid JSON"));
 }
 
 TEST(ReadJson, AKeyStandsOnce) {
-  EXPECT_THAT(refusal("{\"a\": {\"b\": 1, \"b\": 2}}"), HasSubstr("\"b\" is given twice"));
-  EXPECT_EQ(refusal("{\"a\": {\"b\": 1}, \"c\": {\"b\": 2}}"), "accepted");
+  EXPECT_THAT(json_refusal("{\"a\": {\"b\": 1, \"b\": 2}}"), HasSubstr("\"b\" is given twice"));
+  EXPECT_EQ(json_refusal("{\"a\": {\"b\": 1}, \"c\": {\"b\": 2}}"), "accepted");
 }
 
 std::string nested(std::size_t depth) {
@@ -74,9 +74,9 @@ std::string nested(std::size_t depth) {
 }
 
 TEST(ReadJson, DeepNestingIsRefused) {
-  EXPECT_EQ(refusal(nested(64)), "accepted");
-  EXPECT_THAT(refusal(nested(65)), HasSubstr(": is nested deeper than 64 levels"));
-  EXPECT_THAT(refusal(nested(200'000)), HasSubstr(": is nested deeper than 64 levels"));
+  EXPECT_EQ(json_refusal(nested(64)), "accepted");
+  EXPECT_THAT(json_refusal(nested(65)), HasSubstr(": is nested deeper than 64 levels"));
+  EXPECT_THAT(json_refusal(nested(200'000)), HasSubstr(": is nested deeper than 64 levels"));
   std::string key = "a";
   for (int i = 0; i < 80'000; ++i) key += ".a";
   JsonSource source{"config", nlohmann::json::object()};
@@ -99,7 +99,7 @@ TEST(ReadJson, LongListsTakeLinearTime) {
 
 TEST(ReadJson, LongKeysAreCut) {
   const std::string key(1'000'000, 'k');
-  EXPECT_LT(refusal(R"({")" + key + R"(": 1, ")" + key + R"(": 2})").size(), 300U);
+  EXPECT_LT(json_refusal(R"({")" + key + R"(": 1, ")" + key + R"(": 2})").size(), 300U);
 }
 
 TEST(Assignments, MakeReplaceAndIndex) {

@@ -2,12 +2,12 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <numbers>
 #include <string>
 
 #include "base/error.h"
 #include "config/scan_config.h"
 #include "config/schema.h"
+#include "constants.h"
 #include "scanner/line_search.h"
 #include "scanner/lissajous.h"
 #include "scanner/rosette.h"
@@ -22,10 +22,9 @@ namespace {
 using Json = nlohmann::json;
 using testing::AllOf;
 using testing::HasSubstr;
-constexpr double kDegree = std::numbers::pi / 180;
 
 /// The scan of a pattern, all else being the default.
-Json config_of(const std::string& pattern) {
+Json pattern_scan_config(const std::string& pattern) {
   const std::string text =
       R"({"laser": {"scan_time_s": 3}, "scanner": {"type": "fsm", "pattern": )" + pattern;
   Json config = resolve_config({"c.json", Json::parse(text + "}}")}, embedded_schema("scan"));
@@ -33,13 +32,13 @@ Json config_of(const std::string& pattern) {
   return config;
 }
 
-ScanModel model_of(const std::string& pattern, const TableLoader& load_table = {}) {
-  return scan_model(config_of(pattern), "c.json", load_table);
+ScanModel pattern_model(const std::string& pattern, const TableLoader& load_table = {}) {
+  return scan_model(pattern_scan_config(pattern), "c.json", load_table);
 }
 
-std::string refusal(const std::string& pattern) {
+std::string pattern_refusal(const std::string& pattern) {
   try {
-    static_cast<void>(model_of(pattern));
+    static_cast<void>(pattern_model(pattern));
   } catch (const UsageError& error) {
     return error.what();
   }
@@ -47,7 +46,7 @@ std::string refusal(const std::string& pattern) {
 }
 
 void expect_same(const std::string& config, const Pattern& expected) {
-  const ScanModel model = model_of(config);
+  const ScanModel model = pattern_model(config);
   const Pattern& pattern = *model.lidar.pattern;
   EXPECT_EQ(pattern.compensated(), expected.compensated()) << config;
   EXPECT_EQ(pattern.pulse_limit(), expected.pulse_limit()) << config;
@@ -87,8 +86,8 @@ TEST(PatternConfig, EveryKeyIsRead) {
 }
 
 TEST(PatternConfig, TheSpiralsPeriodIsStated) {
-  EXPECT_EQ(config_of(R"({"type": "spiral"})")["scanner"]["pattern"]["period_s"], 3);
-  EXPECT_EQ(config_of(R"({"type": "spiral", "period_s": 1})")["scanner"]["pattern"]["period_s"], 1);
+  EXPECT_EQ(pattern_scan_config(R"({"type": "spiral"})")["scanner"]["pattern"]["period_s"], 3);
+  EXPECT_EQ(pattern_scan_config(R"({"type": "spiral", "period_s": 1})")["scanner"]["pattern"]["period_s"], 1);
 }
 
 TEST(PatternConfig, ATableIsReadByTheLoader) {
@@ -97,7 +96,7 @@ TEST(PatternConfig, ATableIsReadByTheLoader) {
     return NumberTable("b.csv", {{"t_s", {0, 1}}, {"x_m", {2, 4}}, {"y_m", {5, 5}}});
   };
   const auto aim = [&](const std::string& at_end, double t_s) {
-    return model_of(R"({"type": "table", "path": "a.csv", "at_end": ")" + at_end + "\"}", load)
+    return pattern_model(R"({"type": "table", "path": "a.csv", "at_end": ")" + at_end + "\"}", load)
         .lidar.pattern->ground_aim({0, t_s});
   };
   EXPECT_EQ(aim("stop", 0.5)->v, Eigen::Vector3d(3, 5, 0));
@@ -109,13 +108,14 @@ TEST(PatternConfig, ATableIsReadByTheLoader) {
   } catch (const FormatError& error) {
     EXPECT_THAT(error.what(), HasSubstr("b.csv: pattern table: row 2: ends 2 m from the first row"));
   }
-  EXPECT_EQ(refusal(R"({"type": "table", "path": "a.csv"})"), "accepted");  // only checked: nothing is read
+  EXPECT_EQ(pattern_refusal(R"({"type": "table", "path": "a.csv"})"),
+            "accepted");  // only checked: nothing is read
 }
 
 TEST(PatternConfig, RefusalsNameFileKeyValueAndBound) {
   const auto refuses = [](const char* pattern, const char* key, const char* value, const char* bound) {
-    EXPECT_THAT(refusal(pattern), AllOf(HasSubstr("c.json: /scanner/pattern" + std::string(key)),
-                                        HasSubstr(value), HasSubstr(bound)))
+    EXPECT_THAT(pattern_refusal(pattern), AllOf(HasSubstr("c.json: /scanner/pattern" + std::string(key)),
+                                                HasSubstr(value), HasSubstr(bound)))
         << pattern;
   };
   refuses(R"({"type": "spiral", "pitch_m": -1})", "/pitch_m", "-1", "0");
@@ -136,7 +136,7 @@ TEST(PatternConfig, RefusalsNameFileKeyValueAndBound) {
   for (const char* const key : {"rows", "columns"})
     for (const char* const type : {"line_search", "step_stare"}) {
       const std::string pattern = R"({"type": ")" + std::string(type) + R"(", ")" + key + "\": ";
-      EXPECT_EQ(refusal(pattern + "1048576}"), "accepted");
+      EXPECT_EQ(pattern_refusal(pattern + "1048576}"), "accepted");
       refuses((pattern + "1048577}").c_str(), "", key, "is not in [");
     }
   refuses(R"({"type": "table"})", "", "path", "needs the key");

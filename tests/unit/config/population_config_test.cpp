@@ -21,7 +21,7 @@ FeaturePattern pattern_of(const std::string& patterns) {
       .model.patterns.front();
 }
 
-std::string refusal(const std::string& patterns) {
+std::string population_refusal(const std::string& patterns) {
   try {
     pattern_of(patterns);
   } catch (const UsageError& error) {
@@ -93,42 +93,49 @@ TEST(PopulationConfig, Lines) {
           R"({"type": "lines", "density_per_km2": 50, "shortest_m": 20, "yaw_spread_deg": 0, "seed": 3, )" +
           feature + "}"),
       FeaturePattern(LinePattern{ridge, 5e-5, 20, 0, 3}));
-  EXPECT_THAT(refusal(R"({"type": "lines", "density_per_km2": 50, "shortest_m": 70, )" + feature + "}"),
-              HasSubstr("c.json: /patterns/0/shortest_m: 70 is not"));
-  EXPECT_THAT(refusal(R"({"type": "lines", "density_per_km2": 50, "feature": {"type": "pit"}})"),
+  EXPECT_THAT(
+      population_refusal(R"({"type": "lines", "density_per_km2": 50, "shortest_m": 70, )" + feature + "}"),
+      HasSubstr("c.json: /patterns/0/shortest_m: 70 is not"));
+  EXPECT_THAT(population_refusal(R"({"type": "lines", "density_per_km2": 50, "feature": {"type": "pit"}})"),
               HasSubstr("c.json: /patterns/0/feature"));
 }
 
 TEST(PopulationConfig, RefusalsNameFilePatternAndKey) {
-  EXPECT_EQ(refusal(R"({"type": "golombek_rocks"})"), "c.json: /patterns/0: give either k or area_fraction");
-  EXPECT_THAT(refusal(R"({"type": "ice_blocks", "k": 0.1, "area_fraction": 0.1})"), HasSubstr("give either"));
-  EXPECT_THAT(refusal(R"({"type": "golombek_rocks", "k": 0.1, "area_fraction_above_m": 0.1})"),
+  EXPECT_EQ(population_refusal(R"({"type": "golombek_rocks"})"),
+            "c.json: /patterns/0: give either k or area_fraction");
+  EXPECT_THAT(population_refusal(R"({"type": "ice_blocks", "k": 0.1, "area_fraction": 0.1})"),
+              HasSubstr("give either"));
+  EXPECT_THAT(population_refusal(R"({"type": "golombek_rocks", "k": 0.1, "area_fraction_above_m": 0.1})"),
               HasSubstr("/patterns/0/area_fraction_above_m: is allowed only with area_fraction"));
-  EXPECT_THAT(refusal(R"({"type": "golombek_rocks", "area_fraction": 0.5, "area_fraction_above_m": 1})"),
-              HasSubstr("c.json: /patterns/0/area_fraction: rocks of 1 m and more cover at most"));
-  EXPECT_THAT(refusal(R"({"type": "power_law_rocks", "exponent": 2})"),
+  EXPECT_THAT(
+      population_refusal(R"({"type": "golombek_rocks", "area_fraction": 0.5, "area_fraction_above_m": 1})"),
+      HasSubstr("c.json: /patterns/0/area_fraction: rocks of 1 m and more cover at most"));
+  EXPECT_THAT(population_refusal(R"({"type": "power_law_rocks", "exponent": 2})"),
               HasSubstr("/patterns/0/exponent: is allowed only with model custom, not with viper"));
-  EXPECT_THAT(refusal(R"({"type": "power_law_rocks", "model": "custom", "exponent": 2})"),
+  EXPECT_THAT(population_refusal(R"({"type": "power_law_rocks", "model": "custom", "exponent": 2})"),
               HasSubstr("/patterns/0/model: custom needs coefficient and exponent"));
-  EXPECT_THAT(refusal(R"({"type": "craters", "model": "production"})"), HasSubstr("production needs"));
-  EXPECT_THAT(refusal(R"({"type": "craters", "min_diameter_m": 5, "max_diameter_m": 5})"),
+  EXPECT_THAT(population_refusal(R"({"type": "craters", "model": "production"})"),
+              HasSubstr("production needs"));
+  EXPECT_THAT(population_refusal(R"({"type": "craters", "min_diameter_m": 5, "max_diameter_m": 5})"),
               HasSubstr("c.json: /patterns/0/max_diameter_m: 5 is not greater than min_diameter_m"));
-  EXPECT_THAT(refusal(R"({"type": "craters", "freshness_min": 0})"), HasSubstr("/patterns/0/freshness_min"));
-  EXPECT_THAT(refusal(R"({"type": "craters", "sede": 1})"), HasSubstr("seed"));
+  EXPECT_THAT(population_refusal(R"({"type": "craters", "freshness_min": 0})"),
+              HasSubstr("/patterns/0/freshness_min"));
+  EXPECT_THAT(population_refusal(R"({"type": "craters", "sede": 1})"), HasSubstr("seed"));
 }
 
 // Known before anything is drawn, so that --check says it too.
 TEST(PopulationConfig, RefusesMoreThanItCanHold) {
   EXPECT_THAT(
-      refusal(
+      population_refusal(
           R"({"type": "ring", "count": 1, "radius_m": 1, "feature": {"type": "hemisphere", "radius_m": 1}},
                          {"type": "craters", "min_diameter_m": 0.001})"),
       testing::MatchesRegex("c.json: /patterns/1: about 1[0-9]+ craters would be drawn, more than 1e.07.*"));
-  EXPECT_THAT(refusal(R"({"type": "craters", "region": {"type": "disc", "x_m": 100, "radius_m": 10}})"),
-              HasSubstr("accepted"));  // they reach in from outside
   EXPECT_THAT(
-      refusal(R"({"type": "power_law_rocks", "region": {"type": "disc", "x_m": 100, "radius_m": 10}})"),
-      HasSubstr("c.json: /patterns/0/region: does not meet the site"));
+      population_refusal(R"({"type": "craters", "region": {"type": "disc", "x_m": 100, "radius_m": 10}})"),
+      HasSubstr("accepted"));  // they reach in from outside
+  EXPECT_THAT(population_refusal(
+                  R"({"type": "power_law_rocks", "region": {"type": "disc", "x_m": 100, "radius_m": 10}})"),
+              HasSubstr("c.json: /patterns/0/region: does not meet the site"));
 }
 
 }  // namespace

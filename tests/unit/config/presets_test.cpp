@@ -16,13 +16,13 @@ namespace {
 
 using testing::HasSubstr;
 
-std::string write_temporary(const std::string& name, const std::string& text) {
+std::string write_preset(const std::string& name, const std::string& text) {
   const std::filesystem::path path = std::filesystem::path(testing::TempDir()) / name;
   std::ofstream(path) << text;
   return path.string();
 }
 
-std::string refusal(const std::vector<std::string>& names, const std::string& schema) {
+std::string preset_refusal(const std::vector<std::string>& names, const std::string& schema) {
   try {
     static_cast<void>(read_config(names, schema));
   } catch (const UsageError& error) {
@@ -47,8 +47,8 @@ TEST(Presets, EachHasADescriptionAndIsAValidConfiguration) {
 }
 
 TEST(ReadConfig, LaterFilesWinAndNullRemoves) {
-  const std::string first = write_temporary("a.json", R"({"a": {"b": 1, "c": [1, 2]}, "d": 4})");
-  const std::string second = write_temporary("b.json", R"({"a": {"c": [3]}, "d": null, "e": 5})");
+  const std::string first = write_preset("a.json", R"({"a": {"b": 1, "c": [1, 2]}, "d": 4})");
+  const std::string second = write_preset("b.json", R"({"a": {"c": [3]}, "d": null, "e": 5})");
   const JsonSource merged = read_config({first, second}, "scan");
   EXPECT_EQ(merged.value, nlohmann::json::parse(R"({"a": {"b": 1, "c": [3]}, "e": 5})"));
   EXPECT_EQ(merged.name, first + " + " + second);
@@ -57,17 +57,17 @@ TEST(ReadConfig, LaterFilesWinAndNullRemoves) {
 }
 
 TEST(ReadConfig, AFileChangesAPreset) {
-  const std::string change = write_temporary("c.json", R"({"noise": {"range_sigma_m": 0.5}})");
+  const std::string change = write_preset("c.json", R"({"noise": {"range_sigma_m": 0.5}})");
   const nlohmann::json config = read_config({"preset:paper", change}, "scan").value;
   EXPECT_EQ(config["noise"]["range_sigma_m"], 0.5);
   EXPECT_EQ(config["scanner"]["type"], "fsm");
 }
 
 TEST(ReadConfig, UnknownPresets) {
-  EXPECT_THAT(refusal({"preset:papr"}, "scan"), HasSubstr("did you mean preset:paper?"));
-  EXPECT_THAT(refusal({"preset:zzzzzzzz"}, "scan"), HasSubstr("known: alhat-flash-mosaic, flash-256"));
-  EXPECT_THAT(refusal({"preset:"}, "scan"), HasSubstr("there is no such preset"));
-  EXPECT_THAT(refusal({"preset:paper"}, "eval"), HasSubstr("this tool has none"));
+  EXPECT_THAT(preset_refusal({"preset:papr"}, "scan"), HasSubstr("did you mean preset:paper?"));
+  EXPECT_THAT(preset_refusal({"preset:zzzzzzzz"}, "scan"), HasSubstr("known: alhat-flash-mosaic, flash-256"));
+  EXPECT_THAT(preset_refusal({"preset:"}, "scan"), HasSubstr("there is no such preset"));
+  EXPECT_THAT(preset_refusal({"preset:paper"}, "eval"), HasSubstr("this tool has none"));
 }
 
 }  // namespace

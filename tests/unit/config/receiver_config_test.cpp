@@ -19,7 +19,7 @@ using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::IsEmpty;
 
-Json resolved(const Json& changes) {
+Json completed_scan(const Json& changes) {
   Json config = resolve_config({"scan.json", changes}, embedded_schema("scan"));
   complete_scan_config(config);
   return config;
@@ -29,14 +29,14 @@ Json with_receiver(const std::string& type, const Json& changes = Json::object()
   Json config = {{"receiver", {{"type", type}}},
                  {"link", {{"reference_pe", 400}, {"reference_range_m", 500}}}};
   config.merge_patch(changes);
-  return resolved(config);
+  return completed_scan(config);
 }
 
 std::vector<double> constants(const Json& config) {
   return scan_model(config, "scan.json", {}).lidar.link_constants_pe_m2;
 }
 
-std::string refusal(const Json& config) {
+std::string receiver_refusal(const Json& config) {
   try {
     static_cast<void>(scan_model(config, "scan.json", {}));
   } catch (const UsageError& error) {
@@ -46,14 +46,14 @@ std::string refusal(const Json& config) {
 }
 
 TEST(ReceiverConfig, WithoutAReceiverNothingIsSeen) {
-  const ScanModel model = scan_model(resolved(Json::object()), "scan.json", {});
+  const ScanModel model = scan_model(completed_scan(Json::object()), "scan.json", {});
   EXPECT_FALSE(model.lidar.receiver.sees_waveforms());
   EXPECT_FALSE(model.lidar.range_timer.is_on());
   EXPECT_THAT(model.lidar.link_constants_pe_m2, IsEmpty());
 }
 
 TEST(ReceiverConfig, TheDefaultsOfTheSchemaAreNeverWarnedAbout) {
-  EXPECT_THAT(receiver_warnings(resolved(Json::object())), IsEmpty());
+  EXPECT_THAT(receiver_warnings(completed_scan(Json::object())), IsEmpty());
   for (const char* const type : {"leading_edge", "constant_fraction", "peak", "centroid", "geiger"})
     EXPECT_THAT(receiver_warnings(with_receiver(type, {{"detector", {{"subpixels", 2}}}})), IsEmpty())
         << type;
@@ -95,18 +95,18 @@ TEST(ReceiverConfig, ALinkDesignUsesThePixelsSolidAngle) {
 }
 
 TEST(ReceiverConfig, SaysWhatIsMissingOrExcluded) {
-  EXPECT_THAT(refusal(resolved({{"receiver", {{"type", "peak"}}}})),
+  EXPECT_THAT(receiver_refusal(completed_scan({{"receiver", {{"type", "peak"}}}})),
               HasSubstr("/link/reference_pe: is missing"));
-  EXPECT_THAT(refusal(with_receiver("peak", {{"link", {{"reference_range_m", nullptr}}}})),
+  EXPECT_THAT(receiver_refusal(with_receiver("peak", {{"link", {{"reference_range_m", nullptr}}}})),
               HasSubstr("reference_range_m: is missing"));
-  EXPECT_THAT(refusal(with_receiver("peak", {{"link", {{"aperture_m", 0.1}}}})),
+  EXPECT_THAT(receiver_refusal(with_receiver("peak", {{"link", {{"aperture_m", 0.1}}}})),
               HasSubstr("aperture_m: excludes reference_pe"));
-  EXPECT_THAT(refusal(with_receiver("peak", {{"detector", {{"estimator", "first"}}}})),
+  EXPECT_THAT(receiver_refusal(with_receiver("peak", {{"detector", {{"estimator", "first"}}}})),
               HasSubstr("/receiver/type: excludes"));
-  EXPECT_THAT(refusal(with_receiver("geiger", {{"receiver", {{"dead_time_s", 1e-3}}}})),
+  EXPECT_THAT(receiver_refusal(with_receiver("geiger", {{"receiver", {{"dead_time_s", 1e-3}}}})),
               HasSubstr("/receiver/dead_time_s: is longer"));
   EXPECT_THAT(
-      refusal(with_receiver(
+      receiver_refusal(with_receiver(
           "peak", {{"beam", {{"profile", "top_hat"}, {"divergence_rad", 1e-6}, {"offset_rad", {0.1, 0}}}}})),
       HasSubstr("no pixel looks into the beam"));
 }
@@ -118,10 +118,10 @@ TEST(ReceiverConfig, WarnsOfKeysWithoutEffect) {
   EXPECT_THAT(
       receiver_warnings(with_receiver("peak", Json::object())),
       ElementsAre(HasSubstr("/detector/subpixels is 1: the receiver peak sees one ray of each pixel")));
-  EXPECT_THAT(receiver_warnings(resolved({{"surface", {{"albedo", 0.3}}}})),
+  EXPECT_THAT(receiver_warnings(completed_scan({{"surface", {{"albedo", 0.3}}}})),
               ElementsAre(HasSubstr("/surface has no effect")));
   EXPECT_TRUE(uses_albedo_map(with_receiver("peak", {{"surface", {{"albedo", "terrain"}}}})));
-  EXPECT_FALSE(uses_albedo_map(resolved({{"surface", {{"albedo", "terrain"}}}})));
+  EXPECT_FALSE(uses_albedo_map(completed_scan({{"surface", {{"albedo", "terrain"}}}})));
 }
 
 }  // namespace

@@ -7,6 +7,7 @@
 #include "base/error.h"
 #include "config/scan_config.h"
 #include "config/schema.h"
+#include "constants.h"
 #include "scanner/risley.h"
 
 namespace landfall {
@@ -15,7 +16,6 @@ namespace {
 using Json = nlohmann::json;
 using testing::HasSubstr;
 using testing::ThrowsMessage;
-constexpr double kDegree = std::numbers::pi / 180;
 
 Json completed(const std::string& scanner) {
   const Json given{{"scanner", Json::parse(scanner)}};
@@ -24,7 +24,7 @@ Json completed(const std::string& scanner) {
   return config;
 }
 
-ScanModel model_of(const std::string& scanner) { return scan_model(completed(scanner), "c.json", {}); }
+ScanModel risley_model(const std::string& scanner) { return scan_model(completed(scanner), "c.json", {}); }
 
 struct Answer {
   ScannerState state;
@@ -42,7 +42,7 @@ Answer answer(const Scanner& scanner) {
   return result;
 }
 
-void expect_equal(const Scanner& a, const Scanner& b) {
+void expect_equal_risley(const Scanner& a, const Scanner& b) {
   const Answer x = answer(a);
   const Answer y = answer(b);
   EXPECT_EQ(x.state.angle_1_rad, y.state.angle_1_rad);
@@ -52,14 +52,14 @@ void expect_equal(const Scanner& a, const Scanner& b) {
 }
 
 TEST(RisleyConfig, DefaultsAreThoseOfTheDomain) {
-  const ScanModel model = model_of(R"({"type": "risley"})");
-  expect_equal(*model.lidar.scanner, Risley({}));
+  const ScanModel model = risley_model(R"({"type": "risley"})");
+  expect_equal_risley(*model.lidar.scanner, Risley({}));
   EXPECT_EQ(model.lidar.pattern, nullptr);
   EXPECT_TRUE(model.lidar.scanner->is_known());
 }
 
 TEST(RisleyConfig, EveryKeyIsRead) {
-  const ScanModel model = model_of(R"({"type": "risley", "index": [1.4, 1.6], "wedge_deg": [7, 8],
+  const ScanModel model = risley_model(R"({"type": "risley", "index": [1.4, 1.6], "wedge_deg": [7, 8],
       "thickness_m": [0.01, 0.02], "gap_m": 0.003, "configuration": "PTPT", "rates_hz": [3, 4],
       "phases_deg": [30, 60], "encoder_sigma_rad": 0.01})");
   const Risley expected({.optics = {.prisms = {{{1.4, 7 * kDegree, 0.01}, {1.6, 8 * kDegree, 0.02}}},
@@ -67,7 +67,7 @@ TEST(RisleyConfig, EveryKeyIsRead) {
                                     .configuration = RisleyConfiguration::ptpt},
                          .drive = RisleyRotation{{3, 4}, {30 * kDegree, 60 * kDegree}},
                          .encoder_sigma_rad = 0.01});
-  expect_equal(*model.lidar.scanner, expected);
+  expect_equal_risley(*model.lidar.scanner, expected);
   EXPECT_FALSE(model.lidar.scanner->is_known());
 }
 
@@ -76,18 +76,18 @@ TEST(RisleyConfig, EveryConfigurationHasItsName) {
   const std::pair<const char*, RisleyConfiguration> names[] = {
       {"PTTP", pttp}, {"TPPT", tppt}, {"PTPT", ptpt}, {"TPTP", tptp}};
   for (const auto& [name, configuration] : names)
-    expect_equal(
-        *model_of(std::string(R"({"type": "risley", "configuration": ")") + name + "\"}").lidar.scanner,
+    expect_equal_risley(
+        *risley_model(std::string(R"({"type": "risley", "configuration": ")") + name + "\"}").lidar.scanner,
         Risley({.optics = {.configuration = configuration}}));
 }
 
 TEST(RisleyConfig, WithAPatternTheBeamFollowsIt) {
   const std::string pattern = R"({"type": "risley", "pattern": {"type": "line_search"})";
-  const ScanModel model = model_of(pattern + "}");
+  const ScanModel model = risley_model(pattern + "}");
   EXPECT_NE(model.lidar.pattern, nullptr);
-  expect_equal(*model.lidar.scanner, Risley({.drive = RisleyBranch::positive}));
-  expect_equal(*model_of(pattern + R"(, "branch": "negative"})").lidar.scanner,
-               Risley({.drive = RisleyBranch::negative}));
+  expect_equal_risley(*model.lidar.scanner, Risley({.drive = RisleyBranch::positive}));
+  expect_equal_risley(*risley_model(pattern + R"(, "branch": "negative"})").lidar.scanner,
+                      Risley({.drive = RisleyBranch::negative}));
 }
 
 TEST(RisleyConfig, TheResolvedConfigurationNamesTheDefaultsInForce) {
@@ -99,7 +99,8 @@ TEST(RisleyConfig, TheResolvedConfigurationNamesTheDefaultsInForce) {
 
 TEST(RisleyConfig, RotationAndPatternExcludeEachOther) {
   const auto refused = [](const char* scanner, const char* text) {
-    EXPECT_THAT([&] { static_cast<void>(model_of(scanner)); }, ThrowsMessage<UsageError>(HasSubstr(text)));
+    EXPECT_THAT([&] { static_cast<void>(risley_model(scanner)); },
+                ThrowsMessage<UsageError>(HasSubstr(text)));
   };
   refused(R"({"type": "risley", "rates_hz": [1, 2], "pattern": {"type": "line_search"}})",
           "c.json: /scanner/rates_hz: excludes pattern; give one of them");
@@ -123,7 +124,8 @@ TEST(RisleyConfig, ValuesOutOfRangeAreRefusedByKey) {
       {R"("wedge": 8)", "c.json: /scanner/wedge"}};
   for (const auto& [key, text] : wrong) {
     const std::string scanner = std::string(R"({"type": "risley", )") + key + "}";
-    EXPECT_THAT([&] { static_cast<void>(model_of(scanner)); }, ThrowsMessage<UsageError>(HasSubstr(text)));
+    EXPECT_THAT([&] { static_cast<void>(risley_model(scanner)); },
+                ThrowsMessage<UsageError>(HasSubstr(text)));
   }
 }
 

@@ -17,16 +17,16 @@ namespace {
 
 using testing::HasSubstr;
 
-ScanModel model_of(const std::string& scanner) {
+ScanModel scanner_model(const std::string& scanner) {
   const nlohmann::json given{{"seed", 5}, {"scanner", nlohmann::json::parse(scanner)}};
   nlohmann::json config = resolve_config({"c.json", given}, embedded_schema("scan"));
   complete_scan_config(config);
   return scan_model(config, "c.json", {});
 }
 
-std::string refusal_of(const std::string& scanner) {
+std::string scanner_refusal(const std::string& scanner) {
   try {
-    static_cast<void>(model_of(scanner));
+    static_cast<void>(scanner_model(scanner));
   } catch (const UsageError& error) {
     return error.what();
   }
@@ -34,7 +34,7 @@ std::string refusal_of(const std::string& scanner) {
 }
 
 /// The tilts that the lander believes at a late pulse, and whether it is blanked after a long jump.
-void expect_equal(const Scanner& a, const Scanner& b) {
+void expect_equal_scanner(const Scanner& a, const Scanner& b) {
   const auto aim = Direction<LidarFrame>::of({{0.05, -0.1, 1}});
   const auto other = Direction<LidarFrame>::of({{-0.05, 0.1, 1}});
   const PulseContext pulse{.time = {77, 0.385},
@@ -61,16 +61,20 @@ TEST(ScannerConfig, MechanismsAreRead) {
   const MechanismTimingParameters fast{.max_acceleration_radps2 = 2e4};
   const MechanismTimingParameters slow{.max_acceleration_radps2 = 2e3};
   const std::string more = std::string(", ") + kHarmonicsText + "}";
-  expect_equal(*model_of(R"({"type": "fsm", "max_acceleration_radps2": 2e4)" + more).lidar.scanner,
-               Fsm({.encoder_harmonics = kHarmonics, .timing = fast, .seed = 5}));
-  expect_equal(*model_of(R"({"type": "fsm", "max_acceleration_radps2": 2e3)" + more).lidar.scanner,
-               Fsm({.encoder_harmonics = kHarmonics, .timing = slow, .seed = 5}));
-  expect_equal(*model_of(R"({"type": "gimbal", "max_acceleration_radps2": 2e3)" + more).lidar.scanner,
-               Gimbal({.timing = slow, .encoder_harmonics = kHarmonics}));
-  expect_equal(
-      *model_of(R"({"type": "polygon", "facets": 6, "facet_tilt_rad": [1e-3, 2e-3, 3e-3, 4e-3, 5e-3, 6e-3],
+  expect_equal_scanner(
+      *scanner_model(R"({"type": "fsm", "max_acceleration_radps2": 2e4)" + more).lidar.scanner,
+      Fsm({.encoder_harmonics = kHarmonics, .timing = fast, .seed = 5}));
+  expect_equal_scanner(
+      *scanner_model(R"({"type": "fsm", "max_acceleration_radps2": 2e3)" + more).lidar.scanner,
+      Fsm({.encoder_harmonics = kHarmonics, .timing = slow, .seed = 5}));
+  expect_equal_scanner(
+      *scanner_model(R"({"type": "gimbal", "max_acceleration_radps2": 2e3)" + more).lidar.scanner,
+      Gimbal({.timing = slow, .encoder_harmonics = kHarmonics}));
+  expect_equal_scanner(
+      *scanner_model(
+           R"({"type": "polygon", "facets": 6, "facet_tilt_rad": [1e-3, 2e-3, 3e-3, 4e-3, 5e-3, 6e-3],
                              "facet_tilt_sigma_rad": 1e-3, "facet_tilt_known": true)" +
-                more)
+           more)
            .lidar.scanner,
       Polygon({.facets = 6,
                .facet_tilt_rad = {1e-3, 2e-3, 3e-3, 4e-3, 5e-3, 6e-3},
@@ -81,21 +85,22 @@ TEST(ScannerConfig, MechanismsAreRead) {
 }
 
 TEST(ScannerConfig, RefusalsNameTheKey) {
-  EXPECT_EQ(refusal_of(R"({"type": "polygon", "facet_tilt_rad": []})"), "accepted");
-  EXPECT_THAT(refusal_of(R"({"type": "polygon", "facets": 8, "facet_tilt_rad": [0, 0]})"),
+  EXPECT_EQ(scanner_refusal(R"({"type": "polygon", "facet_tilt_rad": []})"), "accepted");
+  EXPECT_THAT(scanner_refusal(R"({"type": "polygon", "facets": 8, "facet_tilt_rad": [0, 0]})"),
               HasSubstr("/scanner/facet_tilt_rad: 2 is not the number of facets"));
-  EXPECT_THAT(refusal_of(R"({"type": "polygon", "facet_tilt_rad": [0.2]})"),
+  EXPECT_THAT(scanner_refusal(R"({"type": "polygon", "facet_tilt_rad": [0.2]})"),
               HasSubstr("/scanner/facet_tilt_rad/0: 0.2"));
-  EXPECT_THAT(refusal_of(R"({"type": "polygon", "facet_tilt_sigma_rad": 0.1})"),
+  EXPECT_THAT(scanner_refusal(R"({"type": "polygon", "facet_tilt_sigma_rad": 0.1})"),
               HasSubstr("/scanner/facet_tilt_sigma_rad: 0.1"));
-  EXPECT_THAT(refusal_of(R"({"type": "fsm", "max_acceleration_radps2": -1})"),
+  EXPECT_THAT(scanner_refusal(R"({"type": "fsm", "max_acceleration_radps2": -1})"),
               HasSubstr("/scanner/max_acceleration_radps2: -1"));
-  EXPECT_THAT(refusal_of(R"({"type": "fsm", "encoder_harmonics": [{"order": 0, "amplitude_rad": 0}]})"),
+  EXPECT_THAT(scanner_refusal(R"({"type": "fsm", "encoder_harmonics": [{"order": 0, "amplitude_rad": 0}]})"),
               HasSubstr("/scanner/encoder_harmonics/0/order: 0"));
-  EXPECT_THAT(refusal_of(R"({"type": "fsm", "encoder_harmonics": [{"order": 1}]})"),
+  EXPECT_THAT(scanner_refusal(R"({"type": "fsm", "encoder_harmonics": [{"order": 1}]})"),
               HasSubstr("amplitude_rad"));
   EXPECT_THAT(
-      refusal_of(R"({"type": "gimbal", "encoder_harmonics": [{"axis": 3, "order": 1, "amplitude_rad": 0}]})"),
+      scanner_refusal(
+          R"({"type": "gimbal", "encoder_harmonics": [{"axis": 3, "order": 1, "amplitude_rad": 0}]})"),
       HasSubstr("/scanner/encoder_harmonics/0/axis: 3"));
 }
 

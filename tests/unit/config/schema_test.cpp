@@ -16,7 +16,7 @@ using testing::AllOf;
 using testing::HasSubstr;
 using testing::Not;
 
-std::string refusal(const std::string& schema, const std::string& text) {
+std::string schema_refusal(const std::string& schema, const std::string& text) {
   try {
     static_cast<void>(resolve_config({"c.json", Json::parse(text)}, embedded_schema(schema)));
   } catch (const UsageError& error) {
@@ -39,52 +39,53 @@ TEST(Schema, EmptyConfigResolvesToTheContractsDefaults) {
 }
 
 TEST(Schema, AMessageNamesFilePathValueAndBound) {
-  EXPECT_EQ(refusal("scan", R"({"noise": {"dropout_frac": 1.7}})"),
+  EXPECT_EQ(schema_refusal("scan", R"({"noise": {"dropout_frac": 1.7}})"),
             "c.json: /noise/dropout_frac: 1.7 is not in [0, 1]");
-  EXPECT_EQ(refusal("scan", R"({"noise": {"range_sigma_m": -0.1}})"),
+  EXPECT_EQ(schema_refusal("scan", R"({"noise": {"range_sigma_m": -0.1}})"),
             "c.json: /noise/range_sigma_m: -0.1 is not in [0, 1e6]");
-  EXPECT_EQ(refusal("scan", R"({"laser": {"pulse_rate_hz": 0}})"),
+  EXPECT_EQ(schema_refusal("scan", R"({"laser": {"pulse_rate_hz": 0}})"),
             "c.json: /laser/pulse_rate_hz: 0 is not in (0, 1e9]");
-  EXPECT_EQ(refusal("scan", R"({"detector": {"rows": 4097}})"),
+  EXPECT_EQ(schema_refusal("scan", R"({"detector": {"rows": 4097}})"),
             "c.json: /detector/rows: 4097 is not in [1, 4096]");
-  EXPECT_EQ(refusal("scan", R"({"detector": {"rows": 1.5}})"),
+  EXPECT_EQ(schema_refusal("scan", R"({"detector": {"rows": 1.5}})"),
             "c.json: /detector/rows: 1.5 is of type number, not integer");
-  EXPECT_EQ(refusal("scan", R"({"mount": {"rpy_deg": [1, 2]}})"),
+  EXPECT_EQ(schema_refusal("scan", R"({"mount": {"rpy_deg": [1, 2]}})"),
             "c.json: /mount/rpy_deg: an array of 2 elements; expected 3");
-  EXPECT_EQ(refusal("terrain", R"({"features": [{"type": "cone", "radius_m": 3}]})"),
+  EXPECT_EQ(schema_refusal("terrain", R"({"features": [{"type": "cone", "radius_m": 3}]})"),
             "c.json: /features/0: needs the key \"height_m\"");
 }
 
 TEST(Schema, UnknownKeysGetASuggestion) {
-  EXPECT_EQ(refusal("scan", R"({"noise": {"range_sgima_m": 0}})"),
+  EXPECT_EQ(schema_refusal("scan", R"({"noise": {"range_sgima_m": 0}})"),
             "c.json: /noise/range_sgima_m: unknown key; did you mean \"range_sigma_m\"?");
-  EXPECT_THAT(refusal("regrid", R"({"zzzzzzzz": 1})"),
+  EXPECT_THAT(schema_refusal("regrid", R"({"zzzzzzzz": 1})"),
               AllOf(HasSubstr("unknown key"), HasSubstr("half_width_m")));
 }
 
 TEST(Schema, VariantsAreChosenByType) {
-  EXPECT_THAT(refusal("scan", R"({"scanner": {"type": "fms"}})"),
+  EXPECT_THAT(schema_refusal("scan", R"({"scanner": {"type": "fms"}})"),
               AllOf(HasSubstr("c.json: /scanner/type: \"fms\" is not one of \"flash\", \"fsm\""),
                     HasSubstr("; did you mean \"fsm\"?")));
-  EXPECT_THAT(refusal("scan", R"({"scanner": {"type": "flash", "pattern": {}}})"),
+  EXPECT_THAT(schema_refusal("scan", R"({"scanner": {"type": "flash", "pattern": {}}})"),
               HasSubstr("/scanner/pattern"));
-  EXPECT_EQ(refusal("scan", R"({"scanner": {"pattern": {"rows": 0}}})"),
+  EXPECT_EQ(schema_refusal("scan", R"({"scanner": {"pattern": {"rows": 0}}})"),
             "c.json: /scanner/pattern/rows: 0 is not in [1, 1048576]");
-  EXPECT_THAT(refusal("terrain", R"({"features": [{"radius_m": 3}]})"), HasSubstr("needs a \"type\""));
-  EXPECT_EQ(refusal("scan", R"({"detector": {"ifov_rad": [1e-4, 2e-4]}})"), "accepted");
-  EXPECT_EQ(refusal("scan", R"({"detector": {"ifov_rad": "x"}})"),
+  EXPECT_THAT(schema_refusal("terrain", R"({"features": [{"radius_m": 3}]})"), HasSubstr("needs a \"type\""));
+  EXPECT_EQ(schema_refusal("scan", R"({"detector": {"ifov_rad": [1e-4, 2e-4]}})"), "accepted");
+  EXPECT_EQ(schema_refusal("scan", R"({"detector": {"ifov_rad": "x"}})"),
             "c.json: /detector/ifov_rad: \"x\" is not valid; expected number or array");
 }
 
 TEST(Schema, AVariantThatIsNoObjectIsToldItsForm) {
   const std::string wanted = " is not valid; expected object with a \"type\"";
-  EXPECT_EQ(refusal("scan", R"({"scanner": {"pattern": "spiral"}})"),
+  EXPECT_EQ(schema_refusal("scan", R"({"scanner": {"pattern": "spiral"}})"),
             "c.json: /scanner/pattern: \"spiral\"" + wanted + R"(; did you mean {"type": "spiral"}?)");
-  EXPECT_EQ(refusal("scan", R"({"scanner": "fms"})"),
+  EXPECT_EQ(schema_refusal("scan", R"({"scanner": "fms"})"),
             "c.json: /scanner: \"fms\"" + wanted + R"(; did you mean {"type": "fsm"}?)");
-  EXPECT_EQ(refusal("scan", R"({"scanner": "none of them"})"), "c.json: /scanner: \"none of them\"" + wanted);
-  EXPECT_EQ(refusal("scan", R"({"scanner": 3})"), "c.json: /scanner: 3" + wanted);
-  EXPECT_EQ(refusal("terrain", R"({"base": "plane"})"),
+  EXPECT_EQ(schema_refusal("scan", R"({"scanner": "none of them"})"),
+            "c.json: /scanner: \"none of them\"" + wanted);
+  EXPECT_EQ(schema_refusal("scan", R"({"scanner": 3})"), "c.json: /scanner: 3" + wanted);
+  EXPECT_EQ(schema_refusal("terrain", R"({"base": "plane"})"),
             "c.json: /base: \"plane\"" + wanted + R"( or array; did you mean {"type": "plane"}?)");
 }
 
@@ -95,8 +96,9 @@ TEST(Schema, AConfigurationMayNameItsSchemaAndKeepsNoTraceOfIt) {
     const Json named = Json::parse(R"({"$schema": "../schemas/x.schema.json"})");
     EXPECT_EQ(resolve_config({"c", named}, schema), resolve_config({"c", Json::object()}, schema)) << name;
   }
-  EXPECT_EQ(refusal("regrid", R"({"$schema": 7})"), "c.json: /$schema: 7 is of type integer, not string");
-  EXPECT_THAT(refusal("regrid", R"({"zzzzzzzz": 1})"), Not(HasSubstr("$schema")));
+  EXPECT_EQ(schema_refusal("regrid", R"({"$schema": 7})"),
+            "c.json: /$schema: 7 is of type integer, not string");
+  EXPECT_THAT(schema_refusal("regrid", R"({"zzzzzzzz": 1})"), Not(HasSubstr("$schema")));
 }
 
 TEST(Schema, BasesMayBeStacked) {

@@ -3,13 +3,13 @@
 #include <gtest/gtest.h>
 
 #include <limits>
-#include <numbers>
 
 #include "base/error.h"
 #include "config/dem_config.h"
 #include "config/scan_config.h"
 #include "config/schema.h"
 #include "config/terrain_config.h"
+#include "constants.h"
 #include "detector/perspective.h"
 #include "refusal.h"
 #include "scanner/fsm.h"
@@ -23,20 +23,19 @@ namespace {
 using Json = nlohmann::json;
 using testing::AllOf;
 using testing::HasSubstr;
-constexpr double kPi = std::numbers::pi;
 
-Json resolved(const std::string& schema, const std::string& text) {
+Json typed_config(const std::string& schema, const std::string& text) {
   return resolve_config({"c.json", Json::parse(text)}, embedded_schema(schema));
 }
 
-ScanModel scan_of(const std::string& text, const TableLoader& load_table = {}) {
-  Json config = resolved("scan", text);
+ScanModel typed_scan(const std::string& text, const TableLoader& load_table = {}) {
+  Json config = typed_config("scan", text);
   complete_scan_config(config);
   return scan_model(config, "c.json", load_table);
 }
 
 TEST(TerrainConfig, EmptyIsTheDefault) {
-  const TerrainConfig config = terrain_config(resolved("terrain", "{}"), "c.json");
+  const TerrainConfig config = terrain_config(typed_config("terrain", "{}"), "c.json");
   EXPECT_EQ(config.grid, GridSpec::centered(60, 0.05));
   EXPECT_EQ(config.model.bases, std::vector<Base>{PlaneBase{}});
   EXPECT_TRUE(config.model.features.empty() && config.model.patterns.empty());
@@ -71,9 +70,10 @@ TEST(TerrainConfig, MeshAndGridAreOneTooMany) {
 
 TEST(TerrainConfig, Albedo) {
   const auto albedo = [](const std::string& text) {
-    return terrain_config(resolved("terrain", R"({"albedo": )" + text + "}"), "c.json").model.albedo.value();
+    return terrain_config(typed_config("terrain", R"({"albedo": )" + text + "}"), "c.json")
+        .model.albedo.value();
   };
-  EXPECT_FALSE(terrain_config(resolved("terrain", "{}"), "c.json").model.albedo);
+  EXPECT_FALSE(terrain_config(typed_config("terrain", "{}"), "c.json").model.albedo);
   EXPECT_EQ(albedo("0.3"), AlbedoModel{.ground = 0.3});
   AlbedoModel rocks{.ground = AlbedoGradient{0.1, 0.2, kPi / 2, 7.0}};
   rocks.of_kind[FeatureShape(Rock{}).index()] = 0.05;
@@ -101,7 +101,8 @@ TEST(TerrainConfig, Albedo) {
 
 TEST(TerrainConfig, BaseDefaultsAreThoseOfTheDomain) {
   const TerrainConfig config = terrain_config(
-      resolved("terrain", R"({"base": [{"type": "fractal"}, {"type": "dem", "path": "a.tif"}]})"), "c.json");
+      typed_config("terrain", R"({"base": [{"type": "fractal"}, {"type": "dem", "path": "a.tif"}]})"),
+      "c.json");
   DemBase dem;
   dem.path = "a.tif";
   EXPECT_EQ(config.model.bases, (std::vector<Base>{FractalBase{}, dem}));
@@ -110,7 +111,7 @@ TEST(TerrainConfig, BaseDefaultsAreThoseOfTheDomain) {
 TEST(TerrainConfig, LongestWavelengthIsANumberOrAWord) {
   const auto longest_m = [](const std::string& value) {
     const Json config =
-        resolved("terrain", R"({"base": {"type": "fractal", "longest_wavelength_m": )" + value + "}}");
+        typed_config("terrain", R"({"base": {"type": "fractal", "longest_wavelength_m": )" + value + "}}");
     return std::get<FractalBase>(terrain_config(config, "c.json").model.bases[0]).longest_wavelength_m;
   };
   EXPECT_EQ(longest_m("25.5"), 25.5);
@@ -121,7 +122,7 @@ TEST(TerrainConfig, LongestWavelengthIsANumberOrAWord) {
 }
 
 TEST(TerrainConfig, DegreesBecomeRadians) {
-  const TerrainConfig config = terrain_config(resolved("terrain", R"({
+  const TerrainConfig config = terrain_config(typed_config("terrain", R"({
       "features": [{"type": "pyramid", "x_m": 1, "y_m": 2, "base_width_m": 3, "height_m": 4, "yaw_deg": 90}],
       "patterns": [{"type": "ring", "count": 3, "radius_m": 5, "first_azimuth_deg": 180,
                     "feature": {"type": "hemisphere", "radius_m": 6}}]})"),
@@ -133,7 +134,7 @@ TEST(TerrainConfig, DegreesBecomeRadians) {
 TEST(TerrainConfig, RefusalsBeginWithTheFile) {
   EXPECT_THAT(refusal([] {
                 static_cast<void>(
-                    terrain_config(resolved("terrain", R"({"grid": {"resolution_m": 0.7}})"), "c.json"));
+                    terrain_config(typed_config("terrain", R"({"grid": {"resolution_m": 0.7}})"), "c.json"));
               }),
               AllOf(HasSubstr("c.json: /grid"), HasSubstr("half_width_m 60")));
 }
@@ -148,7 +149,7 @@ std::vector<Direction<LidarFrame>> pixels_of(const Detector& detector) {
 }
 
 TEST(ScanModel, EmptyIsTheDefault) {
-  const ScanModel model = scan_of("{}");
+  const ScanModel model = typed_scan("{}");
   EXPECT_EQ(pixels_of(model.lidar.detector), pixels_of(perspective_detector({})));
   EXPECT_EQ(model.pulse_rate_hz, 20000);
   EXPECT_EQ(model.scan_time_s, 2);
@@ -161,12 +162,12 @@ TEST(ScanModel, EmptyIsTheDefault) {
 }
 
 TEST(ScanModel, NominalMountIsDiag1Minus1Minus1) {
-  const Eigen::Matrix3d mount = scan_of("{}").lidar.mount.rotation.m;
+  const Eigen::Matrix3d mount = typed_scan("{}").lidar.mount.rotation.m;
   EXPECT_TRUE(mount.isApprox(Eigen::Vector3d(1, -1, -1).asDiagonal().toDenseMatrix(), 1e-15));
 }
 
 TEST(ScanModel, DegreesBecomeRadiansAndScalarsHoldForBothAxes) {
-  const ScanModel model = scan_of(R"({"detector": {"fov_deg": 90, "roll_deg": -45},
+  const ScanModel model = typed_scan(R"({"detector": {"fov_deg": 90, "roll_deg": -45},
       "scanner": {"type": "fsm", "incidence_deg": 30, "fold_azimuth_deg": 60, "max_deflection_deg": 20},
       "trajectory": {"type": "constant_velocity", "rpy_deg": [180, 90, 45], "rpy_rate_degps": [0, 0, 18]},
       "navigation_error": {"rpy_rad": [0.1, 0.2, 0.3]}})");
@@ -182,13 +183,14 @@ TEST(ScanModel, DegreesBecomeRadiansAndScalarsHoldForBothAxes) {
   EXPECT_TRUE(model.trajectory->pose(1).rotation.m.isApprox(motion.pose(1).rotation.m, 1e-14));
   const Pose estimate = model.navigation_error->estimated({}, 0);
   EXPECT_EQ(estimate.rotation.m, (rotation_from<DemFrame, BodyFrame>({0.1, 0.2, 0.3}).m));
-  EXPECT_EQ(pixels_of(scan_of(R"({"detector": {"ifov_rad": [0.001, 0.002]}})").lidar.detector),
+  EXPECT_EQ(pixels_of(typed_scan(R"({"detector": {"ifov_rad": [0.001, 0.002]}})").lidar.detector),
             pixels_of(perspective_detector({.field_of_view = PixelFieldOfView{0.001, 0.002}})));
 }
 
 TEST(ScanModel, DetectorKeysReachTheDetector) {
   const Detector detector =
-      scan_of(R"({"detector": {"rows": 1, "columns": 3, "ifov_rad": 0.1, "subpixels": 2, "fill_factor": 0.25,
+      typed_scan(
+          R"({"detector": {"rows": 1, "columns": 3, "ifov_rad": 0.1, "subpixels": 2, "fill_factor": 0.25,
                   "distortion": {"k1": 1, "k2": 2, "k3": 3}, "estimator": "strongest",
                   "range_resolution_m": 2}})")
           .lidar.detector;
@@ -208,7 +210,7 @@ TEST(ScanModel, DetectorKeysReachTheDetector) {
 TEST(ScanModel, EveryEstimatorHasAName) {
   const auto range_of = [](const std::string& name) {
     std::vector<double> ranges = {4, 1, 4, 4.1};
-    return scan_of(R"({"detector": {"estimator": ")" + name + R"("}})")
+    return typed_scan(R"({"detector": {"estimator": ")" + name + R"("}})")
         .lidar.detector.estimator()
         .range_m(ranges);
   };
@@ -227,21 +229,21 @@ TEST(ScanModel, ATableOfPixelsIsReadByTheLoader) {
       return NumberTable("b.csv",
                          {{"row", {0, 0}}, {"column", {1, 0}}, {"u", {0.5, -0.25}}, {"v", {0, 0.5}}});
     };
-    return scan_of(R"({"detector": {"rows": 1, "columns": 2, "distribution": {"path": "p.csv"},
+    return typed_scan(R"({"detector": {"rows": 1, "columns": 2, "distribution": {"path": "p.csv"},
                        "distortion": {"k1": )" +
-                       std::to_string(k1) + "}}}",
-                   table);
+                          std::to_string(k1) + "}}}",
+                      table);
   };
   EXPECT_EQ(pixels_of(load(0).lidar.detector),
             pixels_of(perspective_detector({.rows = 1, .columns = 2, .points = {{-0.25, 0.5}, {0.5, 0}}})));
   EXPECT_THAT(refusal([&] { static_cast<void>(load(-1.5)); }),
               HasSubstr("c.json: /detector/distortion: the image folds"));
   // Only checked: nothing is read, and whether the image folds stays open.
-  EXPECT_NO_THROW(static_cast<void>(scan_of(config)));
+  EXPECT_NO_THROW(static_cast<void>(typed_scan(config)));
 }
 
 TEST(ScanModel, FlashHasNoPattern) {
-  EXPECT_EQ(scan_of(R"({"scanner": {"type": "flash"}})").lidar.pattern, nullptr);
+  EXPECT_EQ(typed_scan(R"({"scanner": {"type": "flash"}})").lidar.pattern, nullptr);
 }
 
 TEST(ScanModel, ATableIsReadByTheLoader) {
@@ -257,7 +259,7 @@ TEST(ScanModel, ATableIsReadByTheLoader) {
                                  {"qy", {0, 0}},
                                  {"qz", {0, 0}}});
   };
-  const ScanModel model = scan_of(config, load);
+  const ScanModel model = typed_scan(config, load);
   EXPECT_EQ(model.trajectory->pose(5).position.v, Eigen::Vector3d(2, 3, 4));
   try {
     static_cast<void>(model.trajectory->pose(6));
@@ -265,11 +267,11 @@ TEST(ScanModel, ATableIsReadByTheLoader) {
   } catch (const FormatError& error) {
     EXPECT_THAT(error.what(), HasSubstr("b.csv: trajectory table: time 6"));
   }
-  EXPECT_NO_THROW(static_cast<void>(scan_of(config)));  // only checked: nothing is read
+  EXPECT_NO_THROW(static_cast<void>(typed_scan(config)));  // only checked: nothing is read
 }
 
 TEST(ScanModel, DynamicsTakesEveryKey) {
-  const ScanModel model = scan_of(R"({"laser": {"scan_time_s": 3},
+  const ScanModel model = typed_scan(R"({"laser": {"scan_time_s": 3},
       "trajectory": {"type": "dynamics", "position_m": [1, 2, 300], "velocity_mps": [4, 5, -20],
         "rpy_deg": [0.9, 1.8, 180], "rate_degps": [1.8, 0, -3.6], "gravity_mps2": 1.6, "mass_kg": 700,
         "inertia_kgm2": [100, 110, 120], "inertia_products_kgm2": [5, 6, 7],
@@ -302,7 +304,7 @@ TEST(ScanModel, DynamicsTakesEveryKey) {
 TEST(ScanModel, DynamicsRefusalsNameFileAndKey) {
   const auto refused = [](const std::string& keys) {
     return refusal(
-        [&] { static_cast<void>(scan_of(R"({"trajectory": {"type": "dynamics", )" + keys + "}}")); });
+        [&] { static_cast<void>(typed_scan(R"({"trajectory": {"type": "dynamics", )" + keys + "}}")); });
   };
   EXPECT_THAT(refused(R"("mass_kg": 0)"), AllOf(HasSubstr("c.json: /trajectory/mass_kg"), HasSubstr("0")));
   EXPECT_THAT(refused(R"("inertia_kgm2": [1, 1, 3])"),
@@ -315,38 +317,39 @@ TEST(ScanModel, DynamicsRefusalsNameFileAndKey) {
 }
 
 TEST(ScanModel, AttitudeKnowledgeIsAChoice) {
-  EXPECT_EQ(scan_of("{}").attitude_knowledge, AttitudeKnowledge::truth);
-  EXPECT_EQ(scan_of(R"({"navigation_error": {"attitude": "commanded"}})").attitude_knowledge,
+  EXPECT_EQ(typed_scan("{}").attitude_knowledge, AttitudeKnowledge::truth);
+  EXPECT_EQ(typed_scan(R"({"navigation_error": {"attitude": "commanded"}})").attitude_knowledge,
             AttitudeKnowledge::commanded);
 }
 
 TEST(ScanModel, BothFieldsOfViewAreRefused) {
   EXPECT_THAT(
-      refusal([] { static_cast<void>(scan_of(R"({"detector": {"ifov_rad": 0.001, "fov_deg": 1}})")); }),
+      refusal([] { static_cast<void>(typed_scan(R"({"detector": {"ifov_rad": 0.001, "fov_deg": 1}})")); }),
       testing::Eq("c.json: /detector/fov_deg: excludes ifov_rad; give one of them"));
 }
 
 TEST(ScanModel, AScanWithoutAPulseIsRefusedByName) {
-  EXPECT_THAT(
-      refusal([] { static_cast<void>(scan_of(R"({"laser": {"pulse_rate_hz": 10, "scan_time_s": 0.05}})")); }),
-      AllOf(HasSubstr("c.json: "), HasSubstr("pulse_rate_hz x scan_time_s")));
+  EXPECT_THAT(refusal([] {
+                static_cast<void>(typed_scan(R"({"laser": {"pulse_rate_hz": 10, "scan_time_s": 0.05}})"));
+              }),
+              AllOf(HasSubstr("c.json: "), HasSubstr("pulse_rate_hz x scan_time_s")));
 }
 
 TEST(RegridConfig, EmptyIsTheDefaultAndTheCentroidIsAChoice) {
-  const RegridConfig config = regrid_config(resolved("regrid", "{}"), "c.json");
+  const RegridConfig config = regrid_config(typed_config("regrid", "{}"), "c.json");
   EXPECT_EQ(config.grid, GridSpec::centered(50, 0.05));
   EXPECT_EQ(config.grid.cols, 2001);
   EXPECT_EQ(config.truth_at, TruthAt::bin_center);
-  EXPECT_EQ(regrid_config(resolved("regrid", R"({"truth_at": "centroid"})"), "c").truth_at,
+  EXPECT_EQ(regrid_config(typed_config("regrid", R"({"truth_at": "centroid"})"), "c").truth_at,
             TruthAt::centroid);
 }
 
 TEST(EvaluationConfig, EmptyIsTheDefaultAndEveryKeyIsRead) {
-  EXPECT_EQ(evaluation_config(resolved("eval", "{}"), "c.json"), EvaluationParameters{});
+  EXPECT_EQ(evaluation_config(typed_config("eval", "{}"), "c.json"), EvaluationParameters{});
   const EvaluationParameters expected{RegionShape::square,      1, 3, 2, FootprintShape::disc, 0.5,
                                       {0.1, 3, 4, 5, 6, 7, 0.8}};
   EXPECT_EQ(evaluation_config(
-                resolved("eval", R"({"region_radius_m": 1, "footprint_m": 2, "footprint_shape": "disc",
+                typed_config("eval", R"({"region_radius_m": 1, "footprint_m": 2, "footprint_shape": "disc",
       "quantile": 0.5, "region": {"shape": "square", "half_width_m": 3},
       "limits": {"invalid_frac": 0.1, "hole_bins": 3, "distance_bins": 4, "relative_elevation_m": 5,
                  "relative_horizontal_m": 6, "absolute_horizontal_m": 7, "absolute_horizontal_frac": 0.8}})"),
@@ -355,16 +358,18 @@ TEST(EvaluationConfig, EmptyIsTheDefaultAndEveryKeyIsRead) {
 }
 
 TEST(EvaluationConfig, ARegionHasTheKeysOfItsShape) {
-  const auto config = [](const char* text) { return evaluation_config(resolved("eval", text), "c.json"); };
+  const auto config = [](const char* text) {
+    return evaluation_config(typed_config("eval", text), "c.json");
+  };
   EXPECT_THAT(refusal([&] { static_cast<void>(config(R"({"region": {"shape": "square"}})")); }),
               AllOf(HasSubstr("c.json: /region"), HasSubstr("half_width_m")));
   EXPECT_THAT(refusal([&] { static_cast<void>(config(R"({"region": {"shape": "mask"}})")); }),
               HasSubstr("path"));
   EXPECT_THAT(refusal([&] { static_cast<void>(config(R"({"region": {"half_width_m": 3}})")); }),
               AllOf(HasSubstr("/region/half_width_m"), HasSubstr("not with circle")));
-  EXPECT_FALSE(region_mask_source(resolved("eval", "{}")));
+  EXPECT_FALSE(region_mask_source(typed_config("eval", "{}")));
   const auto source =
-      region_mask_source(resolved("eval", R"({"region": {"shape": "mask", "path": "a.h5"}})"));
+      region_mask_source(typed_config("eval", R"({"region": {"shape": "mask", "path": "a.h5"}})"));
   EXPECT_EQ(source->path, "a.h5");
   EXPECT_EQ(source->layer, "mask");
 }

@@ -6,16 +6,13 @@
 
 #include <cmath>
 #include <limits>
-#include <numbers>
 
 #include "base/error.h"
+#include "constants.h"
 #include "geometry/rotation.h"
 
 namespace landfall {
 namespace {
-
-constexpr double kPi = std::numbers::pi;
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
 // Where a direction in L meets the plane z_D = -1, seen from the origin with the nominal mount: map
 // coordinates.

@@ -12,13 +12,13 @@
 #include <vector>
 
 #include "base/error.h"
+#include "constants.h"
 #include "test_seed.h"
 
 namespace landfall {
 namespace {
 
 using enum RangeRule;
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 constexpr std::array kRules = {mean, first, median, strongest};
 
 double range_of(RangeRule rule, std::vector<double> ranges, double resolution_m = 0.15) {

@@ -4,15 +4,14 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <numbers>
 
 #include "base/error.h"
+#include "constants.h"
 
 namespace landfall {
 namespace {
 
 using Pose = Transform<DemFrame, BodyFrame>;
-constexpr double kPi = std::numbers::pi;
 
 const Pose kTruth{rotation_from<DemFrame, BodyFrame>({0, 0, kPi / 2}), {{10, 20, 500}}};
 

@@ -14,7 +14,7 @@
 namespace landfall {
 namespace {
 
-constexpr std::int64_t kPulses = 100000;
+constexpr std::int64_t kPointingPulses = 100000;
 
 /// Where a beam along the boresight goes.
 Eigen::Vector3d boresight(const PointingError& error, std::int64_t pulse) {
@@ -23,8 +23,8 @@ Eigen::Vector3d boresight(const PointingError& error, std::int64_t pulse) {
 
 double mean_over_pulses(const std::function<double(std::int64_t pulse)>& value) {
   double sum = 0;
-  for (std::int64_t pulse = 0; pulse < kPulses; ++pulse) sum += value(pulse);
-  return sum / static_cast<double>(kPulses);
+  for (std::int64_t pulse = 0; pulse < kPointingPulses; ++pulse) sum += value(pulse);
+  return sum / static_cast<double>(kPointingPulses);
 }
 
 TEST(PointingError, NoneByDefault) {
@@ -48,12 +48,12 @@ TEST(PointingError, MisalignmentIsFixed) {
 TEST(PointingError, JitterHasItsSigmaOnEachAxis) {
   const PointingError error({.jitter_sigma_x_rad = 1e-4, .jitter_sigma_y_rad = 3e-4}, test_seed());
   EXPECT_TRUE(error.turns_beams());
-  const double tolerance = 5 * std::sqrt(2.0 / kPulses);
+  const double tolerance = 5 * std::sqrt(2.0 / kPointingPulses);
   EXPECT_NEAR(mean_over_pulses([&](auto k) { return std::pow(boresight(error, k).y() / 1e-4, 2); }), 1,
               tolerance);
   EXPECT_NEAR(mean_over_pulses([&](auto k) { return std::pow(boresight(error, k).x() / 3e-4, 2); }), 1,
               tolerance);
-  const double once = 5 / std::sqrt(double{kPulses});
+  const double once = 5 / std::sqrt(double{kPointingPulses});
   EXPECT_NEAR(mean_over_pulses([&](auto k) { return boresight(error, k).y() / 1e-4; }), 0, once);
   EXPECT_NEAR(
       mean_over_pulses([&](auto k) { return boresight(error, k).x() * boresight(error, k).y() / 3e-8; }), 0,
@@ -98,12 +98,12 @@ TEST(PointingError, TimeStampsHaveTheirBiasAndSigma) {
   EXPECT_EQ(bias.time_stamp_error_s(3), -0.002);
   const PointingError error({.time_stamp_bias_s = 0.5, .time_stamp_sigma_s = 0.1}, test_seed());
   EXPECT_NEAR(mean_over_pulses([&](auto k) { return error.time_stamp_error_s(k); }), 0.5,
-              5 * 0.1 / std::sqrt(double{kPulses}));
+              5 * 0.1 / std::sqrt(double{kPointingPulses}));
   EXPECT_NEAR(
       mean_over_pulses([&](auto k) { return std::pow((error.time_stamp_error_s(k) - 0.5) / 0.1, 2); }), 1,
-      5 * std::sqrt(2.0 / kPulses));
+      5 * std::sqrt(2.0 / kPointingPulses));
   EXPECT_DOUBLE_EQ(error.largest_time_stamp_error_s(), 1.4);
-  for (std::int64_t k = 0; k < kPulses; ++k) ASSERT_LE(error.time_stamp_error_s(k), 1.4);
+  for (std::int64_t k = 0; k < kPointingPulses; ++k) ASSERT_LE(error.time_stamp_error_s(k), 1.4);
 }
 
 TEST(PointingError, TheMirrorClockHasItsBiasAndSigma) {

@@ -14,13 +14,13 @@
 namespace landfall {
 namespace {
 
-constexpr std::int64_t kPulses = 1000;
+constexpr std::int64_t kNoisePulses = 1000;
 constexpr std::int64_t kPixels = 324;
-constexpr double kCount = static_cast<double>(kPulses * kPixels);
+constexpr double kCount = static_cast<double>(kNoisePulses * kPixels);
 
 double fraction_of(const auto& happens) {
   int count = 0;
-  for (std::int64_t pulse = 0; pulse < kPulses; ++pulse)
+  for (std::int64_t pulse = 0; pulse < kNoisePulses; ++pulse)
     for (std::int64_t pixel = 0; pixel < kPixels; ++pixel) count += happens(PulsePixel{pulse, pixel}) ? 1 : 0;
   return count / kCount;
 }
@@ -95,7 +95,7 @@ TEST(RangeErrors, NoiseHasItsSigma) {
   const RangeErrors errors({.range_sigma_m = 0.05 / 3}, 1);
   double sum = 0;
   double squares = 0;
-  for (std::int64_t pulse = 0; pulse < kPulses; ++pulse)
+  for (std::int64_t pulse = 0; pulse < kNoisePulses; ++pulse)
     for (std::int64_t pixel = 0; pixel < kPixels; ++pixel) {
       const double v = errors.measured_m(0, {pulse, pixel}) / (0.05 / 3);
       sum += v;
@@ -223,7 +223,7 @@ TEST(RangeErrors, FalseReturnsHaveTheirFractionAndFillTheirGate) {
   double sum = 0;
   double squares = 0;
   int count = 0;
-  for (std::int64_t pulse = 0; pulse < kPulses; ++pulse)
+  for (std::int64_t pulse = 0; pulse < kNoisePulses; ++pulse)
     for (std::int64_t pixel = 0; pixel < kPixels; ++pixel)
       if (const auto range = errors.false_range_m({pulse, pixel})) {
         ASSERT_GE(*range, 100);

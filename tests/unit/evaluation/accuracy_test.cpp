@@ -6,12 +6,11 @@
 #include <algorithm>
 #include <cmath>
 #include <initializer_list>
-#include <limits>
+
+#include "constants.h"
 
 namespace landfall {
 namespace {
-
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
 Grid<double> row_of(std::initializer_list<double> values) {
   Grid<double> grid(GridSpec{0.5, 2, -1, 1, static_cast<std::int64_t>(values.size())});

@@ -6,19 +6,16 @@
 #include <algorithm>
 #include <cmath>
 #include <initializer_list>
-#include <limits>
 #include <string_view>
 #include <vector>
 
+#include "constants.h"
 #include "raster/masks.h"
 
 namespace landfall {
 namespace {
 
 using testing_masks::drawn;
-
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
-constexpr double kInf = std::numeric_limits<double>::infinity();
 
 BinMask all_but(const BinMask& empty) {
   BinMask valid(empty.spec());
@@ -94,9 +91,9 @@ TEST(Coverage, HoleAtTheRegionBorder) {
 TEST(Coverage, NoValidBinIsInfinitelyFar) {
   const Coverage coverage = coverage_of({"###", "###"});
   EXPECT_EQ(coverage.metrics.invalid_frac, 1);
-  EXPECT_EQ(coverage.metrics.max_distance_bins, kInf);
+  EXPECT_EQ(coverage.metrics.max_distance_bins, kInfinity);
   EXPECT_EQ(coverage.metrics.distance_over_limit_count, 6);
-  EXPECT_EQ(coverage.holes[0].largest_distance_bins, kInf);
+  EXPECT_EQ(coverage.holes[0].largest_distance_bins, kInfinity);
 }
 
 TEST(Coverage, HistogramAndHolesOverTheLimit) {

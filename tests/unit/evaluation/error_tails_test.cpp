@@ -6,17 +6,15 @@
 
 #include <algorithm>
 #include <cstdlib>
-#include <limits>
 #include <vector>
 
 #include "base/random.h"
+#include "constants.h"
 #include "evaluation/tail_cursor.h"
 
 namespace landfall {
 namespace {
 
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr std::size_t kPad = ErrorTail::kPad;
 
 void expect_tile(const Tile& tile, const Tile& expected) {

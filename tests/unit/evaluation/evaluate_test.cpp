@@ -16,6 +16,7 @@
 #include "base/parallel.h"
 #include "base/random.h"
 #include "collected_layers.h"
+#include "constants.h"
 
 namespace landfall {
 namespace {
@@ -23,8 +24,6 @@ namespace {
 using testing_layers::Collected;
 using testing_layers::collected;
 using testing_layers::Layers;
-
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
 /// A perfect DEM of 1 m bins, 2 half + 1 on a side.
 DemLayers perfect(std::int64_t half) {

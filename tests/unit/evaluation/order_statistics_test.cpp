@@ -6,16 +6,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "base/random.h"
+#include "constants.h"
 #include "evaluation/piecewise.h"
 
 namespace landfall {
 namespace {
-
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 auto at(const std::vector<double>& values) {
   return [&values](std::size_t i) { return values[i]; };

@@ -5,16 +5,13 @@
 #include <gtest/gtest.h>
 
 #include <functional>
-#include <limits>
 #include <string>
 
 #include "base/error.h"
+#include "constants.h"
 
 namespace landfall {
 namespace {
-
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
-constexpr double kInf = std::numeric_limits<double>::infinity();
 
 std::string refusal(const std::function<void(EvaluationParameters&)>& change) {
   EvaluationParameters parameters;
@@ -38,7 +35,7 @@ TEST(EvaluationParameters, DefaultsAreTable1) {
 }
 
 TEST(EvaluationParameters, LengthsAreFiniteAndPositive) {
-  for (const double bad : {0.0, -1.0, kNan, kInf}) {
+  for (const double bad : {0.0, -1.0, kNan, kInfinity}) {
     EXPECT_THAT(refusal([&](auto& p) { p.region_radius_m = bad; }), testing::StartsWith("region_radius_m: "));
     EXPECT_THAT(refusal([&](auto& p) { p.region_half_width_m = bad; }),
                 testing::StartsWith("region/half_width_m: "));
@@ -65,7 +62,7 @@ TEST(EvaluationParameters, FractionsLieBetween0And1) {
 TEST(EvaluationParameters, LimitsAreNotNegative) {
   EXPECT_EQ(refusal([](auto& p) { p.limits = {0, 0, 0, 0, 0, 0, 0}; }), "accepted");
   EXPECT_EQ(refusal([](auto& p) { p.limits.hole_bins = -1; }), "limits/hole_bins: -1 is not finite and >= 0");
-  for (const double bad : {-1.0, kNan, kInf}) {
+  for (const double bad : {-1.0, kNan, kInfinity}) {
     EXPECT_NE(refusal([&](auto& p) { p.limits.distance_bins = bad; }), "accepted");
     EXPECT_NE(refusal([&](auto& p) { p.limits.relative_elevation_m = bad; }), "accepted");
     EXPECT_NE(refusal([&](auto& p) { p.limits.relative_horizontal_m = bad; }), "accepted");

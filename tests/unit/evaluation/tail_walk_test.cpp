@@ -6,17 +6,15 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <vector>
 
 #include "base/random.h"
+#include "constants.h"
 #include "evaluation/quantile.h"
 
 namespace landfall {
 namespace {
 
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr Tile kTile{4, 3, 9, 11};
 
 /// Noise with some empty bins, everywhere in the region but for one bin of the tile.

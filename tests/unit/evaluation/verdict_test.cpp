@@ -7,7 +7,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <string>
 #include <vector>
 
@@ -15,6 +14,7 @@
 #include "base/parallel.h"
 #include "base/random.h"
 #include "collected_layers.h"
+#include "constants.h"
 #include "raster/masks.h"
 
 namespace landfall {
@@ -22,8 +22,6 @@ namespace {
 
 using testing_layers::collected;
 using testing_layers::Collected;
-
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
 const BinMask* mask_of(const DemLayers& dem) { return dem.region_mask ? &*dem.region_mask : nullptr; }
 
@@ -59,7 +57,7 @@ Collected expect_exact(const DemLayers& dem, const EvaluationParameters& paramet
 }
 
 /// A perfect flat DEM of 1 m bins, 2 half + 1 on a side.
-DemLayers perfect(const GridSpec& spec) {
+DemLayers perfect_dem(const GridSpec& spec) {
   DemLayers dem{Grid<double>(spec, 7),
                 TrueLayers{Grid<double>(spec), Grid<double>(spec), Grid<double>(spec, 7)}};
   for (std::int64_t row = 0; row < spec.rows; ++row) {
@@ -71,9 +69,11 @@ DemLayers perfect(const GridSpec& spec) {
   return dem;
 }
 
-DemLayers perfect(std::int64_t half) { return perfect(GridSpec::centered(static_cast<double>(half), 1)); }
+DemLayers perfect_dem(std::int64_t half) {
+  return perfect_dem(GridSpec::centered(static_cast<double>(half), 1));
+}
 
-EvaluationParameters small() {
+EvaluationParameters small_region() {
   EvaluationParameters parameters;
   parameters.region_radius_m = 4;
   parameters.footprint_m = 3;
@@ -106,7 +106,7 @@ double relief_error_m(Relief relief, BinIndex bin, double u) {
 DemLayers scene(const GridSpec& spec, const SceneRecipe& recipe) {
   const RandomField normal(recipe.seed, RandomStream::range_noise);
   const RandomField uniform(recipe.seed, RandomStream::dropout);
-  DemLayers dem = perfect(spec);
+  DemLayers dem = perfect_dem(spec);
   for (std::int64_t row = 0; row < spec.rows; ++row) {
     for (std::int64_t col = 0; col < spec.cols; ++col) {
       const std::size_t i = spec.index({row, col});
@@ -183,7 +183,7 @@ TEST(Decide, FiftyRandomScenes) {
 
 TEST(Decide, TheFootprintOfThePaper) {
   const GridSpec spec = GridSpec::centered(80, 1);
-  EvaluationParameters parameters = small();
+  EvaluationParameters parameters = small_region();
   parameters.region_radius_m = 80;
   parameters.footprint_m = 35;
   for (const Relief relief : {Relief::noise, Relief::drift, Relief::cones, Relief::rocks}) {
@@ -198,10 +198,10 @@ TEST(Decide, TheFootprintOfThePaper) {
 
 // All windows have the value 0.1 or nearly so: each is decided by the quantile or the count alone.
 TEST(Decide, LimitsThatValuesHit) {
-  DemLayers dem = perfect(20);
+  DemLayers dem = perfect_dem(20);
   for (std::size_t i = 0; i < dem.z_est.values().size(); ++i)
     dem.truth->z.values()[i] += i % 2 == 0 ? 0.1 : -0.1;
-  EvaluationParameters parameters = small();
+  EvaluationParameters parameters = small_region();
   parameters.region_radius_m = 15;
   for (const double footprint : {1.0, 3.0, 5.0, 9.0}) {
     for (const double quantile : {0.0, 0.25, 0.5, 0.75, 0.95, 1.0}) {
@@ -220,18 +220,18 @@ TEST(Decide, LimitsThatValuesHit) {
 
 // One of nine values exceeds the limit, and the quantile lies between it and the next.
 TEST(Decide, OneWrongElevation) {
-  DemLayers dem = perfect(5);
+  DemLayers dem = perfect_dem(5);
   dem.truth->z.at({5, 5}) += 0.9;
-  EvaluationParameters parameters = small();
+  EvaluationParameters parameters = small_region();
   parameters.limits.relative_elevation_m = 0.2;
   EXPECT_EQ(expect_exact(dem, parameters).metrics.requirements.relative_elevation.value, 9);
 }
 
 TEST(Decide, AbsoluteErrorsAtTheLimit) {
-  DemLayers dem = perfect(20);
+  DemLayers dem = perfect_dem(20);
   for (double& x : dem.truth->x.values()) x += 3;
   for (double& y : dem.truth->y.values()) y -= 4;
-  EvaluationParameters parameters = small();
+  EvaluationParameters parameters = small_region();
   for (const double limit : {std::nextafter(5.0, 0.0), 5.0, 4.999, 5.001, 0.0, 1e300}) {
     parameters.limits.absolute_horizontal_m = limit;
     expect_exact(dem, parameters);
@@ -244,22 +244,22 @@ TEST(Decide, AbsoluteErrorsAtTheLimit) {
 TEST(Decide, WithoutTruth) {
   DemLayers dem = scene(GridSpec::centered(20, 1), {.empty_frac = 0.3});
   dem.truth.reset();
-  const Collected full = expect_exact(dem, small());
+  const Collected full = expect_exact(dem, small_region());
   EXPECT_FALSE(full.metrics.pass.has_value());
 }
 
 TEST(Decide, WithoutAnyValue) {
-  DemLayers dem = perfect(10);
+  DemLayers dem = perfect_dem(10);
   std::ranges::fill(dem.z_est.values(), kNan);
-  expect_exact(dem, small());
+  expect_exact(dem, small_region());
   std::ranges::fill(dem.truth->x.values(), kNan);
-  const Collected full = expect_exact(dem, small());
+  const Collected full = expect_exact(dem, small_region());
   EXPECT_FALSE(full.metrics.requirements.relative_horizontal.value.has_value());
 }
 
 TEST(Decide, AFootprintLargerThanTheDem) {
   DemLayers dem = scene(GridSpec::centered(12, 1), {.sigma_m = 0.03, .empty_frac = 0.1});
-  EvaluationParameters parameters = small();
+  EvaluationParameters parameters = small_region();
   for (const double footprint : {24.0, 49.0, 51.0, 1e5}) {
     parameters.footprint_m = footprint;
     for (const FootprintShape shape : {FootprintShape::square, FootprintShape::disc}) {
@@ -275,7 +275,7 @@ TEST(Decide, ErrorsThatOverflow) {
   dem.truth->z.at({20, 20}) = 1.7e308;
   dem.truth->z.at({20, 21}) = 1.7e308;
   dem.truth->x.at({18, 21}) = -1.7e308;
-  expect_exact(dem, small());
+  expect_exact(dem, small_region());
 }
 
 TEST(Decide, RefusesWhatEvaluateRefuses) {
@@ -288,24 +288,24 @@ TEST(Decide, RefusesWhatEvaluateRefuses) {
     }
     return "";
   };
-  EvaluationParameters parameters = small();
+  EvaluationParameters parameters = small_region();
   parameters.quantile = 1.5;
-  EXPECT_THAT(refusal(perfect(5), parameters), testing::HasSubstr("quantile"));
-  DemLayers dem = perfect(5);
+  EXPECT_THAT(refusal(perfect_dem(5), parameters), testing::HasSubstr("quantile"));
+  DemLayers dem = perfect_dem(5);
   dem.truth->z = Grid<double>(GridSpec::centered(6, 1));
-  EXPECT_EQ(refusal(dem, small()), "z_true: its grid differs from that of z_est");
+  EXPECT_EQ(refusal(dem, small_region()), "z_true: its grid differs from that of z_est");
   for (const double infinite : {HUGE_VAL, -HUGE_VAL}) {
-    dem = perfect(5);
+    dem = perfect_dem(5);
     dem.truth->z.at({3, 4}) = infinite;
     dem.z_est.at({3, 4}) = kNan;
-    EXPECT_EQ(refusal(dem, small()), "z_true: the value in row 3, column 4 is infinite");
+    EXPECT_EQ(refusal(dem, small_region()), "z_true: the value in row 3, column 4 is infinite");
     dem.z_est.at({2, 1}) = infinite;
-    EXPECT_EQ(refusal(dem, small()), "z_est: the value in row 2, column 1 is infinite");
+    EXPECT_EQ(refusal(dem, small_region()), "z_est: the value in row 2, column 1 is infinite");
     dem.truth.reset();
-    EXPECT_EQ(refusal(dem, small()), "z_est: the value in row 2, column 1 is infinite");
-    dem = perfect(5);
+    EXPECT_EQ(refusal(dem, small_region()), "z_est: the value in row 2, column 1 is infinite");
+    dem = perfect_dem(5);
     dem.truth->y.at({10, 10}) = infinite;
-    EXPECT_EQ(refusal(dem, small()), "y_true: the value in row 10, column 10 is infinite");
+    EXPECT_EQ(refusal(dem, small_region()), "y_true: the value in row 10, column 10 is infinite");
   }
 }
 

@@ -5,11 +5,11 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
-#include <limits>
 #include <vector>
 
 #include "base/parallel.h"
 #include "base/random.h"
+#include "constants.h"
 #include "evaluation/window_quantile.h"
 #include "raster/masks.h"
 #include "raster/window_mean.h"
@@ -17,7 +17,6 @@
 namespace landfall {
 namespace {
 
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 constexpr GridSpec kSpec{0.05, -60, -45, 96, 121};
 
 std::size_t different_bits(const Grid<double>& a, const Grid<double>& b) {

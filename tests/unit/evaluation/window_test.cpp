@@ -9,26 +9,24 @@
 #include <cstdlib>
 #include <functional>
 #include <initializer_list>
-#include <limits>
 #include <vector>
 
 #include "base/parallel.h"
 #include "base/random.h"
+#include "constants.h"
 #include "evaluation/window_quantile.h"
 #include "raster/window_mean.h"
 
 namespace landfall {
 namespace {
 
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
-
-Grid<double> grid_of(const GridSpec& spec, std::initializer_list<double> values) {
+Grid<double> window_grid(const GridSpec& spec, std::initializer_list<double> values) {
   Grid<double> grid(spec);
   std::copy(values.begin(), values.end(), grid.values().begin());
   return grid;
 }
 
-Grid<double> noise(const GridSpec& spec, double nan_frac, std::uint64_t seed) {
+Grid<double> noisy_grid(const GridSpec& spec, double nan_frac, std::uint64_t seed) {
   const RandomField values(seed, RandomStream::range_noise);
   const RandomField holes(seed, RandomStream::dropout);
   Grid<double> grid(spec);
@@ -37,7 +35,7 @@ Grid<double> noise(const GridSpec& spec, double nan_frac, std::uint64_t seed) {
   return grid;
 }
 
-bool same_bits(const Grid<double>& a, const Grid<double>& b) {
+bool equal_bits(const Grid<double>& a, const Grid<double>& b) {
   return std::ranges::equal(a.values(), b.values(), [](double x, double y) {
     return std::bit_cast<std::uint64_t>(x) == std::bit_cast<std::uint64_t>(y);
   });
@@ -109,9 +107,9 @@ double quantile_oracle(std::vector<double> deviations, double mean, double q) {
 }
 
 TEST(WindowMeans, ByHandWithClippingAndNan) {
-  const WindowMeans windows = window_means(grid_of({1, 0, 0, 3, 3}, {1, 2, 3,     //
-                                                                     4, kNan, 6,  //
-                                                                     7, 8, 9}),
+  const WindowMeans windows = window_means(window_grid({1, 0, 0, 3, 3}, {1, 2, 3,     //
+                                                                         4, kNan, 6,  //
+                                                                         7, 8, 9}),
                                            Footprint::square(1));
   EXPECT_EQ(windows.count.at({1, 1}), 8);
   EXPECT_EQ(windows.mean.at({1, 1}), 5);
@@ -123,7 +121,7 @@ TEST(WindowMeans, ByHandWithClippingAndNan) {
 
 TEST(WindowMeans, NoValidBinIsNan) {
   const WindowMeans windows =
-      window_means(grid_of({1, 0, 0, 1, 4}, {kNan, kNan, kNan, 2}), Footprint::square(1));
+      window_means(window_grid({1, 0, 0, 1, 4}, {kNan, kNan, kNan, 2}), Footprint::square(1));
   EXPECT_EQ(windows.count.at({0, 0}), 0);
   EXPECT_TRUE(std::isnan(windows.mean.at({0, 0})));
   EXPECT_EQ(windows.mean.at({0, 2}), 2);
@@ -131,22 +129,24 @@ TEST(WindowMeans, NoValidBinIsNan) {
 
 // 2^53 + 1 rounds to 2^53: left to right the ones are lost, right to left they would make 2.
 TEST(WindowMeans, SumsLeftToRightThenUpwards) {
-  const WindowMeans row = window_means(grid_of({1, 0, 0, 1, 3}, {0x1p53, 1, 1}), Footprint::square(1));
+  const WindowMeans row = window_means(window_grid({1, 0, 0, 1, 3}, {0x1p53, 1, 1}), Footprint::square(1));
   EXPECT_EQ(row.mean.at({0, 1}), 0x1p53 / 3);
-  const WindowMeans column = window_means(grid_of({1, 0, 0, 3, 1}, {0x1p53, 1, 1}), Footprint::square(1));
+  const WindowMeans column = window_means(window_grid({1, 0, 0, 3, 1}, {0x1p53, 1, 1}), Footprint::square(1));
   EXPECT_EQ(column.mean.at({1, 0}), 0x1p53 / 3);
   // The row of ones is summed first.
-  const WindowMeans both = window_means(grid_of({1, 0, 0, 2, 2}, {0x1p53, 0, 1, 1}), Footprint::square(1));
+  const WindowMeans both =
+      window_means(window_grid({1, 0, 0, 2, 2}, {0x1p53, 0, 1, 1}), Footprint::square(1));
   EXPECT_EQ(both.mean.at({0, 0}), (0x1p53 + 2) / 4);
 }
 
 TEST(WindowMeans, WindowLargerThanTheGrid) {
-  const WindowMeans windows = window_means(grid_of({1, 0, 0, 2, 2}, {1, 2, 3, 4}), Footprint::square(100));
+  const WindowMeans windows =
+      window_means(window_grid({1, 0, 0, 2, 2}, {1, 2, 3, 4}), Footprint::square(100));
   for (const double mean : windows.mean.values()) EXPECT_EQ(mean, 2.5);
 }
 
 TEST(Windows, EveryInstructionSetGivesTheSameBits) {
-  const Grid<double> error = noise({1, 0, 0, 90, 153}, 0.1, 5);
+  const Grid<double> error = noisy_grid({1, 0, 0, 90, 153}, 0.1, 5);
   const BinMask everywhere(error.spec(), 1);
   for (const Footprint& footprint : {Footprint::square(6), Footprint::disc(40)}) {
     hwy::SetSupportedTargetsForTest(0);
@@ -158,9 +158,9 @@ TEST(Windows, EveryInstructionSetGivesTheSameBits) {
       const std::int64_t target = rest & -rest;
       hwy::SetSupportedTargetsForTest(target);
       const WindowMeans found = window_means(error, footprint);
-      EXPECT_TRUE(same_bits(found.mean, expected.mean)) << hwy::TargetName(target);
+      EXPECT_TRUE(equal_bits(found.mean, expected.mean)) << hwy::TargetName(target);
       EXPECT_TRUE(std::ranges::equal(found.count.values(), expected.count.values()));
-      EXPECT_TRUE(same_bits(window_quantile(input), expected_quantiles)) << hwy::TargetName(target);
+      EXPECT_TRUE(equal_bits(window_quantile(input), expected_quantiles)) << hwy::TargetName(target);
     }
   }
   hwy::SetSupportedTargetsForTest(0);
@@ -168,7 +168,7 @@ TEST(Windows, EveryInstructionSetGivesTheSameBits) {
 
 TEST(WindowQuantile, ByHand) {
   // One row of errors 0 0 0 0 10, mean 2: deviations 2 2 2 2 8. Median 2, largest 8, h = 3.8 at 0.95.
-  const Grid<double> error = grid_of({1, 0, 0, 1, 5}, {0, 0, 0, 0, 10});
+  const Grid<double> error = window_grid({1, 0, 0, 1, 5}, {0, 0, 0, 0, 10});
   EXPECT_EQ(quantiles(error, Footprint::square(2), 0.5).at({0, 2}), 2);
   EXPECT_EQ(quantiles(error, Footprint::square(2), 1).at({0, 2}), 8);
   EXPECT_NEAR(quantiles(error, Footprint::square(2), 0.95).at({0, 2}), 2 + 0.8 * 6, 1e-14);
@@ -177,7 +177,7 @@ TEST(WindowQuantile, ByHand) {
 }
 
 TEST(WindowQuantile, NanIsIgnoredAndOneBinHasNoDeviation) {
-  const Grid<double> error = grid_of({1, 0, 0, 1, 4}, {kNan, 3, kNan, kNan});
+  const Grid<double> error = window_grid({1, 0, 0, 1, 4}, {kNan, 3, kNan, kNan});
   const Grid<double> rel = quantiles(error, Footprint::square(1), 0.95);
   EXPECT_EQ(rel.at({0, 0}), 0);
   EXPECT_EQ(rel.at({0, 2}), 0);
@@ -185,7 +185,7 @@ TEST(WindowQuantile, NanIsIgnoredAndOneBinHasNoDeviation) {
 }
 
 TEST(WindowQuantile, OnlyTheRegionIsComputed) {
-  const Grid<double> error = noise({1, 0, 0, 5, 5}, 0, 1);
+  const Grid<double> error = noisy_grid({1, 0, 0, 5, 5}, 0, 1);
   const Footprint footprint = Footprint::square(1);
   const WindowMeans windows = window_means(error, footprint);
   BinMask region(error.spec());
@@ -197,7 +197,7 @@ TEST(WindowQuantile, OnlyTheRegionIsComputed) {
 }
 
 TEST(WindowQuantile, ProgressRisesToOne) {
-  const Grid<double> error = noise({1, 0, 0, 9, 5}, 0, 1);
+  const Grid<double> error = noisy_grid({1, 0, 0, 9, 5}, 0, 1);
   const Footprint footprint = Footprint::square(1);
   const WindowMeans windows = window_means(error, footprint);
   const BinMask everywhere(error.spec(), 1);
@@ -219,7 +219,7 @@ struct RandomCase {
 class WindowOracle : public testing::TestWithParam<RandomCase> {};
 
 void expect_same_as_oracle(const RandomCase& c, const Footprint& footprint, const InWindow& in_window) {
-  const Grid<double> error = noise(c.spec, c.nan_frac, 5);
+  const Grid<double> error = noisy_grid(c.spec, c.nan_frac, 5);
   Grid<double> mean(c.spec);
   Grid<double> quantile(c.spec);
   for (std::int64_t row = 0; row < c.spec.rows; ++row) {
@@ -231,8 +231,8 @@ void expect_same_as_oracle(const RandomCase& c, const Footprint& footprint, cons
   }
   for (const std::size_t threads : {1U, 2U}) {
     const ThreadLimit limit(threads);
-    EXPECT_TRUE(same_bits(window_means(error, footprint).mean, mean)) << threads << " threads";
-    EXPECT_TRUE(same_bits(quantiles(error, footprint, c.quantile), quantile)) << threads << " threads";
+    EXPECT_TRUE(equal_bits(window_means(error, footprint).mean, mean)) << threads << " threads";
+    EXPECT_TRUE(equal_bits(quantiles(error, footprint, c.quantile), quantile)) << threads << " threads";
   }
 }
 

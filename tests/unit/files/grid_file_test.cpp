@@ -115,7 +115,7 @@ std::optional<std::array<double, 2>> stored_range(const LandfallFileReader& file
 TEST(GridFile, EveryLayerHasItsRangeInItsOwnType) {
   const TemporaryFolder folder;
   const GridSpec spec{0.05, -10, 5, 300, 20};
-  constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
+  constexpr float kFloatNan = std::numeric_limits<float>::quiet_NaN();
   {
     LandfallFileWriter file({folder / "a.h5", true, 1}, "dem", provenance());
     GridLayerWriter layers(file, spec, "");
@@ -123,14 +123,14 @@ TEST(GridFile, EveryLayerHasItsRangeInItsOwnType) {
     Grid<std::int8_t> flags(spec, 5);
     flags.at({299, 19}) = -7;
     layers.write("flags", flags, {"1", "flags"});
-    layers.write("none", Grid<float>(spec, kNan), {"m", "none"});
+    layers.write("none", Grid<float>(spec, kFloatNan), {"m", "none"});
     const auto fill = [](const GridLayerWriter::Tile& tile, std::span<GridLayerWriter::TileValues> values) {
       for (std::int64_t r = 0; r < tile.rows; ++r)
         for (std::int64_t c = 0; c < tile.cols; ++c) {
           const auto at = static_cast<std::size_t>(r * tile.stride + c);
           const auto row = static_cast<int>(tile.first.row + r);
           std::get<std::vector<std::int32_t>>(values[0])[at] = 10 + row;
-          std::get<std::vector<float>>(values[1])[at] = c == 3 ? kNan : 0.1F * static_cast<float>(row);
+          std::get<std::vector<float>>(values[1])[at] = c == 3 ? kFloatNan : 0.1F * static_cast<float>(row);
         }
     };
     layers.write_tiled({{"count", h5::Type::int32, {"1", "count"}},

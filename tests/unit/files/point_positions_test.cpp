@@ -31,7 +31,7 @@ void write_scan(const std::filesystem::path& path) {
 }
 
 /// As other programs do it: landfall itself opens no file that another one names.
-std::vector<double> read(const std::filesystem::path& path, const char* dataset) {
+std::vector<double> read_dataset(const std::filesystem::path& path, const char* dataset) {
   const h5::Handle file(H5Fopen(path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), H5Fclose);
   const h5::Handle data(H5Dopen2(file.get(), dataset, H5P_DEFAULT), H5Dclose);
   const h5::Handle space(H5Dget_space(data.get()), H5Sclose);
@@ -55,8 +55,8 @@ TEST(PointPositions, ShowTheColumnsSideBySideWithoutHoldingThem) {
   std::filesystem::create_directory(folder / "below");
   write_scan(folder / "below/50%b.h5");  // a pattern, were it not escaped
   write_places(folder / "p.h5", positions("below/50%b.h5"));
-  const std::vector<double> position = read(folder / "p.h5", "position");
-  const std::vector<double> row = read(folder / "p.h5", "row");
+  const std::vector<double> position = read_dataset(folder / "p.h5", "position");
+  const std::vector<double> row = read_dataset(folder / "p.h5", "row");
   ASSERT_EQ(position.size(), 3 * kRows);
   ASSERT_EQ(row.size(), kRows);
   for (std::size_t i = 0; i < kRows; ++i) {
@@ -73,13 +73,13 @@ TEST(PointPositions, MayBeFewerThanAChunk) {
   PointPositions one = positions("scan.h5");
   one.rows = 1;
   write_places(folder / "p.h5", one);
-  EXPECT_EQ(read(folder / "p.h5", "row"), std::vector<double>{0});
+  EXPECT_EQ(read_dataset(folder / "p.h5", "row"), std::vector<double>{0});
 }
 
 TEST(PointPositions, AreNoneWhereTheScanIsNot) {
   const TemporaryFolder folder;
   write_places(folder / "p.h5", positions("gone.h5"));
-  for (const double value : read(folder / "p.h5", "position")) ASSERT_TRUE(std::isnan(value));
+  for (const double value : read_dataset(folder / "p.h5", "position")) ASSERT_TRUE(std::isnan(value));
 }
 
 TEST(PointPositions, HaveEqualBytes) {

@@ -5,9 +5,9 @@
 #include <gtest/gtest.h>
 
 #include <functional>
-#include <limits>
 
 #include "base/error.h"
+#include "constants.h"
 #include "hdf5/dataset_list.h"
 #include "temporary_folder.h"
 
@@ -17,9 +17,6 @@ namespace {
 using enum PointStatus;
 using testing::ElementsAre;
 using testing::EndsWith;
-
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 /// Two pulses of three pixels; x_est numbers the rows, and what a status leaves out is NaN.
 PulseBatch small_batch(const OptionalColumns& columns) {
@@ -38,7 +35,7 @@ PulseBatch small_batch(const OptionalColumns& columns) {
   return batch;
 }
 
-struct SmallScan {
+struct WrittenScan {
   ScanFileOptions options{};
   std::function<void(PulseBatch&)> change = [](PulseBatch&) {};
 
@@ -62,13 +59,13 @@ ScanPoints read_all(const std::filesystem::path& path) {
   return points;
 }
 
-ScanPoints read_all(const SmallScan& scan) {
+ScanPoints read_all(const WrittenScan& scan) {
   const TemporaryFolder folder;
   scan.write(folder / "scan.h5");
   return read_all(folder / "scan.h5");
 }
 
-std::string failure(const SmallScan& scan) {
+std::string failure(const WrittenScan& scan) {
   try {
     static_cast<void>(read_all(scan));
   } catch (const FormatError& error) {
@@ -81,7 +78,7 @@ std::string failure(const SmallScan& scan) {
 std::string failure_with(const std::string& column, hsize_t row, double value) {
   const TemporaryFolder folder;
   const std::filesystem::path path = folder / "scan.h5";
-  SmallScan{.options = {.keep_misses = true}}.write(path);
+  WrittenScan{.options = {.keep_misses = true}}.write(path);
   h5::Handle file(H5Fopen(path.c_str(), H5F_ACC_RDWR, H5P_DEFAULT), H5Fclose);
   h5::Handle dataset = h5::open_dataset(file.get(), column);
   h5::Handle space(H5Dget_space(dataset.get()), H5Sclose);
@@ -159,7 +156,7 @@ TEST(ScanReader, NamesThePulseWhoseTimeIsNotFinite) {
 TEST(ScanWriter, RefusesInfiniteValues) {
   for (const auto member : kCoordinates)
     for (const double value : {kInfinity, -kInfinity})
-      EXPECT_EQ(failure(SmallScan{.change = [&](PulseBatch& b) { (b.points.*member)[4] = value; }}),
+      EXPECT_EQ(failure(WrittenScan{.change = [&](PulseBatch& b) { (b.points.*member)[4] = value; }}),
                 "column " + std::string(name_of(member)) +
                     " would hold infinite values: a value of the configuration or of an input is too large");
 }
@@ -193,7 +190,7 @@ void expect_as_declared(const std::vector<DatasetEntry>& found, const Columns& c
 
 TEST(ScanWriter, WritesTheDeclaredColumnsInTheirOrder) {
   const TemporaryFolder folder;
-  SmallScan().write(folder / "scan.h5");
+  WrittenScan().write(folder / "scan.h5");
   const std::vector<DatasetEntry> points = datasets_of(folder / "scan.h5", "points");
   expect_as_declared(points, kPointColumns);
   expect_as_declared(datasets_of(folder / "scan.h5", "pulses"), kPulseColumns);
@@ -204,13 +201,13 @@ TEST(ScanWriter, WritesTheDeclaredColumnsInTheirOrder) {
 TEST(ScanWriter, WritesTheColumnsOfAReceiver) {
   const TemporaryFolder folder;
   const OptionalColumns columns{.intensity = true, .return_number = true, .echo = true};
-  SmallScan{.options = {.columns = columns}}.write(folder / "scan.h5");
+  WrittenScan{.options = {.columns = columns}}.write(folder / "scan.h5");
   expect_as_declared(datasets_of(folder / "scan.h5", "points"), kPointColumns, columns);
 }
 
 TEST(ScanWriter, SinglePrecisionIsForTheDoublesOfPoints) {
   const TemporaryFolder folder;
-  SmallScan{.options = {.single_precision = true}}.write(folder / "scan.h5");
+  WrittenScan{.options = {.single_precision = true}}.write(folder / "scan.h5");
   for (const DatasetEntry& entry : datasets_of(folder / "scan.h5", "points"))
     EXPECT_EQ(entry.type, entry.name == "status"                           ? "int8"
                           : entry.name == "pulse" || entry.name == "pixel" ? "int32"

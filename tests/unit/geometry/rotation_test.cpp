@@ -3,12 +3,10 @@
 
 #include <gtest/gtest.h>
 
-#include <numbers>
+#include "constants.h"
 
 namespace landfall {
 namespace {
-
-constexpr double kPi = std::numbers::pi;
 
 TEST(RotationMatrix, NominalMountIsExact) {
   EXPECT_EQ(rotation_matrix({kPi, 0, 0}), Eigen::Matrix3d(Eigen::Vector3d(1, -1, -1).asDiagonal()));

@@ -6,20 +6,17 @@
 
 #include <bit>
 #include <cmath>
-#include <limits>
 #include <map>
 #include <random>
 #include <utility>
 #include <vector>
 
 #include "base/parallel.h"
+#include "constants.h"
 #include "return_columns.h"
 
 namespace landfall {
 namespace {
-
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 /// The weight of WeightedMeanAccumulator, by std::floor.
 double bilinear_weight(const GridSpec& spec, double x, double y) {

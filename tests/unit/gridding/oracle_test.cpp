@@ -18,7 +18,7 @@ namespace landfall {
 namespace {
 
 // Random returns, some outside the grid, every tenth on an edge or a centre.
-std::vector<ReturnPoint> random_points(const GridSpec& spec, std::size_t count) {
+std::vector<ReturnPoint> oracle_points(const GridSpec& spec, std::size_t count) {
   std::mt19937_64 random(test_seed());
   const double reach = spec.x(spec.cols - 1) * 1.1;
   std::uniform_real_distribution<double> coordinate(-reach, reach);
@@ -46,7 +46,7 @@ struct Weighted {
 
 // sum w f / sum w
 template <class Value>
-double mean(const std::vector<Weighted>& bin, Value value) {
+double oracle_mean(const std::vector<Weighted>& bin, Value value) {
   double sum = 0;
   double weights = 0;
   for (const Weighted& w : bin) {
@@ -74,7 +74,7 @@ std::map<std::pair<std::int64_t, std::int64_t>, std::vector<Weighted>> binned(
 
 TEST(WeightedMeanAccumulator, AgreesWithTheSlowOne) {
   const GridSpec spec = GridSpec::centered(3, 0.25);
-  const std::vector<ReturnPoint> points = random_points(spec, 2000);  // about 3 per bin, some empty
+  const std::vector<ReturnPoint> points = oracle_points(spec, 2000);  // about 3 per bin, some empty
   const WeightedMeanAccumulator bins = accumulated(spec, points);
   const auto expected = binned(spec, points);
   const auto z_est = z_est_layer(bins);
@@ -98,15 +98,15 @@ TEST(WeightedMeanAccumulator, AgreesWithTheSlowOne) {
       }
       const std::vector<Weighted>& in = found->second;
       inside += static_cast<std::int64_t>(in.size());
-      const double z = mean(in, [](const auto& p) { return p.z_est; });
+      const double z = oracle_mean(in, [](const auto& p) { return p.z_est; });
       EXPECT_EQ(count.at(bin), static_cast<std::int32_t>(in.size()));
       EXPECT_NEAR(z_est.at(bin), z, 1e-12);
-      EXPECT_NEAR(x_true.at(bin), mean(in, [](const auto& p) { return p.x_true; }), 1e-13);
-      EXPECT_NEAR(y_true.at(bin), mean(in, [](const auto& p) { return p.y_true; }), 1e-13);
-      EXPECT_NEAR(x_mean.at(bin), mean(in, [](const auto& p) { return p.x_est; }), 1e-6);
-      EXPECT_NEAR(y_mean.at(bin), mean(in, [](const auto& p) { return p.y_est; }), 1e-6);
-      EXPECT_NEAR(t_mean.at(bin), mean(in, [](const auto& p) { return p.t; }), 1e-6);
-      const double variance = mean(in, [&](const auto& p) { return (p.z_est - z) * (p.z_est - z); });
+      EXPECT_NEAR(x_true.at(bin), oracle_mean(in, [](const auto& p) { return p.x_true; }), 1e-13);
+      EXPECT_NEAR(y_true.at(bin), oracle_mean(in, [](const auto& p) { return p.y_true; }), 1e-13);
+      EXPECT_NEAR(x_mean.at(bin), oracle_mean(in, [](const auto& p) { return p.x_est; }), 1e-6);
+      EXPECT_NEAR(y_mean.at(bin), oracle_mean(in, [](const auto& p) { return p.y_est; }), 1e-6);
+      EXPECT_NEAR(t_mean.at(bin), oracle_mean(in, [](const auto& p) { return p.t; }), 1e-6);
+      const double variance = oracle_mean(in, [&](const auto& p) { return (p.z_est - z) * (p.z_est - z); });
       EXPECT_NEAR(z_spread.at(bin), std::sqrt(variance), 1e-7);
       double weights = 0;
       for (const Weighted& w : in) weights += w.weight;
@@ -130,7 +130,7 @@ bool same_bits(const WeightedMeanAccumulator& a, const WeightedMeanAccumulator& 
 
 TEST(WeightedMeanAccumulator, SameBitsAtAnyThreadCountAndBatchSize) {
   const GridSpec spec = GridSpec::centered(10, 0.25);
-  const ReturnColumns columns(random_points(spec, 200'000));
+  const ReturnColumns columns(oracle_points(spec, 200'000));
   const GridPoints points = columns.view();
   const WeightedMeanAccumulator reference = in_batches(spec, points, points.size());
   for (const std::size_t threads : {1U, 2U, 3U}) {

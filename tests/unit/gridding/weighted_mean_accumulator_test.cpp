@@ -3,17 +3,14 @@
 
 #include <gtest/gtest.h>
 
-#include <limits>
 #include <vector>
 
 #include "base/error.h"
+#include "constants.h"
 #include "return_columns.h"
 
 namespace landfall {
 namespace {
-
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 // 5 x 5 bins of 0.5 m, centres -1 .. 1 m.
 GridSpec five_by_five() { return GridSpec::centered(1, 0.5); }

@@ -9,13 +9,12 @@
 #include <optional>
 #include <vector>
 
+#include "constants.h"
 #include "hazards/lander.h"
 #include "hazards/measures.h"
 #include "raster/grid.h"
 
 namespace landfall::testing_hazards {
-
-inline constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
 /// The definitions, place by place, with no code of lib/hazards.
 struct BruteForce {

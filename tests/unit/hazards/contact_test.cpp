@@ -3,7 +3,6 @@
 
 #include <cmath>
 #include <functional>
-#include <numbers>
 #include <optional>
 #include <utility>
 #include <vector>
@@ -11,16 +10,14 @@
 #include "base/parallel.h"
 #include "base/random.h"
 #include "brute_force.h"
+#include "constants.h"
 #include "hazards/measures.h"
 
 namespace landfall {
 namespace {
 
 using testing_hazards::BruteForce;
-using testing_hazards::kNan;
 using testing_hazards::random_map;
-
-constexpr double kDegree = std::numbers::pi / 180;
 
 BinMask everywhere(const GridSpec& spec) { return BinMask(spec, 1); }
 

@@ -11,21 +11,13 @@
 
 #include "base/parallel.h"
 #include "base/random.h"
+#include "map_noise.h"
 
 namespace landfall {
 namespace {
 
 constexpr float kUnknown = std::numeric_limits<float>::quiet_NaN();
 constexpr double kNoise = 0.01;
-
-SigmaParts noise_of(const GridSpec& spec, double noise) {
-  return {Grid<float>(spec, static_cast<float>(noise)), Grid<float>(spec)};
-}
-
-void add_noise(Grid<double>& z, double sigma, std::uint64_t seed) {
-  const RandomField field(seed, RandomStream::range_noise);
-  for (std::size_t i = 0; i < z.spec().size(); ++i) z.values()[i] += sigma * field.normal(i);
-}
 
 /// A plane of 9 deg, 2000 m high.
 Grid<double> plane(const GridSpec& spec) {

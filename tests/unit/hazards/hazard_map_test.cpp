@@ -7,11 +7,11 @@
 #include <cmath>
 #include <cstdint>
 #include <cstdlib>
-#include <limits>
 #include <numbers>
 #include <string>
 
 #include "base/error.h"
+#include "constants.h"
 
 namespace landfall {
 namespace {
@@ -19,7 +19,6 @@ namespace {
 using testing::ElementsAre;
 using testing::HasSubstr;
 
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 const PhaseRunner kAtOnce = [](const std::string& /*name*/, const auto& part) { part({}); };
 
 HazardInput level_ground(double half_width_m, double resolution_m) {

@@ -21,44 +21,49 @@ namespace {
 using testing_hazards::BruteForce;
 using testing_hazards::random_map;
 
-const GridSpec kSpec{.resolution_m = 0.1, .first_row = -15, .first_col = -15, .rows = 31, .cols = 31};
-constexpr BinIndex kCentre{15, 15};
+const GridSpec kLmedsSpec{.resolution_m = 0.1, .first_row = -15, .first_col = -15, .rows = 31, .cols = 31};
+constexpr BinIndex kLmedsCentre{15, 15};
 const Lander kLander{.leg_radius_m = 0.5, .body_radius_m = 0.8};
 
-Grid<double> ground(const auto& height) {
-  Grid<double> z(kSpec);
-  for (std::int64_t row = 0; row < kSpec.rows; ++row)
-    for (std::int64_t col = 0; col < kSpec.cols; ++col) z.at({row, col}) = height(kSpec.x(col), kSpec.y(row));
+Grid<double> lmeds_ground(const auto& height) {
+  Grid<double> z(kLmedsSpec);
+  for (std::int64_t row = 0; row < kLmedsSpec.rows; ++row)
+    for (std::int64_t col = 0; col < kLmedsSpec.cols; ++col)
+      z.at({row, col}) = height(kLmedsSpec.x(col), kLmedsSpec.y(row));
   return z;
 }
 
-PlaceMeasures measured(const Grid<double>& z, const Lander& lander = kLander) {
+PlaceMeasures lmeds_measures(const Grid<double>& z, const Lander& lander = kLander) {
   return measure_lmeds(z, LanderStencil(lander, z.spec().resolution_m), BinMask(z.spec(), 1));
 }
 
 TEST(Lmeds, APlaneIsItself) {
-  const PlaceMeasures found = measured(ground([](double x, double y) { return 0.3 * x - 0.1 * y + 1e4; }));
-  EXPECT_NEAR(found.slope_deg.at(kCentre), std::atan(std::hypot(0.3, 0.1)) * 180 / std::numbers::pi, 1e-7);
-  EXPECT_NEAR(found.roughness_m.at(kCentre), 0, 1e-9);
+  const PlaceMeasures found =
+      lmeds_measures(lmeds_ground([](double x, double y) { return 0.3 * x - 0.1 * y + 1e4; }));
+  EXPECT_NEAR(found.slope_deg.at(kLmedsCentre), std::atan(std::hypot(0.3, 0.1)) * 180 / std::numbers::pi,
+              1e-7);
+  EXPECT_NEAR(found.roughness_m.at(kLmedsCentre), 0, 1e-9);
 }
 
 TEST(Lmeds, APostDoesNotTiltThePlane) {
   const auto post = [](double x, double y) { return std::hypot(x - 0.3, y) < 0.25 ? 0.6 : 0; };
-  const PlaceMeasures found = measured(ground([&](double x, double y) { return 0.3 * x + post(x, y); }));
-  EXPECT_NEAR(found.slope_deg.at(kCentre), std::atan(0.3) * 180 / std::numbers::pi, 1e-9);
-  EXPECT_NEAR(found.roughness_m.at(kCentre), 0.6 / std::hypot(1, 0.3), 1e-12);
+  const PlaceMeasures found =
+      lmeds_measures(lmeds_ground([&](double x, double y) { return 0.3 * x + post(x, y); }));
+  EXPECT_NEAR(found.slope_deg.at(kLmedsCentre), std::atan(0.3) * 180 / std::numbers::pi, 1e-9);
+  EXPECT_NEAR(found.roughness_m.at(kLmedsCentre), 0.6 / std::hypot(1, 0.3), 1e-12);
 }
 
 TEST(Lmeds, TheLargerSideOfAStepIsThePlane) {
-  const PlaceMeasures found = measured(ground([](double x, double) { return x > 0.25 ? 0.5 : 0; }));
-  EXPECT_NEAR(found.slope_deg.at(kCentre), 0, 1e-12);
-  EXPECT_NEAR(found.roughness_m.at(kCentre), 0.5, 1e-12);
+  const PlaceMeasures found =
+      lmeds_measures(lmeds_ground([](double x, double) { return x > 0.25 ? 0.5 : 0; }));
+  EXPECT_NEAR(found.slope_deg.at(kLmedsCentre), 0, 1e-12);
+  EXPECT_NEAR(found.roughness_m.at(kLmedsCentre), 0.5, 1e-12);
 }
 
 /// The definitions, with the planes by Eigen.
-class Slow {
+class SlowLmeds {
  public:
-  Slow(const Grid<double>& z, const Lander& lander) : slow_{z, lander} {
+  SlowLmeds(const Grid<double>& z, const Lander& lander) : slow_{z, lander} {
     const std::int64_t n = slow_.within(lander.body_radius_m);
     const auto half =
         static_cast<std::int64_t>(std::floor((lander.body_radius_m + 1e-9) / z.spec().resolution_m));
@@ -134,8 +139,8 @@ TEST(Lmeds, EqualsItsDefinitionOnRandomMaps) {
     Lander lander = kLander;
     lander.body_radius_m = 0.2 + 0.7 * field.uniform(3);
     const Grid<double> z = random_map({0.1, -9, -8, 19, 26}, seed, seed % 2 == 0 ? 0 : 0.004);
-    const PlaceMeasures found = measured(z, lander);
-    const Slow slow(z, lander);
+    const PlaceMeasures found = lmeds_measures(z, lander);
+    const SlowLmeds slow(z, lander);
     for (std::int64_t row = 0; row < z.spec().rows; ++row)
       for (std::int64_t col = 0; col < z.spec().cols; ++col) {
         const auto expected = slow.at({row, col});
@@ -152,8 +157,8 @@ TEST(Lmeds, EqualsItsDefinitionOnRandomMaps) {
 }
 
 TEST(Lmeds, SamplesThatTheHeaderStates) {
-  const Grid<double> z(kSpec);
-  const auto samples = [&](double radius_m) { return Slow(z, {.body_radius_m = radius_m}).samples(); };
+  const Grid<double> z(kLmedsSpec);
+  const auto samples = [&](double radius_m) { return SlowLmeds(z, {.body_radius_m = radius_m}).samples(); };
   EXPECT_EQ(samples(0.2), 13U);
   EXPECT_EQ(samples(0.4), 49U);
   EXPECT_EQ(samples(0.7), 149U);
@@ -164,7 +169,7 @@ TEST(Lmeds, TheSameAtAnyNumberOfThreads) {
   const Grid<double> z = random_map({0.1, -30, -30, 61, 61}, 9, 0.001);
   const auto run = [&](std::size_t threads) {
     const ThreadLimit limit(threads);
-    return measured(z);
+    return lmeds_measures(z);
   };
   const PlaceMeasures one = run(1);
   for (const std::size_t threads : {2U, 7U}) {

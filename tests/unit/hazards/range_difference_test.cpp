@@ -71,7 +71,7 @@ TEST(RangeDifference, GroupsOfFourBinsAreFiltered) {
 }
 
 /// The definitions, window by window.
-struct Slow {
+struct SlowRangeDifference {
   const Grid<double>& z;
   RangeWindows windows;
 
@@ -121,7 +121,7 @@ TEST(RangeDifference, EqualsItsDefinitionOnRandomMaps) {
                                1 + static_cast<std::int64_t>(3 * field.uniform(2))};
     const Grid<double> z = random_map({0.1, -9, -8, 19, 26}, seed, seed % 2 == 0 ? 0 : 0.004);
     const PlaceMeasures found = measured(z, windows);
-    const Slow slow{z, windows};
+    const SlowRangeDifference slow{z, windows};
     for (std::int64_t row = 0; row < z.spec().rows; ++row)
       for (std::int64_t col = 0; col < z.spec().cols; ++col) {
         const BinIndex place{row, col};

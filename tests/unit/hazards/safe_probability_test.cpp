@@ -11,21 +11,13 @@
 #include <vector>
 
 #include "base/random.h"
+#include "constants.h"
+#include "map_noise.h"
 
 namespace landfall {
 namespace {
 
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 constexpr double kDegrees = 180 / std::numbers::pi;
-
-void add_noise(Grid<double>& z, double sigma, std::uint64_t seed) {
-  const RandomField field(seed, RandomStream::range_noise);
-  for (std::size_t i = 0; i < z.spec().size(); ++i) z.values()[i] += sigma * field.normal(i);
-}
-
-SigmaParts noise_of(const GridSpec& spec, double noise) {
-  return {Grid<float>(spec, static_cast<float>(noise)), Grid<float>(spec)};
-}
 
 /// Rocks, half ellipsoids of many sizes, on ground with waves of all lengths.
 Grid<double> rocky(const GridSpec& spec, std::uint64_t seed) {

@@ -7,10 +7,10 @@
 #include <cmath>
 #include <limits>
 
+#include "constants.h"
+
 namespace landfall {
 namespace {
-
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
 struct Place {
   double slope_deg, roughness_m;

@@ -5,14 +5,12 @@
 
 #include <cmath>
 #include <cstdint>
-#include <limits>
 
 #include "base/random.h"
+#include "constants.h"
 
 namespace landfall {
 namespace {
-
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
 TEST(SplitSigma, KnownNoiseLeavesTheRestToRelief) {
   const GridSpec spec = GridSpec::centered(1, 0.1);

@@ -11,7 +11,7 @@
 namespace landfall {
 namespace {
 
-constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
+constexpr float kFloatNan = std::numeric_limits<float>::quiet_NaN();
 
 TEST(Touchdown, SmoothingOfOneSafeBinIsTheKernel) {
   const GridSpec spec = GridSpec::centered(2, 0.1);
@@ -32,7 +32,7 @@ TEST(Touchdown, SmoothingOfOneSafeBinIsTheKernel) {
 TEST(Touchdown, WhatIsUnknownOrOffTheMapCountsAsUnsafe) {
   const GridSpec spec = GridSpec::centered(1, 0.1);
   Grid<float> p(spec, 1);
-  p.at(spec.bin_of(0.5, 0)) = kNan;
+  p.at(spec.bin_of(0.5, 0)) = kFloatNan;
   BinMask region(spec, 1);
   region.at(spec.bin_of(-0.5, 0)) = 0;
   const Grid<float> smooth = touchdown_probability(p, 0.1, region);
@@ -94,7 +94,7 @@ TEST(Sites, AreTheBestThatLieApart) {
     cost.values()[i] = static_cast<float>(std::floor(8 * field.uniform(2 * i)));  // many are equal
     safe.values()[i] = field.uniform(2 * i + 1) < 0.2 ? 0 : 1;
   }
-  cost.at({3, 3}) = kNan;
+  cost.at({3, 3}) = kFloatNan;
   const SiteParameters parameters{.count = 12, .separation_m = 5};
   const std::vector<BinIndex> sites = choose_sites(cost, safe, parameters);
   ASSERT_GT(sites.size(), 5U);

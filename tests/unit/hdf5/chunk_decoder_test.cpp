@@ -97,7 +97,9 @@ TEST(ChunkDecoderLevelZero, NoDamageChangesAValue) {
     std::vector<std::byte> damaged = stored;
     for (std::size_t i = begin; i < std::min(begin + size, damaged.size()); ++i)
       damaged[i] = change(damaged[i]);
-    if (decode_chunk(damaged, 0, format, 0, out)) EXPECT_EQ(out, elements) << size << " from " << begin;
+    if (decode_chunk(damaged, 0, format, 0, out)) {
+      EXPECT_EQ(out, elements) << size << " from " << begin;
+    }
   };
   for (std::size_t i = 0; i < stored.size(); i += (i < 100 || (i > 65500 && i < 65600)) ? 1 : 97) {
     damage(i, 1, [](std::byte b) { return b ^ std::byte{0x10}; });

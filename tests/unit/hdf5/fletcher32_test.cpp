@@ -13,7 +13,7 @@
 namespace landfall {
 namespace {
 
-constexpr std::uint32_t kSeed = 20261123;
+constexpr std::uint32_t kWordSeed = 20261123;
 
 /// The definition: one word after the other, with end-around carry.
 std::uint32_t reference(std::span<const std::byte> bytes) {
@@ -30,7 +30,7 @@ std::uint32_t reference(std::span<const std::byte> bytes) {
 }
 
 std::vector<std::byte> random_bytes(std::size_t count) {
-  std::mt19937 random(kSeed);
+  std::mt19937 random(kWordSeed);
   std::vector<std::byte> bytes(count);
   for (std::byte& b : bytes) b = static_cast<std::byte>(random());
   return bytes;

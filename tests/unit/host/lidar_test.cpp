@@ -9,12 +9,13 @@
 #include <numbers>
 #include <stdexcept>
 
+#include "constants.h"
+
 namespace landfall::lidar {
 namespace {
 
 using testing::HasSubstr;
 
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 const std::string kFlash =
     R"({"detector": {"rows": 1, "columns": 3, "ifov_rad": 0.1}, "scanner": {"type": "flash"}})";
 

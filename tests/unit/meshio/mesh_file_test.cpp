@@ -10,9 +10,9 @@
 #include <cstring>
 #include <filesystem>
 #include <fstream>
-#include <limits>
 
 #include "base/error.h"
+#include "constants.h"
 #include "files/provenance.h"
 #include "terrain/mesh/triangle_mesh.h"
 #include "terrain/relief/triangulated_grid.h"
@@ -22,8 +22,6 @@ namespace {
 
 namespace fs = std::filesystem;
 using testing::HasSubstr;
-
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
 class MeshFileTest : public ::testing::Test {
  protected:

@@ -8,14 +8,13 @@
 #include <array>
 #include <cmath>
 #include <cstdlib>
-#include <limits>
 
+#include "constants.h"
 #include "picture/bitmap_font.h"
 
 namespace landfall {
 namespace {
 
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 constexpr Rgb kWhite = {255, 255, 255};
 constexpr Rgb kBlack = {0, 0, 0};
 

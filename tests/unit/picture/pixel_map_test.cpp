@@ -7,12 +7,11 @@
 #include <cmath>
 #include <limits>
 
+#include "constants.h"
 #include "picture/hillshade.h"
 
 namespace landfall {
 namespace {
-
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
 /// 1 2 3 / 4 5 6 / 7 8 9, row 0 the southern.
 Grid<double> numbers() {

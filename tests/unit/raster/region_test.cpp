@@ -14,7 +14,7 @@
 namespace landfall {
 namespace {
 
-std::string refusal(const GridSpec& dem, double radius_m) {
+std::string region_refusal(const GridSpec& dem, double radius_m) {
   try {
     static_cast<void>(circular_region(dem, radius_m));
   } catch (const UsageError& error) {
@@ -63,9 +63,10 @@ TEST(CircularRegion, FractionalRadius) {
 
 TEST(CircularRegion, FitsWhileEveryBinLiesInTheDem) {
   const GridSpec dem = GridSpec::centered(2, 0.5);  // 4 bins from the origin to the border
-  EXPECT_EQ(refusal(dem, 2.5), "accepted");         // bins at 5 would be on the circle: out
-  EXPECT_EQ(refusal(dem, 2.6), "region_radius_m: 2.6 does not fit the DEM: the largest that fits is 2.5");
-  EXPECT_NE(refusal(dem, 1e300), "accepted");
+  EXPECT_EQ(region_refusal(dem, 2.5), "accepted");  // bins at 5 would be on the circle: out
+  EXPECT_EQ(region_refusal(dem, 2.6),
+            "region_radius_m: 2.6 does not fit the DEM: the largest that fits is 2.5");
+  EXPECT_NE(region_refusal(dem, 1e300), "accepted");
 }
 
 // 17 = 4^2 + 1 is exactly the square of the double nearest to its root: its eight bins are out.
@@ -76,14 +77,14 @@ TEST(CircularRegion, BinsOnACircleOfFractionalRadiusAreOut) {
 
 // A ratio of 1e-9 is 0, which holds no bin.
 TEST(CircularRegion, RefusesARadiusOfNoBin) {
-  EXPECT_NE(refusal(GridSpec::centered(5, 1), 1e-9), "accepted");
-  EXPECT_EQ(refusal(GridSpec::centered(5, 1), 2e-9), "accepted");
+  EXPECT_NE(region_refusal(GridSpec::centered(5, 1), 1e-9), "accepted");
+  EXPECT_EQ(region_refusal(GridSpec::centered(5, 1), 2e-9), "accepted");
 }
 
 TEST(CircularRegion, TheOriginMayLieOnTheBorder) {
   const GridSpec dem{1, 0, -3, 5, 7};
   EXPECT_EQ(count_set(circular_region(dem, 1)), 1);
-  EXPECT_EQ(refusal(dem, 1.12345678901234),
+  EXPECT_EQ(region_refusal(dem, 1.12345678901234),
             "region_radius_m: 1.12345678901 does not fit the DEM: the largest that fits is 1");
   EXPECT_EQ(count_set(square_region(dem, 0.5)), 1);
 }
@@ -92,7 +93,8 @@ TEST(CircularRegion, TheNearestBorderMayBeAnyOfTheFour) {
   for (const GridSpec& dem : {GridSpec{1, -2, -7, 20, 20}, GridSpec{1, -9, -2, 20, 20},
                               GridSpec{1, -9, -7, 12, 20}, GridSpec{1, -9, -7, 20, 10}}) {
     EXPECT_EQ(count_set(circular_region(dem, 3)), 25);
-    EXPECT_EQ(refusal(dem, 3.5), "region_radius_m: 3.5 does not fit the DEM: the largest that fits is 3");
+    EXPECT_EQ(region_refusal(dem, 3.5),
+              "region_radius_m: 3.5 does not fit the DEM: the largest that fits is 3");
   }
 }
 
@@ -102,11 +104,12 @@ TEST(CircularRegion, OriginNeedNotBeTheMiddle) {
   EXPECT_EQ(count_set(region), 25);
   EXPECT_EQ(region.at({2, 7}), 1);
   EXPECT_EQ(region.at({0, 7}), 1);
-  EXPECT_EQ(refusal(dem, 3.5), "region_radius_m: 3.5 does not fit the DEM: the largest that fits is 3");
+  EXPECT_EQ(region_refusal(dem, 3.5),
+            "region_radius_m: 3.5 does not fit the DEM: the largest that fits is 3");
 }
 
 TEST(CircularRegion, NoRegionFitsADemWithoutTheOrigin) {
-  EXPECT_EQ(refusal({1, 1, -5, 10, 10}, 0.5),
+  EXPECT_EQ(region_refusal({1, 1, -5, 10, 10}, 0.5),
             "region_radius_m: 0.5 does not fit the DEM, which does not hold the origin: no region fits");
 }
 

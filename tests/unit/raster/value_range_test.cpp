@@ -5,13 +5,12 @@
 
 #include <cmath>
 #include <cstdint>
-#include <limits>
 #include <vector>
+
+#include "constants.h"
 
 namespace landfall {
 namespace {
-
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
 template <class T>
 std::optional<std::array<double, 2>> range_of(const std::vector<T>& values) {

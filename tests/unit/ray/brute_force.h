@@ -8,6 +8,7 @@
 #include <memory>
 #include <utility>
 
+#include "constants.h"
 #include "ray/engine.h"
 #include "ray/watertight.h"
 
@@ -27,7 +28,6 @@ class BruteForceEngine final : public RayEngine {
 
  private:
   [[nodiscard]] double first_hit(const Ray& ray) const {
-    constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
     if (!ray.origin.v.allFinite() || !ray.direction.v.allFinite()) return kNan;
     const WatertightRay watertight(ray);
     double best = std::numeric_limits<double>::infinity();

@@ -6,11 +6,12 @@
 #include <cmath>
 #include <limits>
 
+#include "constants.h"
+
 namespace landfall {
 namespace {
 
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
-constexpr float kInfinity = std::numeric_limits<float>::infinity();
+constexpr float kFloatInfinity = std::numeric_limits<float>::infinity();
 
 // 10 x 7 nodes: 9 x 6 cells, 3 x 2 blocks; the elevation is 10 row + col.
 Grid<double> ramp() {
@@ -68,7 +69,7 @@ TEST(ElevationPyramid, RoundsOutward) {
   EXPECT_GE(double{pyramid.highest()}, 0.1);
   EXPECT_NEAR(double{pyramid.highest()}, 0.1, 1e-8);
   nodes.at({1, 1}) = 1e300;
-  EXPECT_EQ(ElevationPyramid(nodes).highest(), kInfinity);
+  EXPECT_EQ(ElevationPyramid(nodes).highest(), kFloatInfinity);
 }
 
 TEST(ElevationPyramid, HolesCountForNothing) {
@@ -76,8 +77,8 @@ TEST(ElevationPyramid, HolesCountForNothing) {
   for (std::int64_t col = 0; col < 4; ++col) nodes.at({0, col}) = 3;
   const ElevationPyramid pyramid(nodes);
   EXPECT_EQ(pyramid.bounds(1, {0, 0}).high, 3);
-  EXPECT_EQ(pyramid.bounds(1, {0, 1}).low, kInfinity);
-  EXPECT_EQ(pyramid.bounds(1, {0, 1}).high, -kInfinity);
+  EXPECT_EQ(pyramid.bounds(1, {0, 1}).low, kFloatInfinity);
+  EXPECT_EQ(pyramid.bounds(1, {0, 1}).high, -kFloatInfinity);
   EXPECT_EQ(pyramid.lowest(), 3);
 }
 

@@ -19,12 +19,12 @@
 namespace landfall {
 namespace {
 
-struct EngineKind {
+struct TestedEngine {
   const char* name;
   std::unique_ptr<RayEngine> (*make)(Terrain);
 };
 
-class Engine : public testing::TestWithParam<EngineKind> {
+class Engine : public testing::TestWithParam<TestedEngine> {
  protected:
   void SetUp() override {
     if (GetParam().make == make_opencl && !no_opencl().empty()) GTEST_SKIP() << no_opencl();
@@ -34,12 +34,12 @@ class Engine : public testing::TestWithParam<EngineKind> {
   }
 };
 
-INSTANTIATE_TEST_SUITE_P(All, Engine,
-                         testing::Values(EngineKind{"brute_force", make_brute_force_engine<TriangulatedGrid>},
-                                         EngineKind{"cgal", make_cgal},
-                                         EngineKind{"heightfield", make_heightfield},
-                                         EngineKind{"opencl", make_opencl}),
-                         [](const auto& tested) { return std::string(tested.param.name); });
+INSTANTIATE_TEST_SUITE_P(
+    All, Engine,
+    testing::Values(TestedEngine{"brute_force", make_brute_force_engine<TriangulatedGrid>},
+                    TestedEngine{"cgal", make_cgal}, TestedEngine{"heightfield", make_heightfield},
+                    TestedEngine{"opencl", make_opencl}),
+    [](const auto& tested) { return std::string(tested.param.name); });
 
 Terrain flat(double elevation_m = 0) {
   return terrain_of(GridSpec::centered(2, 0.5), [=](double, double) { return elevation_m; });
@@ -52,7 +52,7 @@ struct CellHeights {
   double upper_left = 0;
   double upper_right = 0;
 };
-Terrain single_cell(const CellHeights& h) {
+Terrain cell_of(const CellHeights& h) {
   Grid<double> nodes(GridSpec{1, 0, 0, 2, 2});
   nodes.at({0, 0}) = h.lower_left;
   nodes.at({0, 1}) = h.lower_right;
@@ -101,7 +101,7 @@ TEST_P(Engine, OriginOnTheSurfaceHasRangeZero) {
 }
 
 TEST_P(Engine, DiagonalRunsFromLowerRightToUpperLeft) {
-  const Terrain cell = single_cell({.lower_right = 1, .upper_left = 1});
+  const Terrain cell = cell_of({.lower_right = 1, .upper_left = 1});
   EXPECT_EQ(range(cell, ray_from({0.5, 0.5, 3}, {0, 0, -1})), 2);  // on the diagonal: height 1
   EXPECT_EQ(range(cell, ray_from({0.25, 0.25, 3}, {0, 0, -1})), 2.5);
   EXPECT_EQ(range(cell, ray_from({0.75, 0.75, 3}, {0, 0, -1})), 2.5);
@@ -134,7 +134,7 @@ TEST_P(Engine, FirstOfSeveralHitsCounts) {
 }
 
 TEST_P(Engine, HoleIsAMissAndItsBorderAHit) {
-  const Terrain holed = single_cell({.upper_right = kNan});
+  const Terrain holed = cell_of({.upper_right = kNan});
   EXPECT_EQ(range(holed, ray_from({0.25, 0.25, 2}, {0, 0, -1})), 2);
   EXPECT_EQ(range(holed, ray_from({0.5, 0.5, 2}, {0, 0, -1})), 2);
   EXPECT_TRUE(std::isnan(range(holed, ray_from({0.75, 0.75, 2}, {0, 0, -1}))));

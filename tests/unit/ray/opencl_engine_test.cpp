@@ -6,7 +6,6 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <bit>
 #include <cmath>
 #include <thread>
 
@@ -18,12 +17,7 @@
 namespace landfall {
 namespace {
 
-using ::testing::HasSubstr;
-
-bool same_bits(double a, double b) {
-  return (std::isnan(a) && std::isnan(b)) ||
-         std::bit_cast<std::uint64_t>(a) == std::bit_cast<std::uint64_t>(b);
-}
+using testing::HasSubstr;
 
 class OpenClEngine : public SceneTest {
  protected:

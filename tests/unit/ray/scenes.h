@@ -5,16 +5,17 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
 #include <cstdint>
 #include <cstdlib>
-#include <limits>
 #include <memory>
 #include <numbers>
 #include <random>
 #include <string>
 #include <vector>
 
+#include "constants.h"
 #include "ray/cgal_engine.h"
 #include "ray/engine.h"
 #include "ray/heightfield_engine.h"
@@ -23,8 +24,6 @@
 #include "test_seed.h"
 
 namespace landfall {
-
-inline constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
 using Terrain = std::shared_ptr<const TriangulatedGrid>;
 
@@ -152,5 +151,11 @@ class SceneTest : public testing::TestWithParam<Scene> {
   Random random_{test_seed()};
   Terrain terrain_;
 };
+
+/// Equal bits, or neither is a number.
+inline bool same_bits(double a, double b) {
+  return (std::isnan(a) && std::isnan(b)) ||
+         std::bit_cast<std::uint64_t>(a) == std::bit_cast<std::uint64_t>(b);
+}
 
 }  // namespace landfall

@@ -78,12 +78,13 @@ std::vector<Ray> rays_around(double x_m, double y_m, double reach_m, std::uint64
   return rays;
 }
 
-bool same_bits(const std::vector<double>& a, const std::vector<double>& b) {
+bool same_ranges(const std::vector<double>& a, const std::vector<double>& b) {
   return std::ranges::equal(a, b,
                             [](double x, double y) { return x == y || (std::isnan(x) && std::isnan(y)); });
 }
 
-std::vector<double> ranges_of(const RayEngine& engine, const std::vector<Ray>& rays) {
+/// By calls for 100 rays each.
+std::vector<double> ranges_of_calls(const RayEngine& engine, const std::vector<Ray>& rays) {
   std::vector<double> ranges(rays.size());
   for (std::size_t i = 0; i < rays.size(); i += 100)
     engine.first_hits(std::span(rays).subspan(i, 100), std::span(ranges).subspan(i, 100));
@@ -99,11 +100,11 @@ TEST(WindowedTerrain, AnswersAreThoseOfTheWholeTerrainBitForBit) {
     const auto rays = rays_around(places[p][0], places[p][1], 12, p);
     Loads loads;
     const WindowedTerrain window(large(loads), heightfield());
-    const std::vector<double> answers = ranges_of(window, rays);
-    const std::vector<double> expected = ranges_of(*whole, rays);
-    EXPECT_TRUE(same_bits(answers, expected)) << p;
+    const std::vector<double> answers = ranges_of_calls(window, rays);
+    const std::vector<double> expected = ranges_of_calls(*whole, rays);
+    EXPECT_TRUE(same_ranges(answers, expected)) << p;
     EXPECT_GT(std::ranges::count_if(answers, [](double r) { return std::isfinite(r); }), 1500) << p;
-    const std::vector<double> ordinary = ranges_of(*plain, rays);
+    const std::vector<double> ordinary = ranges_of_calls(*plain, rays);
     for (std::size_t i = 0; i < rays.size(); ++i)
       if (std::isfinite(ordinary[i])) {
         ASSERT_NEAR(answers[i], ordinary[i], 1e-9) << i;
@@ -120,9 +121,9 @@ TEST(WindowedTerrain, OfADeviceAnswersAlikeAndAsksForManyRays) {
   });
   EXPECT_EQ(window.efficient_rays(), 0U);
   const auto rays = rays_around(-120, -170, 12, 1);
-  EXPECT_TRUE(same_bits(
-      ranges_of(window, rays),
-      ranges_of(*make_heightfield_engine(whole_surface(CellOrigin::of_windows(kGrid, 4.4))), rays)));
+  EXPECT_TRUE(same_ranges(
+      ranges_of_calls(window, rays),
+      ranges_of_calls(*make_heightfield_engine(whole_surface(CellOrigin::of_windows(kGrid, 4.4))), rays)));
   EXPECT_GT(loads.windows.size(), 1U);
   EXPECT_GT(window.efficient_rays(), 1000U);
 }
@@ -153,7 +154,7 @@ TEST(WindowedTerrain, LevelRaysTakeTheWholeTerrain) {
   std::vector<double> expected(1);
   make_heightfield_engine(whole_surface(CellOrigin::of_windows(kGrid, 4.4)))
       ->first_hits(std::vector{ray({0, 0, 4.35}, {1, 0.2, 4.35})}, expected);
-  EXPECT_TRUE(same_bits(ranges, expected));
+  EXPECT_TRUE(same_ranges(ranges, expected));
 }
 
 TEST(WindowedTerrain, RaysThatNeedNoGroundLoadNothing) {
@@ -194,7 +195,7 @@ TEST(WindowedTerrain, ManyThreadsGrowIt) {
                        std::span(answers).subspan(begin, end - begin));
   });
   const auto whole = make_heightfield_engine(whole_surface(CellOrigin::of_windows(kGrid, 4.4)));
-  EXPECT_TRUE(same_bits(answers, ranges_of(*whole, rays)));
+  EXPECT_TRUE(same_ranges(answers, ranges_of_calls(*whole, rays)));
 }
 
 TEST(WindowedTerrain, RefusesATerrainFarFromItsOrigin) {

@@ -11,7 +11,7 @@
 namespace landfall {
 namespace {
 
-constexpr double kSigma_m = 0.0637;
+constexpr double kPulseSigma_m = 0.0637;
 
 struct Rays {
   std::vector<double> ranges_m, signals_pe;
@@ -35,7 +35,7 @@ long double waveform(const Rays& rays, long double range_m) {
   long double sum = 0;
   for (std::size_t j = 0; j < rays.ranges_m.size(); ++j) {
     const long double x =
-        (range_m - static_cast<long double>(rays.ranges_m[j])) / static_cast<long double>(kSigma_m);
+        (range_m - static_cast<long double>(rays.ranges_m[j])) / static_cast<long double>(kPulseSigma_m);
     sum += static_cast<long double>(rays.signals_pe[j]) * std::exp(-x * x / 2);
   }
   return sum;
@@ -45,8 +45,8 @@ long double waveform(const Rays& rays, long double range_m) {
 struct Searched {
   explicit Searched(const Rays& rays) : rays_(rays) {
     const auto [low, high] = std::minmax_element(rays.ranges_m.begin(), rays.ranges_m.end());
-    begin_ = *low - 8 * kSigma_m;
-    for (long double at = begin_; at < *high + kSigma_m; at += kStep)
+    begin_ = *low - 8 * kPulseSigma_m;
+    for (long double at = begin_; at < *high + kPulseSigma_m; at += kStep)
       if (waveform(rays, at) > waveform(rays, peak_m)) peak_m = at;
     long double left = peak_m - kStep;
     long double right = peak_m + kStep;
@@ -90,22 +90,22 @@ Rays random_rays(std::mt19937_64& random, double length_m) {
 
 TEST(EchoTiming, AnEchoOfOneRayHasThePulsesShape) {
   const Rays one{{500.125}, {80}};
-  const Echo edge = timed(one, {TimingPoint::leading_edge, kSigma_m, 20});
+  const Echo edge = timed(one, {TimingPoint::leading_edge, kPulseSigma_m, 20});
   EXPECT_DOUBLE_EQ(edge.signal_pe, 80);
   EXPECT_DOUBLE_EQ(edge.peak, 1);
-  EXPECT_NEAR(edge.edge_m, kSigma_m, 1e-12);
-  EXPECT_NEAR(edge.width_m, kSigma_m, 1e-12);
+  EXPECT_NEAR(edge.edge_m, kPulseSigma_m, 1e-12);
+  EXPECT_NEAR(edge.width_m, kPulseSigma_m, 1e-12);
   EXPECT_NEAR(edge.range_m, 500.125, 1e-12);
-  EXPECT_NEAR(timed(one, {TimingPoint::peak, kSigma_m}).range_m, 500.125, 1e-12);
-  EXPECT_NEAR(timed(one, {TimingPoint::centroid, kSigma_m}).range_m, 500.125, 1e-12);
-  const Echo fraction = timed(one, {TimingPoint::constant_fraction, kSigma_m, 0, 0.3});
-  EXPECT_NEAR(fraction.range_m, 500.125 - kSigma_m * std::sqrt(2 * std::log(1 / 0.3)), 1e-10);
+  EXPECT_NEAR(timed(one, {TimingPoint::peak, kPulseSigma_m}).range_m, 500.125, 1e-12);
+  EXPECT_NEAR(timed(one, {TimingPoint::centroid, kPulseSigma_m}).range_m, 500.125, 1e-12);
+  const Echo fraction = timed(one, {TimingPoint::constant_fraction, kPulseSigma_m, 0, 0.3});
+  EXPECT_NEAR(fraction.range_m, 500.125 - kPulseSigma_m * std::sqrt(2 * std::log(1 / 0.3)), 1e-10);
 }
 
 TEST(EchoTiming, BelowTheThresholdTheEdgeIsThatOfTheMaximum) {
-  const Echo echo = timed({{500.125}, {10}}, {TimingPoint::leading_edge, kSigma_m, 20});
+  const Echo echo = timed({{500.125}, {10}}, {TimingPoint::leading_edge, kPulseSigma_m, 20});
   EXPECT_NEAR(echo.range_m, 500.125, 1e-12);
-  EXPECT_NEAR(echo.edge_m, kSigma_m, 1e-12);
+  EXPECT_NEAR(echo.edge_m, kPulseSigma_m, 1e-12);
 }
 
 TEST(EchoTiming, SumsAndMomentsAreThoseOfTheRays) {
@@ -113,10 +113,10 @@ TEST(EchoTiming, SumsAndMomentsAreThoseOfTheRays) {
   const double mean = (500 * 10 + 500.2 * 30 + 500.1 * 20) / 60;
   const double variance =
       (10 * std::pow(500 - mean, 2) + 30 * std::pow(500.2 - mean, 2) + 20 * std::pow(500.1 - mean, 2)) / 60;
-  const Echo echo = timed(rays, {TimingPoint::centroid, kSigma_m});
+  const Echo echo = timed(rays, {TimingPoint::centroid, kPulseSigma_m});
   EXPECT_DOUBLE_EQ(echo.signal_pe, 60);
   EXPECT_NEAR(echo.range_m, mean, 1e-10);
-  EXPECT_NEAR(echo.width_m, std::sqrt(kSigma_m * kSigma_m + variance), 1e-11);
+  EXPECT_NEAR(echo.width_m, std::sqrt(kPulseSigma_m * kPulseSigma_m + variance), 1e-11);
 }
 
 TEST(EchoTiming, AgreesWithASearchOnShortAndLongEchoes) {
@@ -126,14 +126,14 @@ TEST(EchoTiming, AgreesWithASearchOnShortAndLongEchoes) {
       const Rays rays = random_rays(random, length_m);
       const Searched searched(rays);
       const auto height = static_cast<double>(waveform(rays, searched.peak_m));
-      const Echo peak = timed(rays, {TimingPoint::peak, kSigma_m});
+      const Echo peak = timed(rays, {TimingPoint::peak, kPulseSigma_m});
       EXPECT_NEAR(peak.range_m, static_cast<double>(searched.peak_m), 1e-7) << length_m;
       EXPECT_NEAR(peak.peak * peak.signal_pe, height, 1e-5 * height);
       for (const double fraction : {0.1, 0.5, 0.9}) {
-        const Echo crossed = timed(rays, {TimingPoint::constant_fraction, kSigma_m, 0, fraction});
+        const Echo crossed = timed(rays, {TimingPoint::constant_fraction, kPulseSigma_m, 0, fraction});
         EXPECT_NEAR(crossed.range_m, static_cast<double>(searched.crossing_m(fraction * height)), 1e-9)
             << length_m << ' ' << fraction;
-        const Echo edge = timed(rays, {TimingPoint::leading_edge, kSigma_m, fraction * height});
+        const Echo edge = timed(rays, {TimingPoint::leading_edge, kPulseSigma_m, fraction * height});
         EXPECT_NEAR(edge.range_m - edge.edge_m * std::sqrt(2 * std::log(1 / fraction)),
                     static_cast<double>(searched.crossing_m(fraction * height)), 1e-9)
             << length_m << ' ' << fraction;
@@ -154,7 +154,7 @@ TEST(EchoTiming, ConvergesToTheErrorFunctionsOnATiltedPlane) {
     return pixel;
   };
   const auto exact = [](double r) {
-    const double root = kSigma_m * std::sqrt(2.0);
+    const double root = kPulseSigma_m * std::sqrt(2.0);
     return std::erf((r - 500) / root) - std::erf((r - 500 - kLength_m) / root);
   };
   double low = 499;
@@ -164,13 +164,13 @@ TEST(EchoTiming, ConvergesToTheErrorFunctionsOnATiltedPlane) {
     const double middle = (low + high) / 2;
     (exact(middle) < level ? low : high) = middle;
   }
-  const EchoTiming timing{TimingPoint::constant_fraction, kSigma_m, 0, 0.5};
+  const EchoTiming timing{TimingPoint::constant_fraction, kPulseSigma_m, 0, 0.5};
   const double error5 = std::abs(timed(plane(5), timing).range_m - low);
   const double error15 = std::abs(timed(plane(15), timing).range_m - low);
   EXPECT_LT(error5, 3e-4);
   EXPECT_LT(error15, error5 / 8);  // the midpoint rule: the error falls with the square
-  EXPECT_NEAR(timed(plane(15), timing).width_m, std::sqrt(kSigma_m * kSigma_m + kLength_m * kLength_m / 12),
-              1e-4);
+  EXPECT_NEAR(timed(plane(15), timing).width_m,
+              std::sqrt(kPulseSigma_m * kPulseSigma_m + kLength_m * kLength_m / 12), 1e-4);
 }
 
 TEST(EchoTiming, NeitherTheNeighboursNorTheInstructionSetMatter) {
@@ -179,7 +179,7 @@ TEST(EchoTiming, NeitherTheNeighboursNorTheInstructionSetMatter) {
   for (int i = 0; i < 21; ++i) pixels.push_back(random_rays(random, i % 3 == 0 ? 0.3 : 0.05));
   for (const TimingPoint point : {TimingPoint::leading_edge, TimingPoint::constant_fraction,
                                   TimingPoint::peak, TimingPoint::centroid}) {
-    const EchoTiming timing{point, kSigma_m, 30, 0.5};
+    const EchoTiming timing{point, kPulseSigma_m, 30, 0.5};
     const std::vector<Echo> expected = timed(pixels, timing);
     for (std::size_t i = 0; i < pixels.size(); ++i) EXPECT_EQ(timed(pixels[i], timing), expected[i]);
     for (const std::int64_t target : hwy::SupportedAndGeneratedTargets()) {

@@ -11,7 +11,7 @@
 namespace landfall {
 namespace {
 
-constexpr double kHalfLight_mps = 149896229;
+constexpr double kTimerHalfLight_mps = 149896229;
 
 std::vector<double> timed(const RangeTimerParameters& parameters, std::size_t pixels, std::int64_t pulse = 0,
                           double range_m = 500, std::int64_t number = 0) {
@@ -32,7 +32,7 @@ TEST(RangeTimer, IsOffByDefault) {
 }
 
 TEST(RangeTimer, RoundsToTheNearestStep) {
-  const double step_m = kHalfLight_mps * 0.5e-9;
+  const double step_m = kTimerHalfLight_mps * 0.5e-9;
   for (const double steps : {100.0, 6671.4, 6671.6, 12.5001})
     EXPECT_NEAR(timed({.timer_step_s = 0.5e-9}, 1, 0, steps * step_m)[0], std::round(steps) * step_m, 1e-9)
         << steps;
@@ -55,7 +55,7 @@ TEST(RangeTimer, EveryPixelHasTheOffsetThatIsGiven) {
 TEST(RangeTimer, JitterIsWhite) {
   const RangeTimerParameters jitter{.jitter_sigma_s = 1e-10};
   const std::vector<double> first = timed(jitter, 20000, 0);
-  EXPECT_NEAR(standard_deviation(first, 500), kHalfLight_mps * 1e-10, 4e-4);
+  EXPECT_NEAR(standard_deviation(first, 500), kTimerHalfLight_mps * 1e-10, 4e-4);
   EXPECT_NE(timed(jitter, 20000, 1)[0], first[0]);
   EXPECT_NE(timed(jitter, 20000, 0, 500, 1)[0], first[0]);
 }

@@ -5,17 +5,15 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <limits>
 #include <numeric>
 
 #include "base/parallel.h"
+#include "constants.h"
 
 namespace landfall::html_report {
 namespace {
 
 using testing::ElementsAre;
-
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
 Grid<double> row_of(const std::vector<double>& values) {
   Grid<double> grid({1, 0, 0, 1, static_cast<std::int64_t>(values.size())});

@@ -11,10 +11,11 @@
 
 #include <zlib.h>
 
+#include "constants.h"
+
 namespace landfall::html_report {
 namespace {
 
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 constexpr double kInfinite = std::numeric_limits<double>::infinity();
 
 double value_of(const Quantised& q, std::size_t i) { return q.offset + q.codes[i] * q.step; }

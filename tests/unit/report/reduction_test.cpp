@@ -9,14 +9,13 @@
 #include <random>
 
 #include "base/parallel.h"
+#include "constants.h"
 
 namespace landfall::html_report {
 namespace {
 
 using testing::ElementsAre;
 using testing::IsNan;
-
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
 Grid<double> grid_of(std::int64_t rows, std::int64_t cols, const std::vector<double>& values) {
   Grid<double> grid({1, 0, 0, rows, cols});

@@ -13,7 +13,7 @@ namespace {
 
 using testing::ElementsAre;
 
-const ReportLayer& named(const ReportLayers& layers, const std::string& name) {
+const ReportLayer& layer_named(const ReportLayers& layers, const std::string& name) {
   const auto found = std::ranges::find(layers.layers(), name, &ReportLayer::name);
   EXPECT_NE(found, layers.layers().end()) << name;
   return *found;
@@ -48,10 +48,10 @@ TEST(ReportLayers, KeepsSingleBadBins) {
   layers.take(dem);
   const Evaluation evaluation = evaluate(dem, parameters_of_square(), {&layers});
   EXPECT_EQ(layers.factor(), 3);
-  const Quantised& invalid = named(layers, "invalid").values;
+  const Quantised& invalid = layer_named(layers, "invalid").values;
   EXPECT_EQ(std::ranges::count(invalid.codes, std::uint16_t{0}), 7 * 7 - 1);
   EXPECT_NEAR(invalid.offset + invalid.step * invalid.codes[3 * 7 + 3], 1.0 / 9, invalid.step);
-  const Quantised& error = named(layers, "e_z").values;
+  const Quantised& error = layer_named(layers, "e_z").values;
   EXPECT_EQ(error.low, -1);
   EXPECT_NEAR(error.offset + error.step * error.codes[1 * 7 + 5], -1, error.step);
   EXPECT_EQ(layers.fail_counts()[2], 9);  // the footprints of 3 x 3 bins that hold it

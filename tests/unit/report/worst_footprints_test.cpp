@@ -15,7 +15,7 @@ namespace {
 using testing::ElementsAre;
 using testing::IsEmpty;
 
-constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
+constexpr float kFloatNan = std::numeric_limits<float>::quiet_NaN();
 
 /// All bins in the order of their values, each taken unless it is too near to one taken before.
 std::vector<BinIndex> by_sorting(const Grid<float>& map, std::int64_t half_bins, std::size_t count) {
@@ -41,14 +41,14 @@ TEST(LargestApart, IsWhatSortingGives) {
     // Few different values, so that many are equal.
     for (float& value : map.values()) {
       const auto drawn = static_cast<int>(generator() % 40);
-      value = drawn == 0 ? kNan : static_cast<float>(drawn);
+      value = drawn == 0 ? kFloatNan : static_cast<float>(drawn);
     }
     EXPECT_EQ(largest_apart(map, half, 10), by_sorting(map, half, 10)) << half;
   }
 }
 
 TEST(LargestApart, TakesAsManyAsThereAre) {
-  EXPECT_THAT(largest_apart(Grid<float>({1, 0, 0, 3, 3}, kNan), 1, 10), IsEmpty());
+  EXPECT_THAT(largest_apart(Grid<float>({1, 0, 0, 3, 3}, kFloatNan), 1, 10), IsEmpty());
   EXPECT_THAT(largest_apart(Grid<float>({1, 0, 0, 3, 3}, 0), 1, 10), ElementsAre(BinIndex{0, 0}));
 }
 

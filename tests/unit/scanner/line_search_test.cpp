@@ -16,16 +16,18 @@ using Eigen::Vector3d;
 using enum LineDirection;
 using enum AtEnd;
 
-Vector3d aim(const LineSearch& pattern, std::int64_t pulse) { return pattern.ground_aim({pulse, 0})->v; }
+Vector3d line_search_aim(const LineSearch& pattern, std::int64_t pulse) {
+  return pattern.ground_aim({pulse, 0})->v;
+}
 
 TEST(LineSearch, ReferenceRaster) {
   const LineSearch pattern({});
-  EXPECT_EQ(aim(pattern, 0), Vector3d(-50, 50, 0));
-  EXPECT_EQ(aim(pattern, 199), Vector3d(50, 50, 0));
-  EXPECT_EQ(aim(pattern, 39800), Vector3d(-50, -50, 0));
-  EXPECT_EQ(aim(pattern, 39999), Vector3d(50, -50, 0));
-  EXPECT_NEAR(aim(pattern, 1).x(), -50 + 100.0 / 199, 1e-14);
-  EXPECT_NEAR(aim(pattern, 200).y(), 50 - 100.0 / 199, 1e-14);
+  EXPECT_EQ(line_search_aim(pattern, 0), Vector3d(-50, 50, 0));
+  EXPECT_EQ(line_search_aim(pattern, 199), Vector3d(50, 50, 0));
+  EXPECT_EQ(line_search_aim(pattern, 39800), Vector3d(-50, -50, 0));
+  EXPECT_EQ(line_search_aim(pattern, 39999), Vector3d(50, -50, 0));
+  EXPECT_NEAR(line_search_aim(pattern, 1).x(), -50 + 100.0 / 199, 1e-14);
+  EXPECT_NEAR(line_search_aim(pattern, 200).y(), 50 - 100.0 / 199, 1e-14);
   EXPECT_TRUE(pattern.compensated());
 }
 
@@ -33,37 +35,40 @@ TEST(LineSearch, ReferenceRaster) {
 TEST(LineSearch, RunsLineByLine) {
   const LineSearch pattern({.rows = 2, .columns = 3, .half_width_m = 4});
   const double expected[6][2] = {{-4, 4}, {0, 4}, {4, 4}, {-4, -4}, {0, -4}, {4, -4}};
-  for (int k = 0; k < 6; ++k) EXPECT_EQ(aim(pattern, k), Vector3d(expected[k][0], expected[k][1], 0));
+  for (int k = 0; k < 6; ++k)
+    EXPECT_EQ(line_search_aim(pattern, k), Vector3d(expected[k][0], expected[k][1], 0));
 }
 
 TEST(LineSearch, BoustrophedonReversesOddLines) {
   const LineSearch pattern({.rows = 3, .columns = 3, .half_width_m = 4, .direction = boustrophedon});
   const double expected[9][2] = {{-4, 4}, {0, 4},   {4, 4},  {4, 0}, {0, 0},
                                  {-4, 0}, {-4, -4}, {0, -4}, {4, -4}};
-  for (int k = 0; k < 9; ++k) EXPECT_EQ(aim(pattern, k), Vector3d(expected[k][0], expected[k][1], 0));
+  for (int k = 0; k < 9; ++k)
+    EXPECT_EQ(line_search_aim(pattern, k), Vector3d(expected[k][0], expected[k][1], 0));
 }
 
 // Each repetition starts as the first did, also where the number of lines is odd.
 TEST(LineSearch, WrapsByDefault) {
   const LineSearch pattern({.rows = 3, .columns = 2, .half_width_m = 4, .direction = boustrophedon});
   EXPECT_FALSE(pattern.pulse_limit().has_value());
-  for (int k = 0; k < 6; ++k) EXPECT_EQ(aim(pattern, k), aim(pattern, k + 600000000000));
+  for (int k = 0; k < 6; ++k)
+    EXPECT_EQ(line_search_aim(pattern, k), line_search_aim(pattern, k + 600000000000));
 }
 
 TEST(LineSearch, StopsOnRequest) {
   const LineSearch pattern({.rows = 3, .columns = 2, .half_width_m = 4, .at_end = stop});
   EXPECT_EQ(pattern.pulse_limit(), 6);
-  EXPECT_EQ(aim(pattern, 5), Vector3d(4, -4, 0));
+  EXPECT_EQ(line_search_aim(pattern, 5), Vector3d(4, -4, 0));
   EXPECT_FALSE(pattern.ground_aim({6, 0}).has_value());
 }
 
 TEST(LineSearch, SingleRowOrColumnAimsAtTheMiddle) {
   const LineSearch row({.rows = 1, .columns = 2, .half_width_m = 4});
-  EXPECT_EQ(aim(row, 0), Vector3d(-4, 0, 0));
-  EXPECT_EQ(aim(row, 1), Vector3d(4, 0, 0));
+  EXPECT_EQ(line_search_aim(row, 0), Vector3d(-4, 0, 0));
+  EXPECT_EQ(line_search_aim(row, 1), Vector3d(4, 0, 0));
   const LineSearch column({.rows = 2, .columns = 1, .half_width_m = 4});
-  EXPECT_EQ(aim(column, 0), Vector3d(0, 4, 0));
-  EXPECT_EQ(aim(column, 1), Vector3d(0, -4, 0));
+  EXPECT_EQ(line_search_aim(column, 0), Vector3d(0, 4, 0));
+  EXPECT_EQ(line_search_aim(column, 1), Vector3d(0, -4, 0));
 }
 
 // y = 4 - 8 k/5 over 2 rows x 3 columns: the corners of the staircase, and even steps between them.
@@ -71,20 +76,22 @@ TEST(LineSearch, RampedFallsEvenly) {
   const LineSearch pattern({.rows = 2, .columns = 3, .half_width_m = 4, .ramped = true});
   const double x[3] = {-4, 0, 4};
   for (int k = 0; k < 6; ++k)
-    EXPECT_LT((aim(pattern, k) - Vector3d(x[k % 3], 4 - 8 * k / 5.0, 0)).norm(), 1e-15) << "pulse " << k;
-  EXPECT_EQ(aim(pattern, 6), aim(pattern, 0));
+    EXPECT_LT((line_search_aim(pattern, k) - Vector3d(x[k % 3], 4 - 8 * k / 5.0, 0)).norm(), 1e-15)
+        << "pulse " << k;
+  EXPECT_EQ(line_search_aim(pattern, 6), line_search_aim(pattern, 0));
 }
 
 TEST(LineSearch, RampedBoustrophedonIsAZigZag) {
   const LineSearch pattern(
       {.rows = 3, .columns = 3, .half_width_m = 4, .direction = boustrophedon, .ramped = true});
   const double x[9] = {-4, 0, 4, 4, 0, -4, -4, 0, 4};
-  for (int k = 0; k < 9; ++k) EXPECT_EQ(aim(pattern, k), Vector3d(x[k], 4 - k, 0)) << "pulse " << k;
+  for (int k = 0; k < 9; ++k)
+    EXPECT_EQ(line_search_aim(pattern, k), Vector3d(x[k], 4 - k, 0)) << "pulse " << k;
 }
 
 TEST(LineSearch, RampedSingleRowStaysInTheMiddle) {
   const LineSearch row({.rows = 1, .columns = 3, .half_width_m = 4, .ramped = true});
-  for (int k = 0; k < 3; ++k) EXPECT_EQ(aim(row, k).y(), 0);
+  for (int k = 0; k < 3; ++k) EXPECT_EQ(line_search_aim(row, k).y(), 0);
 }
 
 // Over one pass each pair of neighbouring pulses is 2E/(N - 1) apart in y; the x are the staircase's.
@@ -99,9 +106,11 @@ TEST(LineSearch, RampedDiffersFromTheStaircaseInYOnly) {
     p.ramped = true;
     const LineSearch ramped(p);
     const int count = p.rows * p.columns;
-    for (int k = 0; k < count; ++k) ASSERT_EQ(aim(ramped, k).x(), aim(staircase, k).x());
+    for (int k = 0; k < count; ++k)
+      ASSERT_EQ(line_search_aim(ramped, k).x(), line_search_aim(staircase, k).x());
     for (int k = 1; k < count; ++k)
-      ASSERT_NEAR(aim(ramped, k - 1).y() - aim(ramped, k).y(), 2 * p.half_width_m / (count - 1), 1e-12);
+      ASSERT_NEAR(line_search_aim(ramped, k - 1).y() - line_search_aim(ramped, k).y(),
+                  2 * p.half_width_m / (count - 1), 1e-12);
   }
 }
 

@@ -7,12 +7,11 @@
 #include <numbers>
 
 #include "base/error.h"
+#include "constants.h"
 #include "pattern_random.h"
 
 namespace landfall {
 namespace {
-
-constexpr double kPi = std::numbers::pi;
 
 TEST(Lissajous, KnownPoints) {
   const Lissajous figure({.half_width_m = {4, 3}, .rates_hz = {1, 2}});

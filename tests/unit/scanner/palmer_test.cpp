@@ -13,24 +13,25 @@ namespace {
 
 using Eigen::Vector3d;
 
-ScannerState at(const Palmer& palmer, double t_s) { return palmer.state({.time = {0, t_s}}); }
+ScannerState palmer_state(const Palmer& palmer, double t_s) { return palmer.state({.time = {0, t_s}}); }
 
 // Normal incidence: a circular cone of half angle 2 tilt, exactly, run through at an even pace.
 TEST(Palmer, CircleAtNormalIncidence) {
   for (const double tilt : {0.01, 0.2, 0.7}) {
     const Palmer palmer({.tilt_rad = tilt, .incidence_rad = 0, .rate_hz = 1});
     for (double t = 0; t < 2; t += 0.07)
-      EXPECT_LT((line_of_sight(palmer, at(palmer, t)) - towards(2 * tilt, 2 * kPi * t - kPi / 2).v).norm(),
+      EXPECT_LT((line_of_sight(palmer, palmer_state(palmer, t)) - towards(2 * tilt, 2 * kPi * t - kPi / 2).v)
+                    .norm(),
                 5e-15);
   }
 }
 
 TEST(Palmer, ReportsTheMotorsTurn) {
   const Palmer palmer({.rate_hz = 2, .phase_rad = kPi / 2});
-  EXPECT_NEAR(at(palmer, 0).angle_1_rad, kPi / 2, 1e-15);
-  EXPECT_NEAR(at(palmer, 0.125).angle_1_rad, kPi, 1e-15);
-  EXPECT_NEAR(at(palmer, 0.5).angle_1_rad, kPi / 2, 1e-14);
-  EXPECT_EQ(at(palmer, 0.125).angle_2_rad, 0);
+  EXPECT_NEAR(palmer_state(palmer, 0).angle_1_rad, kPi / 2, 1e-15);
+  EXPECT_NEAR(palmer_state(palmer, 0.125).angle_1_rad, kPi, 1e-15);
+  EXPECT_NEAR(palmer_state(palmer, 0.5).angle_1_rad, kPi / 2, 1e-14);
+  EXPECT_EQ(palmer_state(palmer, 0.125).angle_2_rad, 0);
 }
 
 // 45 deg: half axes 2 tilt in the plane of incidence, sqrt(2) tilt across, to first order in the tilt.
@@ -38,7 +39,7 @@ TEST(Palmer, EllipseToFirstOrder) {
   const double tilt = 1e-5;
   const Palmer palmer({.tilt_rad = tilt, .rate_hz = 1});
   for (double t = 0; t < 1; t += 0.03) {
-    const Vector3d los = line_of_sight(palmer, at(palmer, t));
+    const Vector3d los = line_of_sight(palmer, palmer_state(palmer, t));
     EXPECT_NEAR(los.x(), std::numbers::sqrt2 * tilt * std::sin(2 * kPi * t), 5 * tilt * tilt);
     EXPECT_NEAR(los.y(), -2 * tilt * std::cos(2 * kPi * t), 5 * tilt * tilt);
   }
@@ -70,7 +71,7 @@ TEST(Palmer, IsTheExactReflection) {
     const Vector3d normal = fold * (lay_back * about_z);
     const Vector3d axis = fold * (lay_back * Vector3d::UnitZ());
     const Vector3d pixel = random.within(0.1).v;
-    const Beam beam = beam_of(palmer, at(palmer, t), pixel);
+    const Beam beam = beam_of(palmer, palmer_state(palmer, t), pixel);
     ASSERT_LT((beam.direction.v - reflected(reflected(pixel, axis), normal)).norm(), 2e-13) << "case " << i;
     EXPECT_EQ(beam.exit.v, Vector3d::Zero());
   }

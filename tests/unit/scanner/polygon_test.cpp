@@ -13,25 +13,25 @@ namespace {
 
 using Eigen::Vector3d;
 
-ScannerState at(const Polygon& polygon, double t_s) { return polygon.state({.time = {0, t_s}}); }
+ScannerState polygon_state(const Polygon& polygon, double t_s) { return polygon.state({.time = {0, t_s}}); }
 
 // Four facets, one revolution per second: a facet is used for 1/4 s, +-45 deg of turn, of which half.
 TEST(Polygon, FacetAfterFacet) {
   const Polygon polygon({.facets = 4, .rate_hz = 1, .duty_frac = 0.5});
-  EXPECT_EQ(at(polygon, 0).angle_1_rad, 0);
-  EXPECT_NEAR(at(polygon, 1.0 / 16).angle_1_rad, kPi / 8, 1e-15);
-  EXPECT_NEAR(at(polygon, 1.0 / 8).angle_1_rad, -kPi / 4, 1e-15);
-  EXPECT_NEAR(at(polygon, 3.0 / 16).angle_1_rad, -kPi / 8, 1e-15);
-  EXPECT_NEAR(at(polygon, 0.25).angle_1_rad, 0, 1e-15);
-  EXPECT_FALSE(at(polygon, 0.062).blanked);
-  EXPECT_TRUE(at(polygon, 0.063).blanked);
-  EXPECT_TRUE(at(polygon, 0.187).blanked);
-  EXPECT_FALSE(at(polygon, 0.188).blanked);
+  EXPECT_EQ(polygon_state(polygon, 0).angle_1_rad, 0);
+  EXPECT_NEAR(polygon_state(polygon, 1.0 / 16).angle_1_rad, kPi / 8, 1e-15);
+  EXPECT_NEAR(polygon_state(polygon, 1.0 / 8).angle_1_rad, -kPi / 4, 1e-15);
+  EXPECT_NEAR(polygon_state(polygon, 3.0 / 16).angle_1_rad, -kPi / 8, 1e-15);
+  EXPECT_NEAR(polygon_state(polygon, 0.25).angle_1_rad, 0, 1e-15);
+  EXPECT_FALSE(polygon_state(polygon, 0.062).blanked);
+  EXPECT_TRUE(polygon_state(polygon, 0.063).blanked);
+  EXPECT_TRUE(polygon_state(polygon, 0.187).blanked);
+  EXPECT_FALSE(polygon_state(polygon, 0.188).blanked);
 }
 
 TEST(Polygon, PhaseTurnsThePolygon) {
   const Polygon polygon({.facets = 4, .rate_hz = 1, .phase_rad = kPi / 8});
-  EXPECT_NEAR(at(polygon, 0).angle_1_rad, kPi / 8, 1e-15);
+  EXPECT_NEAR(polygon_state(polygon, 0).angle_1_rad, kPi / 8, 1e-15);
 }
 
 // The line of sight turns by twice the facet, along the line: from -x to +x at azimuth 0.
@@ -40,7 +40,8 @@ TEST(Polygon, LineOfSightTurnsTwiceTheFacet) {
     const Polygon polygon({.facets = 8, .rate_hz = 1, .line_azimuth_rad = azimuth});
     for (double t = -0.05; t < 0.05; t += 0.01) {
       const double scan_angle = 2 * 2 * kPi * t;
-      EXPECT_LT((line_of_sight(polygon, at(polygon, t)) - towards(scan_angle, azimuth).v).norm(), 1e-14);
+      EXPECT_LT((line_of_sight(polygon, polygon_state(polygon, t)) - towards(scan_angle, azimuth).v).norm(),
+                1e-14);
     }
   }
 }
@@ -56,7 +57,7 @@ TEST(Polygon, IsTheExactReflection) {
                            .phase_rad = random.uniform(-9, 9),
                            .line_azimuth_rad = azimuth,
                            .frame_amplitude_rad = 0.3});
-    const ScannerState state = at(polygon, random.uniform(0, 10));
+    const ScannerState state = polygon_state(polygon, random.uniform(0, 10));
     const Vector3d u(std::cos(azimuth), std::sin(azimuth), 0);
     const Vector3d v(-std::sin(azimuth), std::cos(azimuth), 0);
     const double incidence = random.uniform(-1, 1);
@@ -80,8 +81,8 @@ TEST(Polygon, IsTheExactReflection) {
 TEST(Polygon, FrameSwingsEvenlyFromTheTop) {
   const Polygon polygon({.facets = 8, .rate_hz = 1, .frame_amplitude_rad = 0.1, .frame_rate_hz = 0.5});
   const double expected[] = {0.1, 0.05, 0, -0.05, -0.1, -0.05, 0, 0.05, 0.1};
-  for (int i = 0; i < 9; ++i) EXPECT_NEAR(at(polygon, 0.25 * i).angle_2_rad, expected[i], 1e-16);
-  EXPECT_LT(line_of_sight(polygon, at(polygon, 0)).y(), -0.099);
+  for (int i = 0; i < 9; ++i) EXPECT_NEAR(polygon_state(polygon, 0.25 * i).angle_2_rad, expected[i], 1e-16);
+  EXPECT_LT(line_of_sight(polygon, polygon_state(polygon, 0)).y(), -0.099);
 }
 
 TEST(Polygon, RefusesParametersOutOfRange) {
@@ -112,12 +113,13 @@ TEST(Polygon, EachFacetHasItsTilt) {
   const Polygon polygon({.facets = 4, .rate_hz = 1, .duty_frac = 0.5, .facet_tilt_rad = tilts});
   for (int turn = 0; turn < 3; ++turn)
     for (std::size_t facet = 0; facet < 4; ++facet) {
-      const Vector3d sight = line_of_sight(polygon, at(polygon, turn + 0.25 * static_cast<double>(facet)));
+      const Vector3d sight =
+          line_of_sight(polygon, polygon_state(polygon, turn + 0.25 * static_cast<double>(facet)));
       EXPECT_NEAR(sight.y(), -std::sin(2 * tilts[facet]), 1e-15) << facet;
       EXPECT_NEAR(sight.x(), 0, 1e-15);
     }
   const Polygon by_frame({.frame_amplitude_rad = 1e-3});
-  EXPECT_LT(line_of_sight(by_frame, at(by_frame, 0)).y(), 0);
+  EXPECT_LT(line_of_sight(by_frame, polygon_state(by_frame, 0)).y(), 0);
 }
 
 // Beside the middle the line is 2 eps cos(theta) from the nominal one, to third order: a bow of 2 eps (1 -
@@ -126,7 +128,7 @@ TEST(Polygon, ATiltedFacetDrawsABow) {
   const double tilt = 1e-4;
   const Polygon polygon({.facets = 4, .rate_hz = 1, .duty_frac = 0.9, .facet_tilt_rad = {tilt, 0, 0, 0}});
   for (const double t_s : {-0.1, -0.03, 0.05, 0.1}) {
-    const ScannerState state = at(polygon, t_s);
+    const ScannerState state = polygon_state(polygon, t_s);
     EXPECT_NEAR(state.angle_1_rad, 2 * kPi * t_s, 1e-15);
     const Vector3d sight = line_of_sight(polygon, state);
     EXPECT_NEAR(sight.y(), -2 * tilt * std::cos(state.angle_1_rad), 10 * tilt * tilt * tilt);
@@ -145,7 +147,7 @@ TEST(Polygon, TiltedFacetsReflectExactly) {
                            .line_azimuth_rad = azimuth,
                            .frame_amplitude_rad = 0.3,
                            .facet_tilt_rad = std::vector<double>(12, tilt)});
-    const ScannerState state = at(polygon, random.uniform(0, 10));
+    const ScannerState state = polygon_state(polygon, random.uniform(0, 10));
     const Vector3d u(std::cos(azimuth), std::sin(azimuth), 0);
     const Vector3d v(-std::sin(azimuth), std::cos(azimuth), 0);
     const Vector3d m = turn_about(v, state.angle_1_rad) * turn_about(u, tilt) * Vector3d::UnitZ();
@@ -161,7 +163,10 @@ TEST(Polygon, FacetsWithoutATiltReflectAsBefore) {
   const Polygon flat({.frame_amplitude_rad = 0.1, .facet_tilt_rad = std::vector<double>(48, 0)});
   EXPECT_TRUE(plain.is_known());
   for (const double t_s : {0.0, 0.123, 3.4})
-    EXPECT_LT((line_of_sight(plain, at(plain, t_s)) - line_of_sight(flat, at(flat, t_s))).norm(), 1e-15);
+    EXPECT_LT(
+        (line_of_sight(plain, polygon_state(plain, t_s)) - line_of_sight(flat, polygon_state(flat, t_s)))
+            .norm(),
+        1e-15);
 }
 
 TEST(Polygon, TheLanderKnowsTheTiltsOfACalibratedScanner) {
@@ -176,7 +181,7 @@ TEST(Polygon, TheLanderKnowsTheTiltsOfACalibratedScanner) {
   EXPECT_FALSE(misread.is_known());
   EXPECT_NEAR(line_of_sight(unknown, believed(unknown, 0.25)).y(), 0, 1e-15);
   const Vector3d sight = line_of_sight(misread, believed(misread, 0.25));
-  EXPECT_NEAR(sight.y(), line_of_sight(known, at(known, 0.25)).y(), 1e-9);
+  EXPECT_NEAR(sight.y(), line_of_sight(known, polygon_state(known, 0.25)).y(), 1e-9);
 }
 
 // The encoder of the drum counts whole turns: an eccentric disc reads the same error once a revolution.
@@ -188,7 +193,7 @@ TEST(Polygon, TheEncoderOfTheDrumHasItsHarmonics) {
        .encoder_harmonics = {{.order = 1, .amplitude_rad = 1e-3},
                              {.axis = 2, .order = 3, .amplitude_rad = 2e-3, .phase_rad = 0.5}}});
   for (const double t_s : {0.0, 0.1, 0.25, 0.3, 0.7}) {
-    const ScannerState truth = at(polygon, t_s);
+    const ScannerState truth = polygon_state(polygon, t_s);
     const ScannerState read = believed(polygon, t_s);
     EXPECT_NEAR(read.angle_1_rad - truth.angle_1_rad, 1e-3 * std::sin(2 * kPi * t_s), 1e-15);
     EXPECT_NEAR(read.angle_2_rad - truth.angle_2_rad, 2e-3 * std::sin(3 * truth.angle_2_rad + 0.5), 1e-15);
@@ -199,7 +204,7 @@ TEST(Polygon, TheEncoderOfTheDrumHasItsHarmonics) {
 // 1000 facets: the sample sigma is within 5/sqrt(2000) = 11 % of the true one.
 TEST(Polygon, DrawsTilts) {
   const auto tilt = [](const Polygon& polygon, int facet) {
-    return std::asin(-line_of_sight(polygon, at(polygon, facet / 1000.0)).y()) / 2;
+    return std::asin(-line_of_sight(polygon, polygon_state(polygon, facet / 1000.0)).y()) / 2;
   };
   PolygonParameters parameters{.facets = 1000, .rate_hz = 1, .facet_tilt_sigma_rad = 1e-4, .seed = 5};
   const Polygon drawn(parameters);

@@ -3,16 +3,14 @@
 
 #include <array>
 #include <cstdint>
-#include <numbers>
 #include <random>
 #include <string>
 
+#include "constants.h"
 #include "scanner/risley_steering.h"
 #include "test_seed.h"
 
 namespace landfall {
-
-inline constexpr double kDegree = std::numbers::pi / 180;
 
 inline constexpr std::array<RisleyConfiguration, 4> kRisleyConfigurations{
     RisleyConfiguration::pttp, RisleyConfiguration::tppt, RisleyConfiguration::ptpt,

@@ -7,7 +7,9 @@
 #include <cmath>
 
 #include "base/error.h"
+#include "constants.h"
 #include "risley_cases.h"
+#include "steering.h"
 
 namespace landfall {
 namespace {
@@ -17,12 +19,6 @@ using testing::HasSubstr;
 using testing::ThrowsMessage;
 using enum RisleyConfiguration;
 using enum RisleyBranch;
-constexpr double kPi = std::numbers::pi;
-
-Direction<LidarFrame> towards(double off_rad, double azimuth_rad) {
-  return {{std::sin(off_rad) * std::cos(azimuth_rad), std::sin(off_rad) * std::sin(azimuth_rad),
-           std::cos(off_rad)}};
-}
 
 double off_axis(const Vector3d& d) { return std::atan2(std::hypot(d.x(), d.y()), d.z()); }
 

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "base/error.h"
+#include "constants.h"
 #include "risley_cases.h"
 
 namespace landfall {
@@ -18,9 +19,9 @@ using testing::AllOf;
 using testing::HasSubstr;
 using testing::ThrowsMessage;
 using enum RisleyConfiguration;
-constexpr double kPi = std::numbers::pi;
 
-Beam steered(const Risley& risley, const RisleyAngles& angles, const Vector3d& pixel = Vector3d::UnitZ()) {
+Beam risley_beam(const Risley& risley, const RisleyAngles& angles,
+                 const Vector3d& pixel = Vector3d::UnitZ()) {
   const std::array<Direction<LidarFrame>, 1> pixels{{{pixel}}};
   // What is there before must not stay.
   std::array<Beam, 1> beams{Beam{.exit = {{1, 1, 1}}, .lost = true}};
@@ -93,7 +94,7 @@ TEST(Risley, GoldenRays) {
   };
   const Risley risley({});
   for (const Golden& g : golden) {
-    const Beam beam = steered(risley, {g.theta_1_deg * kDegree, g.theta_2_deg * kDegree});
+    const Beam beam = risley_beam(risley, {g.theta_1_deg * kDegree, g.theta_2_deg * kDegree});
     EXPECT_FALSE(beam.lost);
     EXPECT_LT((beam.direction.v - g.direction).cwiseAbs().maxCoeff(), 1e-15) << g.theta_2_deg;
     EXPECT_LT((beam.exit.v * 1000 - g.exit_mm).cwiseAbs().maxCoeff(), 1e-12) << g.theta_2_deg;
@@ -108,7 +109,7 @@ TEST(Risley, TraceEqualsTheClosedForms) {
       const RisleyOptics optics = draws.optics(configuration);
       const RisleyAngles angles = draws.angles();
       const auto expected = RisleySteering(optics).direction(angles);
-      const Beam beam = steered(Risley({.optics = optics}), angles);
+      const Beam beam = risley_beam(Risley({.optics = optics}), angles);
       ASSERT_EQ(beam.lost, !expected.has_value());
       if (!beam.lost) worst = std::max(worst, (beam.direction.v - expected->v).cwiseAbs().maxCoeff());
     }
@@ -126,7 +127,7 @@ TEST(Risley, OffAxisRaysEqualAnIndependentTrace) {
       const RisleyAngles angles = draws.angles();
       const Vector3d pixel = Vector3d(draws.uniform(-0.2, 0.2), draws.uniform(-0.2, 0.2), 1).normalized();
       const OracleRay expected = oracle(optics, angles, pixel);
-      const Beam beam = steered(Risley({.optics = optics}), angles, pixel);
+      const Beam beam = risley_beam(Risley({.optics = optics}), angles, pixel);
       ASSERT_EQ(beam.lost, expected.lost);
       if (beam.lost) continue;
       worst = std::max(worst, (beam.direction.v - expected.d.cast<double>()).norm());
@@ -142,7 +143,7 @@ TEST(Risley, PlatesShiftTheRay) {
   const RisleyPrism plate{.index = 1.5, .wedge_rad = 0, .thickness_m = 0.01};
   const Risley risley({.optics = {.prisms = {plate, plate}, .gap_m = 0.005}});
   const double off = 0.3;
-  const Beam beam = steered(risley, {1, 2}, {std::sin(off), 0, std::cos(off)});
+  const Beam beam = risley_beam(risley, {1, 2}, {std::sin(off), 0, std::cos(off)});
   EXPECT_LT((beam.direction.v - Vector3d(std::sin(off), 0, std::cos(off))).norm(), 1e-15);
   const double inside = std::asin(std::sin(off) / 1.5);
   EXPECT_NEAR(beam.exit.v.x(), 0.02 * std::tan(inside) + 0.005 * std::tan(off), 1e-17);
@@ -154,18 +155,18 @@ TEST(Risley, PlatesShiftTheRay) {
 TEST(Risley, TotalReflectionLosesTheRay) {
   const RisleyPrism steep{.wedge_rad = 41.5 * kDegree};
   const Risley risley({.optics = {.prisms = {steep, {.wedge_rad = 0}}}});
-  EXPECT_FALSE(steered(risley, {0, 0}).lost);
-  EXPECT_FALSE(steered(risley, {0, 0}, {std::sin(0.01), 0, std::cos(0.01)}).lost);
-  EXPECT_TRUE(steered(risley, {0, 0}, {-std::sin(0.01), 0, std::cos(0.01)}).lost);
-  EXPECT_TRUE(steered(risley, {kPi, 0}, {std::sin(0.01), 0, std::cos(0.01)}).lost);
+  EXPECT_FALSE(risley_beam(risley, {0, 0}).lost);
+  EXPECT_FALSE(risley_beam(risley, {0, 0}, {std::sin(0.01), 0, std::cos(0.01)}).lost);
+  EXPECT_TRUE(risley_beam(risley, {0, 0}, {-std::sin(0.01), 0, std::cos(0.01)}).lost);
+  EXPECT_TRUE(risley_beam(risley, {kPi, 0}, {std::sin(0.01), 0, std::cos(0.01)}).lost);
 }
 
 // TPPT, 32 deg wedges: opposed, the boresight meets the very last face at 43.3 deg.
 TEST(Risley, TotalReflectionOnTheLastFaceLosesTheRay) {
   const RisleyPrism steep{.wedge_rad = 32 * kDegree};
   const Risley risley({.optics = {.prisms = {steep, steep}, .configuration = tppt}});
-  EXPECT_FALSE(steered(risley, {1, 1}).lost);
-  EXPECT_TRUE(steered(risley, {1, 1 + kPi}).lost);
+  EXPECT_FALSE(risley_beam(risley, {1, 1}).lost);
+  EXPECT_TRUE(risley_beam(risley, {1, 1 + kPi}).lost);
 }
 
 TEST(Risley, RotatesEvenly) {
@@ -186,15 +187,15 @@ TEST(Risley, RotatesEvenly) {
 TEST(Risley, OppositeRatesDrawALineEqualOnesACircle) {
   const Risley line({.drive = RisleyRotation{.rates_hz = {50, -50}, .phases_rad = {0, kPi}}});
   const Risley circle({.drive = RisleyRotation{.rates_hz = {50, 50}, .phases_rad = {0, 2}}});
-  const double radius = steered(circle, {0, 2}).direction.v.head<2>().norm();
+  const double radius = risley_beam(circle, {0, 2}).direction.v.head<2>().norm();
   for (int k = 0; k < 400; ++k) {
     const PulseContext pulse{.time = {k, k * 5e-5}};
     const ScannerState on_line = line.state(pulse);
-    const Vector3d d = steered(line, {on_line.angle_1_rad, on_line.angle_2_rad}).direction.v;
+    const Vector3d d = risley_beam(line, {on_line.angle_1_rad, on_line.angle_2_rad}).direction.v;
     EXPECT_LT(std::abs(d.y()), std::pow(8.5 * kDegree, 3)) << k;
     EXPECT_NEAR(d.x(), -0.1491847 * std::cos(100 * kPi * k * 5e-5), 1e-3) << k;
     const ScannerState on_circle = circle.state(pulse);
-    const Vector3d c = steered(circle, {on_circle.angle_1_rad, on_circle.angle_2_rad}).direction.v;
+    const Vector3d c = risley_beam(circle, {on_circle.angle_1_rad, on_circle.angle_2_rad}).direction.v;
     EXPECT_NEAR(c.head<2>().norm(), radius, 1e-15);
   }
 }
@@ -208,7 +209,8 @@ TEST(Risley, FollowsTheAimOnBothBranches) {
       const double azimuth = draws.uniform(-kPi, kPi);
       const Vector3d aim(std::sin(off) * std::cos(azimuth), std::sin(off) * std::sin(azimuth), std::cos(off));
       const ScannerState state = risley.state({.aim = Direction<LidarFrame>{aim}});
-      ASSERT_LT((steered(risley, {state.angle_1_rad, state.angle_2_rad}).direction.v - aim).norm(), 1e-14);
+      ASSERT_LT((risley_beam(risley, {state.angle_1_rad, state.angle_2_rad}).direction.v - aim).norm(),
+                1e-14);
     }
   }
 }
@@ -222,7 +224,7 @@ TEST(Risley, SpotOffsetOfTheDefaultPrisms) {
     const Risley risley({.optics = optics});
     double largest = 0;
     for (int degrees = 0; degrees <= 180; ++degrees) {
-      const Beam beam = steered(risley, {0, degrees * kDegree});
+      const Beam beam = risley_beam(risley, {0, degrees * kDegree});
       largest = std::max(largest, beam.exit.v.cross(beam.direction.v).norm());
     }
     EXPECT_NEAR(1e3 * largest, largest_mm, 1e-3) << letters(configuration);

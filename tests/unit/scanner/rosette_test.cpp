@@ -5,16 +5,14 @@
 
 #include <cmath>
 #include <cstdlib>
-#include <numbers>
 #include <numeric>
 
 #include "base/error.h"
+#include "constants.h"
 #include "pattern_random.h"
 
 namespace landfall {
 namespace {
-
-constexpr double kPi = std::numbers::pi;
 
 /// Tips of petals within [0, span_s): times where the distance from the centre is greatest.
 int petals(const Rosette& rosette, double span_s, int samples) {

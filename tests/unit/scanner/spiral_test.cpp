@@ -4,15 +4,13 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <numbers>
 
 #include "base/error.h"
+#include "constants.h"
 #include "pattern_random.h"
 
 namespace landfall {
 namespace {
-
-constexpr double kPi = std::numbers::pi;
 
 /// What the aim has swept about the origin up to time t: pi r^2.
 double swept_m2(const Spiral& spiral, double t_s) { return kPi * aim_at(spiral, t_s).squaredNorm(); }

@@ -5,18 +5,15 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
-#include <numbers>
 #include <random>
 #include <string>
 
+#include "constants.h"
 #include "scanner/scanner.h"
 #include "test_seed.h"
 
 // Helpers of the scanner tests.
 namespace landfall {
-
-inline constexpr double kPi = std::numbers::pi;
-inline constexpr double kDegree = kPi / 180;
 
 /// A unit vector `off_rad` away from +z, towards (cos azimuth, sin azimuth).
 inline Direction<LidarFrame> towards(double off_rad, double azimuth_rad) {

@@ -18,7 +18,7 @@ namespace {
 using Eigen::Vector3d;
 using testing::HasSubstr;
 
-ScannerState at(const TableScanner& table, double t_s) { return table.state({.time = {3, t_s}}); }
+ScannerState table_state(const TableScanner& table, double t_s) { return table.state({.time = {3, t_s}}); }
 
 std::string message_of(const std::function<void()>& action) {
   try {
@@ -31,26 +31,26 @@ std::string message_of(const std::function<void()>& action) {
 
 TEST(TableScanner, IsLinearBetweenRows) {
   const TableScanner table({{-1, {0, 0}}, {1, {0.2, -0.4}}, {2, {0.2, 0}}}, std::nullopt);
-  EXPECT_EQ(at(table, -1).angle_1_rad, 0);
-  EXPECT_EQ(at(table, 1).angle_2_rad, -0.4);
-  EXPECT_NEAR(at(table, 0).angle_1_rad, 0.1, 1e-16);
-  EXPECT_NEAR(at(table, 0.5).angle_2_rad, -0.3, 1e-16);
-  EXPECT_NEAR(at(table, 1.75).angle_2_rad, -0.1, 1e-16);
-  EXPECT_EQ(at(table, 2).angle_2_rad, 0);
+  EXPECT_EQ(table_state(table, -1).angle_1_rad, 0);
+  EXPECT_EQ(table_state(table, 1).angle_2_rad, -0.4);
+  EXPECT_NEAR(table_state(table, 0).angle_1_rad, 0.1, 1e-16);
+  EXPECT_NEAR(table_state(table, 0.5).angle_2_rad, -0.3, 1e-16);
+  EXPECT_NEAR(table_state(table, 1.75).angle_2_rad, -0.1, 1e-16);
+  EXPECT_EQ(table_state(table, 2).angle_2_rad, 0);
 }
 
 TEST(TableScanner, RoundedTimesCountAsTheEnds) {
   const TableScanner table({{0, {0.1, 0}}, {1, {0.2, 0}}}, std::nullopt);
-  EXPECT_EQ(at(table, -0.9e-9).angle_1_rad, 0.1);
-  EXPECT_EQ(at(table, 1 + 0.9e-9).angle_1_rad, 0.2);
+  EXPECT_EQ(table_state(table, -0.9e-9).angle_1_rad, 0.1);
+  EXPECT_EQ(table_state(table, 1 + 0.9e-9).angle_1_rad, 0.2);
 }
 
 TEST(TableScanner, RefusesATimeOutside) {
   const TableScanner table({{0, {0.1, 0}}, {1, {0.2, 0}}}, std::nullopt);
-  EXPECT_THAT(message_of([&] { static_cast<void>(at(table, 1.5)); }),
+  EXPECT_THAT(message_of([&] { static_cast<void>(table_state(table, 1.5)); }),
               HasSubstr("pulse 3, 1.5 s after the first, is outside the table, which goes from 0 to 1 s"));
-  EXPECT_THROW(static_cast<void>(at(table, -0.1)), FormatError);
-  EXPECT_THROW(static_cast<void>(at(table, std::nan(""))), FormatError);
+  EXPECT_THROW(static_cast<void>(table_state(table, -0.1)), FormatError);
+  EXPECT_THROW(static_cast<void>(table_state(table, std::nan(""))), FormatError);
 }
 
 // Property: an Fsm's and a Gimbal's angles, replayed, give their rays back.
@@ -65,7 +65,8 @@ TEST(TableScanner, ReplaysAnFsm) {
                              TableMirror{incidence, azimuth});
     const Vector3d pixel = random.within(0.1).v;
     ASSERT_LT(
-        (beam_of(table, at(table, 1), pixel).direction.v - beam_of(fsm, state, pixel).direction.v).norm(),
+        (beam_of(table, table_state(table, 1), pixel).direction.v - beam_of(fsm, state, pixel).direction.v)
+            .norm(),
         2e-15);
   }
 }
@@ -78,15 +79,16 @@ TEST(TableScanner, ReplaysAGimbal) {
     const TableScanner table({{0, {}}, {1, {state.angle_1_rad, state.angle_2_rad}}}, std::nullopt);
     const Vector3d pixel = random.within(0.1).v;
     ASSERT_LT(
-        (beam_of(table, at(table, 1), pixel).direction.v - beam_of(gimbal, state, pixel).direction.v).norm(),
+        (beam_of(table, table_state(table, 1), pixel).direction.v - beam_of(gimbal, state, pixel).direction.v)
+            .norm(),
         1e-15);
   }
 }
 
 TEST(TableScanner, RefusesTheBackOfTheMirror) {
   const TableScanner table({{0, {}}, {1, {kPi, 0}}}, TableMirror{.incidence_rad = 0.5});
-  EXPECT_NO_THROW(static_cast<void>(at(table, 0.2)));
-  EXPECT_THAT(message_of([&] { static_cast<void>(at(table, 1)); }), HasSubstr("pulse 3, 1 s"));
+  EXPECT_NO_THROW(static_cast<void>(table_state(table, 0.2)));
+  EXPECT_THAT(message_of([&] { static_cast<void>(table_state(table, 1)); }), HasSubstr("pulse 3, 1 s"));
 }
 
 TEST(TableScanner, TakesItsColumnsFromATable) {
@@ -94,9 +96,9 @@ TEST(TableScanner, TakesItsColumnsFromATable) {
                             {{"t_s", {0, 1}}, {"angle_1_rad", {0, 0.5}}, {"angle_2_rad", {0.25, 1}}});
   for (const std::string& name : angle_columns().required) EXPECT_TRUE(numbers.has(name));
   const TableScanner table(angle_samples(numbers), std::nullopt, "a.csv");
-  EXPECT_EQ(at(table, 1).angle_1_rad, 0.5);
-  EXPECT_EQ(at(table, 0).angle_2_rad, 0.25);
-  EXPECT_THAT(message_of([&] { static_cast<void>(at(table, 2)); }), HasSubstr("a.csv: pulse 3"));
+  EXPECT_EQ(table_state(table, 1).angle_1_rad, 0.5);
+  EXPECT_EQ(table_state(table, 0).angle_2_rad, 0.25);
+  EXPECT_THAT(message_of([&] { static_cast<void>(table_state(table, 2)); }), HasSubstr("a.csv: pulse 3"));
 }
 
 TEST(TableScanner, RefusesABadTable) {

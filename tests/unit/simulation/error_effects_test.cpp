@@ -9,6 +9,7 @@
 #include "analytic_engines.h"
 #include "base/error.h"
 #include "detector/perspective.h"
+#include "points.h"
 #include "scanner/flash.h"
 #include "simulation/simulation.h"
 #include "terrain/relief/triangulated_grid.h"
@@ -47,14 +48,6 @@ PulseBatch simulate(ScanModel model, const RayEngine& engine, const Triangulated
 
 PulseBatch simulate(const Errors& errors, const RayEngine& engine, const TriangulatedGrid* ground = nullptr) {
   return simulate(scan(errors), engine, ground);
-}
-
-Vector3d true_point(const PulseBatch& batch, std::size_t i) {
-  return {batch.points.x_true[i], batch.points.y_true[i], batch.points.z_true[i]};
-}
-
-Vector3d estimated_point(const PulseBatch& batch, std::size_t i) {
-  return {batch.points.x_est[i], batch.points.y_est[i], batch.points.z_est[i]};
 }
 
 Vector3d lander(std::size_t i, double later_s = 0) {

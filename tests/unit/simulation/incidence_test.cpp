@@ -1,17 +1,15 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "simulation/incidence.h"
+#include "constants.h"
 #include "terrain/relief/triangulated_grid.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <limits>
-#include <numbers>
 
 namespace landfall {
 namespace {
-
-constexpr double kPi = std::numbers::pi;
 
 /// z = slope_x x on 3 x 3 nodes.
 TriangulatedGrid plane(double slope_x) {

@@ -27,7 +27,7 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr double kHeight_m = 500;
+constexpr double kAltitude_m = 500;
 constexpr double kRate_hz = 20000;
 constexpr int kColumns = 200;
 constexpr double kHalfWidth_m = 50;
@@ -51,7 +51,7 @@ ScanModel scan(const PointingErrorParameters& errors, std::unique_ptr<const Scan
                              .range_errors = RangeErrors({}, 1),
                              .pointing_error = PointingError(errors, 1)},
                    .trajectory = std::make_unique<ConstantVelocity>(ConstantVelocityParameters{
-                       .position_m = {{0, 0, kHeight_m}}, .velocity_mps = {{0, 0, 0}}}),
+                       .position_m = {{0, 0, kAltitude_m}}, .velocity_mps = {{0, 0, 0}}}),
                    .pulse_rate_hz = kRate_hz,
                    .scan_time_s = scan_time_s};
 }
@@ -89,9 +89,9 @@ TEST(MirrorTime, TheEstimateUsesTheMirrorAtThePulse) {
   const PulseBatch batch = paper_fsm({.mirror_time_bias_s = 10e-6});
   const PulseBatch ideal = paper_fsm({});
   for (std::size_t k = 0; k < batch.points.size(); ++k) {
-    const Vector3d aim(ideal.points.x_true[k], ideal.points.y_true[k], -kHeight_m);
-    const Vector3d hit(batch.points.x_true[k], batch.points.y_true[k], -kHeight_m);
-    const Vector3d point = hit.norm() * aim.normalized() + Vector3d(0, 0, kHeight_m);
+    const Vector3d aim(ideal.points.x_true[k], ideal.points.y_true[k], -kAltitude_m);
+    const Vector3d hit(batch.points.x_true[k], batch.points.y_true[k], -kAltitude_m);
+    const Vector3d point = hit.norm() * aim.normalized() + Vector3d(0, 0, kAltitude_m);
     const Vector3d estimate(batch.points.x_est[k], batch.points.y_est[k], batch.points.z_est[k]);
     ASSERT_LT((estimate - point).norm(), 1e-9);
     ASSERT_EQ(batch.pulses.px_est[k], batch.pulses.px_true[k]);
@@ -206,7 +206,7 @@ TEST(MirrorTime, TheLaserKeepsItsOwnTime) {
 
 // tof_lag: the mirror at the echo is that of t + e + 2 r/c.
 TEST(MirrorTime, AddsToTheTimeOfFlight) {
-  const double flight_s = 2 * kHeight_m / 299792458.0;
+  const double flight_s = 2 * kAltitude_m / 299792458.0;
   for (const double error_s : {2e-6, -2e-6, -10e-6}) {
     const PulseBatch batch = simulate(scan({.mirror_time_bias_s = error_s},
                                            std::make_unique<Fsm>(FsmParameters{.tof_lag = true}), lines()));

@@ -10,7 +10,9 @@
 
 #include "analytic_engines.h"
 #include "base/error.h"
+#include "constants.h"
 #include "detector/perspective.h"
+#include "points.h"
 #include "scanner/flash.h"
 #include "scanner/fsm.h"
 #include "terrain/relief/triangulated_grid.h"
@@ -22,7 +24,6 @@ using Eigen::Vector3d;
 using enum PointStatus;
 using testing::ElementsAre;
 
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 const Pose kAt500m{{}, {{0, 0, 500}}};
 
 /// Loses pixel 1, lets pixel 2 leave 3 m beside the lidar, and blanks odd pulses.
@@ -73,14 +74,6 @@ PulseBatch simulate(const PulseSimulator& simulator, const PulseInput& pulse) {
 
 PulseInput at(const Pose& pose, std::int64_t pulse = 0) {
   return {.time = {pulse, 0}, .truth = pose, .estimate = pose, .nominal = pose};
-}
-
-Vector3d true_point(const PulseBatch& batch, std::size_t i) {
-  return {batch.points.x_true[i], batch.points.y_true[i], batch.points.z_true[i]};
-}
-
-Vector3d estimated_point(const PulseBatch& batch, std::size_t i) {
-  return {batch.points.x_est[i], batch.points.y_est[i], batch.points.z_est[i]};
 }
 
 TEST(PulseSimulator, PapersDetectorSeesAnEvenGridOnFlatGround) {

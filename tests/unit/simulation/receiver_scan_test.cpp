@@ -25,7 +25,7 @@ using Eigen::Vector3d;
 using enum PointStatus;
 using testing::Each;
 
-const Pose kAt500m{{}, {{0, 0, 500}}};
+const Pose kPoseAt500m{{}, {{0, 0, 500}}};
 constexpr double kReference_pe = 400;  ///< at 500 m
 constexpr double kPitch_rad = 1e-4;
 
@@ -75,7 +75,7 @@ Lidar lidar_of(const Instrument& instrument) {
 }
 
 template <class Ground>
-PulseBatch simulate(const Instrument& instrument, const Ground& ground, const Pose& pose = kAt500m,
+PulseBatch simulate(const Instrument& instrument, const Ground& ground, const Pose& pose = kPoseAt500m,
                     const SurfaceAlbedo* albedo = nullptr) {
   const PulseSimulator simulator(lidar_of(instrument), &ground, &ground, albedo);
   PulseBatch batch;
@@ -116,7 +116,7 @@ TEST(ReceiverScan, SignalFollowsTheAlbedoOfTheNearestNode) {
   Grid<float> nodes({1, -1, -1, 3, 3}, 0.25F);
   nodes.at({1, 1}) = 0.75F;
   const AlbedoMap albedo(nodes.spec(), {3, 3}, [&](const GridSpec&) { return nodes; });
-  EXPECT_FLOAT_EQ(simulate({}, FlatGround(), kAt500m, &albedo).points.intensity[0], 300);
+  EXPECT_FLOAT_EQ(simulate({}, FlatGround(), kPoseAt500m, &albedo).points.intensity[0], 300);
   const Pose beside{{}, {{0.6, 0, 500}}};
   EXPECT_FLOAT_EQ(simulate({}, FlatGround(), beside, &albedo).points.intensity[0], 100);
 }
@@ -241,7 +241,8 @@ TEST(ReceiverScan, ReplayOfEchoesEqualsTheTrace) {
   PulseBatch traced;
   traced.resize(1, 5, PointContent::all, columns);
   PulseWorkspace workspace;
-  const PulseInput pulse{.time = {4, 0}, .truth = kAt500m, .estimate = kAt500m, .nominal = kAt500m};
+  const PulseInput pulse{
+      .time = {4, 0}, .truth = kPoseAt500m, .estimate = kPoseAt500m, .nominal = kPoseAt500m};
   simulator.simulate(pulse, 0, traced, workspace);
   const std::vector<Echo> echoes = workspace.echoes;
   PulseBatch replayed;
@@ -252,7 +253,7 @@ TEST(ReceiverScan, ReplayOfEchoesEqualsTheTrace) {
 }
 
 /// The bits, because a NaN does not equal itself.
-void expect_same_bits(const PointColumns& found, const PointColumns& expected) {
+void expect_same_columns(const PointColumns& found, const PointColumns& expected) {
   for_each_column(kPointColumns, [&](const auto& column) {
     const auto bytes = [&](const PointColumns& points) {
       return std::as_bytes(std::span(points.*column.rows));
@@ -274,9 +275,9 @@ TEST(ReceiverScan, ReplayOfLaterEchoesEqualsTheTrace) {
     batch->resize(kPulses, 5, PointContent::all, simulator.columns(true));
   const auto pulse_at = [](std::size_t pulse) {
     return PulseInput{.time = {static_cast<std::int64_t>(pulse), 0},
-                      .truth = kAt500m,
-                      .estimate = kAt500m,
-                      .nominal = kAt500m};
+                      .truth = kPoseAt500m,
+                      .estimate = kPoseAt500m,
+                      .nominal = kPoseAt500m};
   };
   PulseWorkspace workspace;
   std::vector<Echo> echoes;
@@ -289,7 +290,7 @@ TEST(ReceiverScan, ReplayOfLaterEchoesEqualsTheTrace) {
   const TrueRanges truth{traced.points.range_true, echoes, later};
   for (std::size_t slot = 0; slot < kPulses; ++slot)
     simulator.replay(pulse_at(slot), truth.part(5 * slot, 5), slot, replayed, workspace);
-  expect_same_bits(replayed.points, traced.points);
+  expect_same_columns(replayed.points, traced.points);
   EXPECT_EQ(replayed.later_echoes, traced.later_echoes);
 }
 

@@ -12,6 +12,7 @@
 #include "base/error.h"
 #include "base/parallel.h"
 #include "detector/perspective.h"
+#include "points.h"
 #include "scanner/flash.h"
 #include "scanner/fsm.h"
 #include "scanner/line_search.h"
@@ -43,11 +44,7 @@ ScanModel flash_scan(double pulse_rate_hz, double scan_time_s) {
                    .scan_time_s = scan_time_s};
 }
 
-Vector3d true_point(const PulseBatch& batch, std::size_t i) {
-  return {batch.points.x_true[i], batch.points.y_true[i], batch.points.z_true[i]};
-}
-
-Vector3d true_point(const Simulation& simulation, std::int64_t pulse) {
+Vector3d first_point(const Simulation& simulation, std::int64_t pulse) {
   return true_point(simulation.simulate({pulse, 1}), 0);
 }
 
@@ -55,8 +52,8 @@ TEST(Simulation, ReferenceRasterMeetsItsAims) {
   const PlaneEngine engine;
   const Simulation simulation(fsm_scan(1), &engine);
   EXPECT_EQ(simulation.pulse_count(), 40000);
-  EXPECT_LT((true_point(simulation, 0) - Vector3d(-50, 50, 0)).norm(), 1e-11);
-  EXPECT_LT((true_point(simulation, 39999) - Vector3d(50, -50, 0)).norm(), 1e-11);
+  EXPECT_LT((first_point(simulation, 0) - Vector3d(-50, 50, 0)).norm(), 1e-11);
+  EXPECT_LT((first_point(simulation, 39999) - Vector3d(50, -50, 0)).norm(), 1e-11);
   const PulseBatch last = simulation.simulate({39999, 1});
   EXPECT_EQ(last.points.pulse[0], 39999);
   EXPECT_EQ(last.pulses.t[0], 39999 / 20000.0);
@@ -73,16 +70,16 @@ TEST(Simulation, CompensatedPatternFollowsPositionAndAttitude) {
   const Simulation simulation(std::move(model), &engine);
   const LineSearch pattern({});
   for (const std::int64_t k : {0, 137, 20199, 39999})
-    EXPECT_LT((true_point(simulation, k) - pattern.ground_aim({k, 0})->v).norm(), 1e-10);
+    EXPECT_LT((first_point(simulation, k) - pattern.ground_aim({k, 0})->v).norm(), 1e-10);
 }
 
 // From 500 m the uncompensated pattern aims at (50, -50); the same direction from p_z at the last pulse.
 TEST(Simulation, UncompensatedPatternReplaysTheFirstPosesAngles) {
   const PlaneEngine engine;
   const Simulation simulation(fsm_scan(1, {.compensated = false}), &engine);
-  EXPECT_LT((true_point(simulation, 0) - Vector3d(-50, 50, 0)).norm(), 1e-11);
+  EXPECT_LT((first_point(simulation, 0) - Vector3d(-50, 50, 0)).norm(), 1e-11);
   const double shrink = (500 - 23 * 1.99995) / 500;
-  EXPECT_LT((true_point(simulation, 39999) - shrink * Vector3d(50, -50, 0)).norm(), 1e-11);
+  EXPECT_LT((first_point(simulation, 39999) - shrink * Vector3d(50, -50, 0)).norm(), 1e-11);
 }
 
 TEST(Simulation, NavigationErrorMovesOnlyTheEstimate) {
@@ -143,7 +140,7 @@ TEST(Simulation, PatternWrapsAround) {
   const PlaneEngine engine;
   const Simulation simulation(fsm_scan(1, {.rows = 10, .columns = 7}), &engine);
   EXPECT_EQ(simulation.pulse_count(), 40000);
-  EXPECT_LT((true_point(simulation, 70) - Vector3d(-50, 50, 0)).norm(), 1e-11);
+  EXPECT_LT((first_point(simulation, 70) - Vector3d(-50, 50, 0)).norm(), 1e-11);
 }
 
 TEST(Simulation, RefusesAScanWithoutPulses) {

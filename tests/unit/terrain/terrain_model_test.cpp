@@ -5,15 +5,12 @@
 #include <gtest/gtest.h>
 
 #include <limits>
-#include <numbers>
 
 #include "base/error.h"
+#include "constants.h"
 
 namespace landfall {
 namespace {
-
-constexpr double kPi = std::numbers::pi;
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
 TEST(Cone, ClosedForm) {
   const Cone cone{3, 10};
@@ -80,7 +77,7 @@ TerrainModel model_of(const T& part) {
 }
 
 template <class T>
-std::string refusal(const T& part) {
+std::string model_refusal(const T& part) {
   try {
     validate(model_of(part));
   } catch (const UsageError& error) {
@@ -91,57 +88,57 @@ std::string refusal(const T& part) {
 
 TEST(Validate, DefaultsMakeSense) {
   EXPECT_NO_THROW(validate(TerrainModel{}));
-  EXPECT_EQ(refusal(FractalBase{}), "accepted");
-  EXPECT_EQ(refusal(RingPattern{}), "accepted");
-  EXPECT_EQ(refusal(Pyramid{}), "accepted");
+  EXPECT_EQ(model_refusal(FractalBase{}), "accepted");
+  EXPECT_EQ(model_refusal(RingPattern{}), "accepted");
+  EXPECT_EQ(model_refusal(Pyramid{}), "accepted");
 }
 
 TEST(Validate, NamesPlaceKeyAndValue) {
-  using ::testing::HasSubstr;
-  EXPECT_EQ(refusal(Cone{-3, 10}), "features/0/radius_m: -3 is not finite and positive");
-  EXPECT_THAT(refusal(Cone{3, 0}), HasSubstr("height_m"));
-  EXPECT_THAT(refusal(Hemisphere{kNan}), HasSubstr("radius_m: nan"));
-  EXPECT_THAT(refusal(Pyramid{0, 1, 0}), HasSubstr("base_width_m"));
-  EXPECT_THAT(refusal(Pyramid{1, 0, 0}), HasSubstr("height_m"));
-  EXPECT_THAT(refusal(Pyramid{1, 1, kNan}), HasSubstr("yaw_rad"));
-  EXPECT_THAT(refusal(RingPattern{0, 25, 0, Cone{}}), HasSubstr("patterns/0/count: 0"));
-  EXPECT_THAT(refusal(RingPattern{1000001, 25, 0, Cone{}}), HasSubstr("count"));
-  EXPECT_THAT(refusal(RingPattern{1, -1, 0, Cone{}}), HasSubstr("patterns/0/radius_m"));
-  EXPECT_THAT(refusal(RingPattern{1, 1, kNan, Cone{}}), HasSubstr("first_azimuth_rad"));
-  EXPECT_THAT(refusal(RingPattern{1, 1, 0, Cone{0, 1}}), HasSubstr("patterns/0/feature/radius_m"));
-  EXPECT_THAT(refusal(PlaneBase{kNan, 0, 0}), HasSubstr("base/0/elevation_m"));
-  EXPECT_THAT(refusal(PlaneBase{0, kNan, 0}), HasSubstr("slope_x"));
-  EXPECT_THAT(refusal(PlaneBase{0, 0, kNan}), HasSubstr("slope_y"));
-  EXPECT_THAT(refusal(FractalBase{0, 1, 1}), HasSubstr("hurst_exponent"));
-  EXPECT_THAT(refusal(FractalBase{1, 1, 1}), HasSubstr("hurst_exponent"));
-  EXPECT_THAT(refusal(FractalBase{0.5, -1, 1}), HasSubstr("rms_deviation_m"));
-  EXPECT_THAT(refusal(FractalBase{0.5, 1, 0}), HasSubstr("reference_length_m"));
-  EXPECT_THAT(refusal(FractalBase{0.5, 1, 1, 0}), HasSubstr("longest_wavelength_m"));
-  EXPECT_EQ(refusal(FractalBase{0.5, 1, 1, std::numeric_limits<double>::infinity()}), "accepted");
+  using testing::HasSubstr;
+  EXPECT_EQ(model_refusal(Cone{-3, 10}), "features/0/radius_m: -3 is not finite and positive");
+  EXPECT_THAT(model_refusal(Cone{3, 0}), HasSubstr("height_m"));
+  EXPECT_THAT(model_refusal(Hemisphere{kNan}), HasSubstr("radius_m: nan"));
+  EXPECT_THAT(model_refusal(Pyramid{0, 1, 0}), HasSubstr("base_width_m"));
+  EXPECT_THAT(model_refusal(Pyramid{1, 0, 0}), HasSubstr("height_m"));
+  EXPECT_THAT(model_refusal(Pyramid{1, 1, kNan}), HasSubstr("yaw_rad"));
+  EXPECT_THAT(model_refusal(RingPattern{0, 25, 0, Cone{}}), HasSubstr("patterns/0/count: 0"));
+  EXPECT_THAT(model_refusal(RingPattern{1000001, 25, 0, Cone{}}), HasSubstr("count"));
+  EXPECT_THAT(model_refusal(RingPattern{1, -1, 0, Cone{}}), HasSubstr("patterns/0/radius_m"));
+  EXPECT_THAT(model_refusal(RingPattern{1, 1, kNan, Cone{}}), HasSubstr("first_azimuth_rad"));
+  EXPECT_THAT(model_refusal(RingPattern{1, 1, 0, Cone{0, 1}}), HasSubstr("patterns/0/feature/radius_m"));
+  EXPECT_THAT(model_refusal(PlaneBase{kNan, 0, 0}), HasSubstr("base/0/elevation_m"));
+  EXPECT_THAT(model_refusal(PlaneBase{0, kNan, 0}), HasSubstr("slope_x"));
+  EXPECT_THAT(model_refusal(PlaneBase{0, 0, kNan}), HasSubstr("slope_y"));
+  EXPECT_THAT(model_refusal(FractalBase{0, 1, 1}), HasSubstr("hurst_exponent"));
+  EXPECT_THAT(model_refusal(FractalBase{1, 1, 1}), HasSubstr("hurst_exponent"));
+  EXPECT_THAT(model_refusal(FractalBase{0.5, -1, 1}), HasSubstr("rms_deviation_m"));
+  EXPECT_THAT(model_refusal(FractalBase{0.5, 1, 0}), HasSubstr("reference_length_m"));
+  EXPECT_THAT(model_refusal(FractalBase{0.5, 1, 1, 0}), HasSubstr("longest_wavelength_m"));
+  EXPECT_EQ(model_refusal(FractalBase{0.5, 1, 1, std::numeric_limits<double>::infinity()}), "accepted");
 }
 
 TEST(Validate, RefusesADemWithoutSense) {
-  using ::testing::HasSubstr;
+  using testing::HasSubstr;
   DemBase dem;
-  EXPECT_THAT(refusal(dem), HasSubstr("base/0/path"));
+  EXPECT_THAT(model_refusal(dem), HasSubstr("base/0/path"));
   dem.path = "a.tif";
-  EXPECT_EQ(refusal(dem), "accepted");
+  EXPECT_EQ(model_refusal(dem), "accepted");
   DemBase both = dem;
   both.center = {1, 2};
   both.center_pixel = {1, 2};
-  EXPECT_THAT(refusal(both), HasSubstr("not both"));
+  EXPECT_THAT(model_refusal(both), HasSubstr("not both"));
   DemBase band = dem;
   band.band = 0;
-  EXPECT_THAT(refusal(band), HasSubstr("band: 0"));
+  EXPECT_THAT(model_refusal(band), HasSubstr("band: 0"));
   DemBase scale = dem;
   scale.vertical_scale = 0;
-  EXPECT_THAT(refusal(scale), HasSubstr("vertical_scale"));
+  EXPECT_THAT(model_refusal(scale), HasSubstr("vertical_scale"));
   DemBase horizontal = dem;
   horizontal.horizontal_scale_m = -1;
-  EXPECT_THAT(refusal(horizontal), HasSubstr("horizontal_scale_m: -1"));
+  EXPECT_THAT(model_refusal(horizontal), HasSubstr("horizontal_scale_m: -1"));
   DemBase center = dem;
   center.center = {kNan, 0};
-  EXPECT_THAT(refusal(center), HasSubstr("center"));
+  EXPECT_THAT(model_refusal(center), HasSubstr("center"));
 }
 
 }  // namespace

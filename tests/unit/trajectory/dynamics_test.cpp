@@ -18,7 +18,7 @@ const AttitudeControl kNoThrusters{.torque_nm = Eigen::Vector3d::Zero()};
 
 Eigen::Vector3d turn(const Pose& pose) { return rotation_vector(Eigen::Quaterniond(pose.rotation.m)); }
 
-std::string message_of(const DynamicsParameters& parameters) {
+std::string dynamics_message(const DynamicsParameters& parameters) {
   try {
     const DynamicsTrajectory trajectory(parameters);
   } catch (const UsageError& error) {
@@ -228,19 +228,23 @@ TEST(Dynamics, ConstantTorqueIsExact) {
 }
 
 TEST(Dynamics, RefusesBadNumbers) {
-  EXPECT_THAT(message_of({.gravity_mps2 = -1}), testing::HasSubstr("gravity_mps2: -1"));
-  EXPECT_THAT(message_of({.control_period_s = 0}), testing::HasSubstr("control_period_s: 0"));
-  EXPECT_THAT(message_of({.control_period_s = 1e-9}), testing::HasSubstr("2000000 control periods"));
-  EXPECT_THAT(message_of({.duration_s = HUGE_VAL}), testing::HasSubstr("duration_s: inf"));
-  EXPECT_THAT(message_of({.position_m = {{0, 0, std::nan("")}}}), testing::HasSubstr("position_m/2: nan"));
-  EXPECT_THAT(message_of({.velocity_mps = {{HUGE_VAL, 0, 0}}}), testing::HasSubstr("velocity_mps/0: inf"));
-  EXPECT_THAT(message_of({.rpy = {0, std::nan(""), 0}}), testing::HasSubstr("rpy_deg/1: nan"));
-  EXPECT_THAT(message_of({.disturbance = {{}, {{0, -1, 0}}}}), testing::HasSubstr("torque_sigma_nm/1: -1"));
-  EXPECT_THAT(message_of({.disturbance = {{{0, std::nan(""), 0}}, {}}}),
+  EXPECT_THAT(dynamics_message({.gravity_mps2 = -1}), testing::HasSubstr("gravity_mps2: -1"));
+  EXPECT_THAT(dynamics_message({.control_period_s = 0}), testing::HasSubstr("control_period_s: 0"));
+  EXPECT_THAT(dynamics_message({.control_period_s = 1e-9}), testing::HasSubstr("2000000 control periods"));
+  EXPECT_THAT(dynamics_message({.duration_s = HUGE_VAL}), testing::HasSubstr("duration_s: inf"));
+  EXPECT_THAT(dynamics_message({.position_m = {{0, 0, std::nan("")}}}),
+              testing::HasSubstr("position_m/2: nan"));
+  EXPECT_THAT(dynamics_message({.velocity_mps = {{HUGE_VAL, 0, 0}}}),
+              testing::HasSubstr("velocity_mps/0: inf"));
+  EXPECT_THAT(dynamics_message({.rpy = {0, std::nan(""), 0}}), testing::HasSubstr("rpy_deg/1: nan"));
+  EXPECT_THAT(dynamics_message({.disturbance = {{}, {{0, -1, 0}}}}),
+              testing::HasSubstr("torque_sigma_nm/1: -1"));
+  EXPECT_THAT(dynamics_message({.disturbance = {{{0, std::nan(""), 0}}, {}}}),
               testing::HasSubstr("torque_nm/1: nan"));
-  EXPECT_THAT(message_of({.rate_radps = {{0, 0, 120}}}), testing::HasSubstr("more than 1 rad"));
-  EXPECT_THAT(message_of({.rate_radps = {{0, 0, std::nan("")}}}), testing::HasSubstr("rate_degps/2: nan"));
-  EXPECT_THAT(message_of({.body = {.mass_kg = -1}}), testing::HasSubstr("mass_kg: -1"));
+  EXPECT_THAT(dynamics_message({.rate_radps = {{0, 0, 120}}}), testing::HasSubstr("more than 1 rad"));
+  EXPECT_THAT(dynamics_message({.rate_radps = {{0, 0, std::nan("")}}}),
+              testing::HasSubstr("rate_degps/2: nan"));
+  EXPECT_THAT(dynamics_message({.body = {.mass_kg = -1}}), testing::HasSubstr("mass_kg: -1"));
 }
 
 }  // namespace

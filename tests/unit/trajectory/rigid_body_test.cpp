@@ -16,7 +16,7 @@
 namespace landfall {
 namespace {
 
-std::string message_of(const RigidBody& body) {
+std::string rigid_body_message(const RigidBody& body) {
   try {
     const RigidBodyMotion motion(body);
   } catch (const UsageError& error) {
@@ -102,16 +102,17 @@ TEST(RigidBody, KeepsEnergyAndMomentumOfAnAsymmetricBody) {
 }
 
 TEST(RigidBody, RefusesWhatNoBodyHas) {
-  EXPECT_THAT(message_of({.mass_kg = 0}), testing::HasSubstr("mass_kg: 0 is not finite and positive"));
-  EXPECT_THAT(message_of({.inertia_kgm2 = Eigen::Vector3d(1, 2, 3.1).asDiagonal()}),
+  EXPECT_THAT(rigid_body_message({.mass_kg = 0}),
+              testing::HasSubstr("mass_kg: 0 is not finite and positive"));
+  EXPECT_THAT(rigid_body_message({.inertia_kgm2 = Eigen::Vector3d(1, 2, 3.1).asDiagonal()}),
               testing::HasSubstr("at most the sum of the other two"));
-  EXPECT_THAT(message_of({.inertia_kgm2 = Eigen::Vector3d(1, 0, 1).asDiagonal()}),
+  EXPECT_THAT(rigid_body_message({.inertia_kgm2 = Eigen::Vector3d(1, 0, 1).asDiagonal()}),
               testing::HasSubstr("0 is not positive"));
-  EXPECT_THAT(message_of({.inertia_kgm2 = Eigen::Vector3d(1, std::nan(""), 1).asDiagonal()}),
+  EXPECT_THAT(rigid_body_message({.inertia_kgm2 = Eigen::Vector3d(1, std::nan(""), 1).asDiagonal()}),
               testing::HasSubstr("not finite"));
   RigidBody skew;
   skew.inertia_kgm2(0, 1) = 5;
-  EXPECT_THAT(message_of(skew), testing::HasSubstr("must be symmetric"));
+  EXPECT_THAT(rigid_body_message(skew), testing::HasSubstr("must be symmetric"));
 }
 
 // Random bodies that tumble and fall for 20 s: energy, angular momentum and the path of the centre of mass.

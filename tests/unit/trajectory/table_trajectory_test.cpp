@@ -27,7 +27,7 @@ Eigen::Quaterniond about(const Eigen::Vector3d& axis, double angle_rad) {
   return Eigen::Quaterniond(Eigen::AngleAxisd(angle_rad, axis));
 }
 
-std::string message_of(std::vector<TrajectorySample> samples) {
+std::string samples_message(std::vector<TrajectorySample> samples) {
   try {
     const TableTrajectory table(std::move(samples));
   } catch (const FormatError& error) {
@@ -122,21 +122,22 @@ TEST(TableTrajectory, NormalisesWhatIsNearlyAUnitQuaternion) {
   const TableTrajectory table({{0, {}, q}, {1, {}, q}});
   EXPECT_LT((table.pose(0).rotation.m - rotation_matrix({0.5, 0, 0})).norm(), 1e-15);
   q.coeffs() *= 1.0002;
-  EXPECT_THAT(message_of({{0, {}, Eigen::Quaterniond::Identity()}, {1, {}, q}}),
+  EXPECT_THAT(samples_message({{0, {}, Eigen::Quaterniond::Identity()}, {1, {}, q}}),
               testing::HasSubstr("row 2: the quaternion's norm is 1.001"));
 }
 
 TEST(TableTrajectory, RefusesABadTable) {
   const Eigen::Quaterniond one = Eigen::Quaterniond::Identity();
-  EXPECT_THAT(message_of({}), testing::HasSubstr("0 rows"));
-  EXPECT_THAT(message_of({{0, {}, one}}), testing::HasSubstr("1 rows"));
-  EXPECT_THAT(message_of({{0, {}, one}, {1, {}, one}, {1, {}, one}}), testing::HasSubstr("row 3: t_s"));
-  EXPECT_THAT(message_of({{0, {}, one}, {-1, {}, one}}), testing::HasSubstr("row 2: t_s"));
-  EXPECT_THAT(message_of({{0, {}, one}, {std::nan(""), {}, one}}), testing::HasSubstr("row 2: a value"));
-  EXPECT_THAT(message_of({{0, {{0, HUGE_VAL, 0}}, one}, {1, {}, one}}), testing::HasSubstr("row 1: a value"));
-  EXPECT_THAT(message_of({{0, {}, one, Vector<DemFrame>{{0, 0, HUGE_VAL}}}, {1, {}, one}}),
+  EXPECT_THAT(samples_message({}), testing::HasSubstr("0 rows"));
+  EXPECT_THAT(samples_message({{0, {}, one}}), testing::HasSubstr("1 rows"));
+  EXPECT_THAT(samples_message({{0, {}, one}, {1, {}, one}, {1, {}, one}}), testing::HasSubstr("row 3: t_s"));
+  EXPECT_THAT(samples_message({{0, {}, one}, {-1, {}, one}}), testing::HasSubstr("row 2: t_s"));
+  EXPECT_THAT(samples_message({{0, {}, one}, {std::nan(""), {}, one}}), testing::HasSubstr("row 2: a value"));
+  EXPECT_THAT(samples_message({{0, {{0, HUGE_VAL, 0}}, one}, {1, {}, one}}),
               testing::HasSubstr("row 1: a value"));
-  EXPECT_THAT(message_of({{0, {}, one}, {1, {}, Eigen::Quaterniond(1, 0, 0, std::nan(""))}}),
+  EXPECT_THAT(samples_message({{0, {}, one, Vector<DemFrame>{{0, 0, HUGE_VAL}}}, {1, {}, one}}),
+              testing::HasSubstr("row 1: a value"));
+  EXPECT_THAT(samples_message({{0, {}, one}, {1, {}, Eigen::Quaterniond(1, 0, 0, std::nan(""))}}),
               testing::HasSubstr("row 2: a value"));
 }
 
@@ -174,7 +175,7 @@ TEST(TableTrajectory, IsTheSameOnAnyClock) {
 // At -1e9 s, rows 1e-10 s apart are the same time.
 TEST(TableTrajectory, RefusesRowsThatTheirEpochDoesNotSeparate) {
   const Eigen::Quaterniond one = Eigen::Quaterniond::Identity();
-  EXPECT_THAT(message_of({{-1e9, {}, one}, {1e-10, {}, one}, {2e-10, {}, one}}),
+  EXPECT_THAT(samples_message({{-1e9, {}, one}, {1e-10, {}, one}, {2e-10, {}, one}}),
               testing::HasSubstr("row 3: t_s"));
 }
 

@@ -27,7 +27,7 @@ NumberTable table_of(const Columns& attitude) {
 
 const Columns kRollPitchYaw = {{"roll_deg", {10, 0}}, {"pitch_deg", {20, 0}}, {"yaw_deg", {30, 90}}};
 
-std::string message_of(const Columns& columns) {
+std::string columns_message(const Columns& columns) {
   try {
     static_cast<void>(trajectory_samples(table_of(columns)));
   } catch (const FormatError& error) {
@@ -109,16 +109,16 @@ TEST(TrajectoryColumnsProperty, RodriguesParametersAndTheirShadowsAreBasilisks) 
 }
 
 TEST(TrajectoryColumns, RefusesAnAttitudeThatIsMissingIncompleteOrGivenTwice) {
-  EXPECT_THAT(message_of({}),
+  EXPECT_THAT(columns_message({}),
               testing::HasSubstr("a.csv: has no attitude: add the columns qw,qx,qy,qz, or roll_deg"));
-  EXPECT_THAT(message_of({{"qw", {1, 1}}, {"qx", {0, 0}}, {"qy", {0, 0}}}),
+  EXPECT_THAT(columns_message({{"qw", {1, 1}}, {"qx", {0, 0}}, {"qy", {0, 0}}}),
               testing::HasSubstr("a.csv: no column qz, but has others of qw,qx,qy,qz"));
   Columns twice = kRollPitchYaw;
   for (const char* const name : {"mrp_1", "mrp_2", "mrp_3"}) twice[name] = {0, 0};
-  EXPECT_THAT(message_of(twice), testing::HasSubstr("has two attitudes"));
+  EXPECT_THAT(columns_message(twice), testing::HasSubstr("has two attitudes"));
   Columns half = kRollPitchYaw;
   half["vx_mps"] = {0, 0};
-  EXPECT_THAT(message_of(half),
+  EXPECT_THAT(columns_message(half),
               testing::HasSubstr("no column vy_mps, but has others of vx_mps,vy_mps,vz_mps"));
 }
 

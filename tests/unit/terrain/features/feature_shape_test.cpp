@@ -4,22 +4,18 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
-#include <numbers>
 #include <vector>
 
 #include "base/error.h"
+#include "constants.h"
 #include "terrain/features/feature.h"
 
 namespace landfall {
 namespace {
 
-using ::testing::HasSubstr;
+using testing::HasSubstr;
 
-constexpr double kPi = std::numbers::pi;
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
-
-std::string refusal(const FeatureShape& shape) {
+std::string shape_refusal(const FeatureShape& shape) {
   try {
     validate(shape, "it");
   } catch (const UsageError& error) {
@@ -50,12 +46,12 @@ TEST(Rock, YawTurnsCounterClockwise) {
 }
 
 TEST(Rock, Validates) {
-  EXPECT_EQ(refusal(Rock{}), "accepted");
-  EXPECT_EQ(refusal(Rock{0, 1, 1, 0}), "it/diameter_m: 0 is not finite and positive");
-  EXPECT_THAT(refusal(Rock{1, kNan, 1, 0}), HasSubstr("height_m"));
-  EXPECT_THAT(refusal(Rock{1, 1, 1.1, 0}), HasSubstr("axis_ratio: 1.1 is not in (0, 1]"));
-  EXPECT_THAT(refusal(Rock{1, 1, 0, 0}), HasSubstr("axis_ratio"));
-  EXPECT_THAT(refusal(Rock{1, 1, 1, kNan}), HasSubstr("yaw_rad"));
+  EXPECT_EQ(shape_refusal(Rock{}), "accepted");
+  EXPECT_EQ(shape_refusal(Rock{0, 1, 1, 0}), "it/diameter_m: 0 is not finite and positive");
+  EXPECT_THAT(shape_refusal(Rock{1, kNan, 1, 0}), HasSubstr("height_m"));
+  EXPECT_THAT(shape_refusal(Rock{1, 1, 1.1, 0}), HasSubstr("axis_ratio: 1.1 is not in (0, 1]"));
+  EXPECT_THAT(shape_refusal(Rock{1, 1, 0, 0}), HasSubstr("axis_ratio"));
+  EXPECT_THAT(shape_refusal(Rock{1, 1, 1, kNan}), HasSubstr("yaw_rad"));
 }
 
 // The sums of the published coefficients at x = 0, 0.5, 1, 1.25.
@@ -116,13 +112,13 @@ TEST(Crater, FreshDepthByClasses) {
 }
 
 TEST(Crater, Validates) {
-  EXPECT_EQ(refusal(Crater{}), "accepted");
-  EXPECT_EQ(refusal(Crater{10, 10 * Crater::kDeepestPerDiameter, 1}), "accepted");
-  EXPECT_THAT(refusal(Crater{-1, 0, 1}), HasSubstr("it/diameter_m: -1"));
-  EXPECT_THAT(refusal(Crater{10, 2.7, 1}), HasSubstr("it/depth_m: 2.7 is not in [0, 2.656"));
-  EXPECT_THAT(refusal(Crater{10, -1, 1}), HasSubstr("depth_m: -1"));
-  EXPECT_THAT(refusal(Crater{10, 1, 0}), HasSubstr("freshness: 0"));
-  EXPECT_THAT(refusal(Crater{10, 1, 1.5}), HasSubstr("freshness: 1.5"));
+  EXPECT_EQ(shape_refusal(Crater{}), "accepted");
+  EXPECT_EQ(shape_refusal(Crater{10, 10 * Crater::kDeepestPerDiameter, 1}), "accepted");
+  EXPECT_THAT(shape_refusal(Crater{-1, 0, 1}), HasSubstr("it/diameter_m: -1"));
+  EXPECT_THAT(shape_refusal(Crater{10, 2.7, 1}), HasSubstr("it/depth_m: 2.7 is not in [0, 2.656"));
+  EXPECT_THAT(shape_refusal(Crater{10, -1, 1}), HasSubstr("depth_m: -1"));
+  EXPECT_THAT(shape_refusal(Crater{10, 1, 0}), HasSubstr("freshness: 0"));
+  EXPECT_THAT(shape_refusal(Crater{10, 1, 1.5}), HasSubstr("freshness: 1.5"));
 }
 
 TEST(IceBlock, AnUprightBoxIsLevelOnTop) {
@@ -177,13 +173,13 @@ TEST(IceBlock, SizeIsTheLongerSideAndTheHighestEdge) {
 }
 
 TEST(IceBlock, Validates) {
-  EXPECT_EQ(refusal(IceBlock{}), "accepted");
-  EXPECT_EQ(refusal(IceBlock{1, 1, 1, 0, -80 * kPi / 180}), "accepted");
-  EXPECT_THAT(refusal(IceBlock{0, 1, 1, 0, 0}), HasSubstr("length_m"));
-  EXPECT_THAT(refusal(IceBlock{1, 0, 1, 0, 0}), HasSubstr("width_m"));
-  EXPECT_THAT(refusal(IceBlock{1, 1, 0, 0, 0}), HasSubstr("height_m"));
-  EXPECT_THAT(refusal(IceBlock{1, 1, 1, kNan, 0}), HasSubstr("yaw_rad"));
-  EXPECT_THAT(refusal(IceBlock{1, 1, 1, 0, 1.5}), HasSubstr("tilt_rad"));
+  EXPECT_EQ(shape_refusal(IceBlock{}), "accepted");
+  EXPECT_EQ(shape_refusal(IceBlock{1, 1, 1, 0, -80 * kPi / 180}), "accepted");
+  EXPECT_THAT(shape_refusal(IceBlock{0, 1, 1, 0, 0}), HasSubstr("length_m"));
+  EXPECT_THAT(shape_refusal(IceBlock{1, 0, 1, 0, 0}), HasSubstr("width_m"));
+  EXPECT_THAT(shape_refusal(IceBlock{1, 1, 0, 0, 0}), HasSubstr("height_m"));
+  EXPECT_THAT(shape_refusal(IceBlock{1, 1, 1, kNan, 0}), HasSubstr("yaw_rad"));
+  EXPECT_THAT(shape_refusal(IceBlock{1, 1, 1, 0, 1.5}), HasSubstr("tilt_rad"));
 }
 
 TEST(Pit, ClosedForm) {
@@ -196,11 +192,11 @@ TEST(Pit, ClosedForm) {
   EXPECT_NEAR(funnel.relief_m({0, -1.5}), -1, 1e-14);
   EXPECT_NEAR(funnel.relief_m({0.3, 0.4}), -3, 1e-14);
   EXPECT_NEAR((Pit{4, 3, kPi / 4}.size().height_m), -2, 1e-14);  // its walls meet
-  EXPECT_EQ(refusal(Pit{}), "accepted");
-  EXPECT_THAT(refusal(Pit{0, 1, 1}), HasSubstr("diameter_m"));
-  EXPECT_THAT(refusal(Pit{1, 0, 1}), HasSubstr("depth_m"));
-  EXPECT_THAT(refusal(Pit{1, 1, 0}), HasSubstr("wall_slope_rad"));
-  EXPECT_THAT(refusal(Pit{1, 1, 1.6}), HasSubstr("wall_slope_rad"));
+  EXPECT_EQ(shape_refusal(Pit{}), "accepted");
+  EXPECT_THAT(shape_refusal(Pit{0, 1, 1}), HasSubstr("diameter_m"));
+  EXPECT_THAT(shape_refusal(Pit{1, 0, 1}), HasSubstr("depth_m"));
+  EXPECT_THAT(shape_refusal(Pit{1, 1, 0}), HasSubstr("wall_slope_rad"));
+  EXPECT_THAT(shape_refusal(Pit{1, 1, 1.6}), HasSubstr("wall_slope_rad"));
 }
 
 TEST(Ridge, ClosedForm) {
@@ -227,13 +223,13 @@ TEST(Ridge, TwoCrests) {
 }
 
 TEST(Ridge, Validates) {
-  EXPECT_EQ(refusal(Ridge{}), "accepted");
-  EXPECT_THAT(refusal(Ridge{0, 1, 1, 0, 0, 0}), HasSubstr("length_m"));
-  EXPECT_THAT(refusal(Ridge{9, 0, 1, 0, 0, 0}), HasSubstr("width_m"));
-  EXPECT_THAT(refusal(Ridge{9, 1, 0, 0, 0, 0}), HasSubstr("height_m"));
-  EXPECT_THAT(refusal(Ridge{9, 1, 1, -1, 0, 0}), HasSubstr("spacing_m"));
-  EXPECT_THAT(refusal(Ridge{9, 1, 1, 0, 5, 0}), HasSubstr("taper_m: 5 is not in [0, length_m / 2]"));
-  EXPECT_THAT(refusal(Ridge{9, 1, 1, 0, 0, kNan}), HasSubstr("yaw_rad"));
+  EXPECT_EQ(shape_refusal(Ridge{}), "accepted");
+  EXPECT_THAT(shape_refusal(Ridge{0, 1, 1, 0, 0, 0}), HasSubstr("length_m"));
+  EXPECT_THAT(shape_refusal(Ridge{9, 0, 1, 0, 0, 0}), HasSubstr("width_m"));
+  EXPECT_THAT(shape_refusal(Ridge{9, 1, 0, 0, 0, 0}), HasSubstr("height_m"));
+  EXPECT_THAT(shape_refusal(Ridge{9, 1, 1, -1, 0, 0}), HasSubstr("spacing_m"));
+  EXPECT_THAT(shape_refusal(Ridge{9, 1, 1, 0, 5, 0}), HasSubstr("taper_m: 5 is not in [0, length_m / 2]"));
+  EXPECT_THAT(shape_refusal(Ridge{9, 1, 1, 0, 0, kNan}), HasSubstr("yaw_rad"));
 }
 
 TEST(Shapes, DiameterIsTheGreatestExtent) {
@@ -282,18 +278,18 @@ TEST(Fracture, TroughAndCliffAdd) {
 }
 
 TEST(Fracture, Validates) {
-  EXPECT_EQ(refusal(Fracture{}), "accepted");
-  EXPECT_THAT(refusal(Fracture{0, 1, 1, 0, 0, 1, 0, 0}), HasSubstr("length_m"));
-  EXPECT_THAT(refusal(Fracture{9, 0, 1, 0, 0, 1, 0, 0}),
+  EXPECT_EQ(shape_refusal(Fracture{}), "accepted");
+  EXPECT_THAT(shape_refusal(Fracture{0, 1, 1, 0, 0, 1, 0, 0}), HasSubstr("length_m"));
+  EXPECT_THAT(shape_refusal(Fracture{9, 0, 1, 0, 0, 1, 0, 0}),
               HasSubstr("width_m: 0 is not positive, which a trough"));
-  EXPECT_THAT(refusal(Fracture{9, 1, 0, 1, 1, 1, 0, 0}),
+  EXPECT_THAT(shape_refusal(Fracture{9, 1, 0, 1, 1, 1, 0, 0}),
               HasSubstr("width_m: 1 is not 0, where depth_m is 0"));
-  EXPECT_THAT(refusal(Fracture{9, 0, 0, 0, 0, 1, 0, 0}), HasSubstr("depth_m: 0 is not positive"));
-  EXPECT_THAT(refusal(Fracture{9, 0, 0, 1, 0, 1, 0, 0}), HasSubstr("fade_m: 0"));
-  EXPECT_THAT(refusal(Fracture{9, 0, 0, kNan, 1, 1, 0, 0}), HasSubstr("throw_m"));
-  EXPECT_THAT(refusal(Fracture{9, 1, 1, 0, 0, 2, 0, 0}), HasSubstr("wall_slope_rad"));
-  EXPECT_THAT(refusal(Fracture{9, 1, 1, 0, 0, 1, 5, 0}), HasSubstr("taper_m"));
-  EXPECT_THAT(refusal(Fracture{9, 1, 1, 0, 0, 1, 0, kNan}), HasSubstr("yaw_rad"));
+  EXPECT_THAT(shape_refusal(Fracture{9, 0, 0, 0, 0, 1, 0, 0}), HasSubstr("depth_m: 0 is not positive"));
+  EXPECT_THAT(shape_refusal(Fracture{9, 0, 0, 1, 0, 1, 0, 0}), HasSubstr("fade_m: 0"));
+  EXPECT_THAT(shape_refusal(Fracture{9, 0, 0, kNan, 1, 1, 0, 0}), HasSubstr("throw_m"));
+  EXPECT_THAT(shape_refusal(Fracture{9, 1, 1, 0, 0, 2, 0, 0}), HasSubstr("wall_slope_rad"));
+  EXPECT_THAT(shape_refusal(Fracture{9, 1, 1, 0, 0, 1, 5, 0}), HasSubstr("taper_m"));
+  EXPECT_THAT(shape_refusal(Fracture{9, 1, 1, 0, 0, 1, 0, kNan}), HasSubstr("yaw_rad"));
 }
 
 TEST(PenitenteField, ClosedForm) {
@@ -342,9 +338,9 @@ TEST(PenitenteField, Validates) {
   const auto with = [](auto change) {
     PenitenteField field;
     change(field);
-    return refusal(field);
+    return shape_refusal(field);
   };
-  EXPECT_EQ(refusal(PenitenteField{}), "accepted");
+  EXPECT_EQ(shape_refusal(PenitenteField{}), "accepted");
   EXPECT_EQ(with([](auto& f) { f.length_m = f.width_m = 0, f.diameter_m = 30; }), "accepted");
   EXPECT_THAT(with([](auto& f) { f.length_m = 0; }), HasSubstr("length_m: 0 is not finite and positive"));
   EXPECT_THAT(with([](auto& f) { f.diameter_m = 30; }),

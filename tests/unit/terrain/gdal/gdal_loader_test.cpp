@@ -12,11 +12,11 @@
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
-#include <limits>
 #include <numbers>
 #include <string>
 
 #include "base/error.h"
+#include "constants.h"
 #include "gdal_rasters.h"
 #include "load_dem_test.h"
 #include "terrain/relief/terrain_generator.h"
@@ -24,11 +24,10 @@
 namespace landfall {
 namespace {
 
-using ::testing::AllOf;
-using ::testing::HasSubstr;
-using ::testing::StartsWith;
+using testing::AllOf;
+using testing::HasSubstr;
+using testing::StartsWith;
 
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 constexpr double kRadians = std::numbers::pi / 180;
 
 TEST_F(LoadDem, TellsItsFiles) {
@@ -89,7 +88,7 @@ GeneratedTerrain terrain_of(const DemBase& dem, const GridSpec& spec) {
 }
 
 /// The error of an import, its kind first.
-std::string refusal(const DemBase& dem, const GridSpec& spec) {
+std::string import_refusal(const DemBase& dem, const GridSpec& spec) {
   try {
     (void)load_dem(dem, spec);
   } catch (const UsageError& error) {
@@ -170,7 +169,8 @@ TEST_F(LoadDem, FeetBecomeMetres) {
   const MapPoint east = site_to_crs(terrain.crs_wkt, {12, 0}, "EPSG:2225");
   EXPECT_NEAR(east.x, 6000205 + 12 * feet_per_metre, 1e-2);
   EXPECT_NEAR(east.y, 1999795, 1e-2);
-  EXPECT_THAT(refusal(dem, GridSpec::centered(64, 4)), HasSubstr("half_width_m of 60 "));  // 200 ft = 60.96 m
+  EXPECT_THAT(import_refusal(dem, GridSpec::centered(64, 4)),
+              HasSubstr("half_width_m of 60 "));  // 200 ft = 60.96 m
 }
 
 // int16, nodata judged before scale and offset: -32768 would be -16374 m, 10 is nodata of no one.
@@ -258,14 +258,14 @@ TEST_F(LoadDem, WithoutCrs) {
   const std::array<double, 6> transform{100, 2, 0, 50, 0, -2};
   const GridSpec spec = GridSpec::centered(30, 3);
   DemBase dem = written({21, 21, map_plane(transform), "Float64", transform, "", {}, 1, 0, {}});
-  EXPECT_THAT(refusal(dem, spec), AllOf(HasSubstr("usage: "), HasSubstr("horizontal_scale_m")));
+  EXPECT_THAT(import_refusal(dem, spec), AllOf(HasSubstr("usage: "), HasSubstr("horizontal_scale_m")));
   dem.horizontal_scale_m = 3;  // metres per map unit, so 6 m per pixel
   const GeneratedTerrain terrain = terrain_of(dem, spec);
   expect_plane(terrain.nodes, 7 + 2 * 121 - 3 * 29, 2 / 3.0, -1);
   EXPECT_EQ(terrain.crs_wkt, kLocalSiteCrsWkt);
   EXPECT_TRUE(is_local_in_metres(terrain.crs_wkt));
   dem.horizontal_scale_m = 0.0;
-  EXPECT_THAT(refusal(dem, spec), HasSubstr("usage: "));
+  EXPECT_THAT(import_refusal(dem, spec), HasSubstr("usage: "));
 }
 
 // Without georeference, x counts columns from the left edge, y rows from the bottom edge.
@@ -283,25 +283,25 @@ TEST_F(LoadDem, RefusesWhatTheConfigGetsWrong) {
   const std::array<double, 6> transform{5e5, 1, 0, 0, 0, -1};
   const GridSpec spec = GridSpec::centered(4, 1);
   DemBase good = written({21, 21, map_plane(transform), "Float32", transform, "EPSG:32631", {}, 1, 0, {}});
-  EXPECT_EQ(refusal(good, spec), "accepted");
+  EXPECT_EQ(import_refusal(good, spec), "accepted");
   DemBase dem = good;
   dem.horizontal_scale_m = 1;
-  EXPECT_THAT(refusal(dem, spec), AllOf(HasSubstr("usage: "), HasSubstr("horizontal_scale_m"),
-                                        HasSubstr("WGS 84 / UTM zone 31N")));
+  EXPECT_THAT(import_refusal(dem, spec), AllOf(HasSubstr("usage: "), HasSubstr("horizontal_scale_m"),
+                                               HasSubstr("WGS 84 / UTM zone 31N")));
   dem = good;
   dem.band = 2;
-  EXPECT_THAT(refusal(dem, spec), AllOf(HasSubstr("usage: "), HasSubstr("band 2 is not in 1..1")));
+  EXPECT_THAT(import_refusal(dem, spec), AllOf(HasSubstr("usage: "), HasSubstr("band 2 is not in 1..1")));
   dem = good;
   dem.center = {500010, -10};
   dem.center_pixel = {10, 10};
-  EXPECT_THAT(refusal(dem, spec), AllOf(HasSubstr("usage: "), HasSubstr("not both")));
+  EXPECT_THAT(import_refusal(dem, spec), AllOf(HasSubstr("usage: "), HasSubstr("not both")));
   dem.center.reset();
   dem.center_pixel = {3, 10};
-  EXPECT_THAT(refusal(dem, spec),
+  EXPECT_THAT(import_refusal(dem, spec),
               AllOf(HasSubstr("format: "), HasSubstr("21 x 21"), HasSubstr("half_width_m of 3 ")));
   dem = good;
   dem.center = {1000, 1000};
-  EXPECT_THAT(refusal(dem, spec), HasSubstr("centre is outside"));
+  EXPECT_THAT(import_refusal(dem, spec), HasSubstr("centre is outside"));
 }
 
 TEST_F(LoadDem, RefusesWhatTheFileCannotGive) {
@@ -310,17 +310,17 @@ TEST_F(LoadDem, RefusesWhatTheFileCannotGive) {
   const auto plane = map_plane(transform);
   DemBase dem;
   dem.path = (folder_ / "not there.tif").string();
-  EXPECT_THAT(refusal(dem, spec), AllOf(HasSubstr("format: "), HasSubstr("No such file")));
-  EXPECT_THAT(refusal(written({1, 21, plane, "Float32", transform, "EPSG:32631", {}, 1, 0, {}}), spec),
+  EXPECT_THAT(import_refusal(dem, spec), AllOf(HasSubstr("format: "), HasSubstr("No such file")));
+  EXPECT_THAT(import_refusal(written({1, 21, plane, "Float32", transform, "EPSG:32631", {}, 1, 0, {}}), spec),
               AllOf(HasSubstr("format: "), HasSubstr("1 x 21 pixels")));
-  EXPECT_THAT(refusal(written({9, 9, plane, "CFloat32", transform, "EPSG:32631", {}, 1, 0, {}}), spec),
+  EXPECT_THAT(import_refusal(written({9, 9, plane, "CFloat32", transform, "EPSG:32631", {}, 1, 0, {}}), spec),
               AllOf(HasSubstr("format: "), HasSubstr("complex")));
-  EXPECT_THAT(refusal(written({9, 9, plane, "Float32", {}, "EPSG:32631", {}, 1, 0, {}}), spec),
+  EXPECT_THAT(import_refusal(written({9, 9, plane, "Float32", {}, "EPSG:32631", {}, 1, 0, {}}), spec),
               AllOf(HasSubstr("format: "), HasSubstr("no geotransform")));
-  EXPECT_THAT(refusal(written({9, 9, plane, "Float32", transform, "EPSG:4978", {}, 1, 0, {}}), spec),
+  EXPECT_THAT(import_refusal(written({9, 9, plane, "Float32", transform, "EPSG:4978", {}, 1, 0, {}}), spec),
               AllOf(HasSubstr("format: "), HasSubstr("geocentric")));
   const std::array<double, 6> beyond{0, 0.001, 0, 95, 0, -0.001};
-  EXPECT_THAT(refusal(written({9, 9, plane, "Float32", beyond, "EPSG:4326", {}, 1, 0, {}}), spec),
+  EXPECT_THAT(import_refusal(written({9, 9, plane, "Float32", beyond, "EPSG:4326", {}, 1, 0, {}}), spec),
               AllOf(HasSubstr("format: "), HasSubstr("beyond a pole")));
 }
 
@@ -330,7 +330,7 @@ TEST_F(LoadDem, RefusesCrsThatAreNoMap) {
   const DemBase dem = written({9, 9, map_plane(transform), "Float32", transform, "", {}, 1, 0, {}});
   const auto refusal_with = [&](const std::string& crs) {
     write_bytes(dem.path + ".aux.xml", "<PAMDataset><SRS>" + crs + "</SRS></PAMDataset>");
-    return refusal(dem, GridSpec::centered(1, 1));
+    return import_refusal(dem, GridSpec::centered(1, 1));
   };
   EXPECT_EQ(refusal_with("EPSG:32631"), "accepted");
   EXPECT_THAT(refusal_with("+proj=ob_tran +o_proj=longlat +o_lon_p=0 +o_lat_p=39.25 +lon_0=18 +R=6371229"),
@@ -346,7 +346,7 @@ TEST_F(LoadDem, SaysWhatAFileThatIsNoRasterNeeds) {
     DemBase dem;
     dem.path = (folder_ / name).string();
     write_bytes(dem.path, bytes);
-    return refusal(dem, spec);
+    return import_refusal(dem, spec);
   };
   EXPECT_THAT(told("raw.img", std::string(100, 7)),
               AllOf(HasSubstr("format: "), HasSubstr("VRTRawRasterBand")));
@@ -365,7 +365,7 @@ TEST_F(LoadDem, RefusesBlocksBeyondAllMemory) {
                                  nullptr};
   GDALClose(GDALCreate(GDALGetDriverByName("GTiff"), dem.path.c_str(), 65536, 65536, 1, GDT_Byte,
                        const_cast<char**>(options)));
-  EXPECT_THAT(refusal(dem, GridSpec::centered(1, 1)),
+  EXPECT_THAT(import_refusal(dem, GridSpec::centered(1, 1)),
               AllOf(HasSubstr("format: "), HasSubstr("blocks of 512 MiB")));
 }
 
@@ -384,9 +384,9 @@ TEST_F(LoadDem, RefusesATruncatedDtedCell) {
   GDALClose(raster);
   dem.center = {9.2, 43.5};
   const GridSpec spec = GridSpec::centered(2000, 500);
-  EXPECT_EQ(refusal(dem, spec), "accepted");
+  EXPECT_EQ(import_refusal(dem, spec), "accepted");
   std::filesystem::resize_file(dem.path, 3428 + 100 * (12 + 2 * 121));
-  EXPECT_THAT(refusal(dem, spec), AllOf(HasSubstr("format: "), HasSubstr("100 of the 121 columns")));
+  EXPECT_THAT(import_refusal(dem, spec), AllOf(HasSubstr("format: "), HasSubstr("100 of the 121 columns")));
 }
 
 // The shorter edge of a cell; of one in degrees the longer, whatever the latitude.

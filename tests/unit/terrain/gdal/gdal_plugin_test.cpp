@@ -14,9 +14,9 @@ namespace landfall {
 namespace {
 
 namespace fs = std::filesystem;
-using ::testing::AllOf;
-using ::testing::HasSubstr;
-using ::testing::StartsWith;
+using testing::AllOf;
+using testing::HasSubstr;
+using testing::StartsWith;
 
 class GdalPluginFile : public ::testing::Test {
  protected:

@@ -8,10 +8,10 @@
 #include <numbers>
 #include <string>
 
+#include "constants.h"
+
 namespace landfall {
 namespace {
-
-constexpr double kDegree = std::numbers::pi / 180;
 
 struct Map {
   const char* crs;          ///< as GDAL's SetFromUserInput takes it
@@ -20,7 +20,7 @@ struct Map {
 
 std::string shown(const testing::TestParamInfo<Map>& info) { return "map_" + std::to_string(info.index); }
 
-OGRSpatialReference crs_of(const Map& map) {
+OGRSpatialReference crs_of_map(const Map& map) {
   OGRSpatialReference crs;
   EXPECT_EQ(crs.SetFromUserInput(map.crs), OGRERR_NONE) << map.crs;
   return crs;
@@ -29,7 +29,7 @@ OGRSpatialReference crs_of(const Map& map) {
 class MapProjectionOf : public testing::TestWithParam<Map> {};
 
 TEST_P(MapProjectionOf, EqualsGdalsTransformation) {
-  const OGRSpatialReference crs = crs_of(GetParam());
+  const OGRSpatialReference crs = crs_of_map(GetParam());
   const auto found = MapProjection::of(crs);
   const auto expected = MapProjection::by_gdal(crs);
   ASSERT_TRUE(found && expected);
@@ -48,7 +48,7 @@ TEST_P(MapProjectionOf, EqualsGdalsTransformation) {
 }
 
 TEST_P(MapProjectionOf, IsNaNWhereGdalIsNaN) {
-  const OGRSpatialReference crs = crs_of(GetParam());
+  const OGRSpatialReference crs = crs_of_map(GetParam());
   const auto found = MapProjection::of(crs);
   const auto expected = MapProjection::by_gdal(crs);
   ASSERT_TRUE(found && expected);

@@ -20,8 +20,8 @@
 namespace landfall {
 namespace {
 
-using ::testing::AllOf;
-using ::testing::HasSubstr;
+using testing::AllOf;
+using testing::HasSubstr;
 
 /// A level raster of 100 units in a CRS; its elevation as it is loaded.
 class VerticalUnit : public LoadDem {

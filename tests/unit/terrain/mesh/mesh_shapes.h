@@ -17,7 +17,8 @@ namespace landfall {
 
 inline PolygonSoup soup_of(std::vector<Eigen::Vector3d> points,
                            std::initializer_list<std::initializer_list<std::uint32_t>> polygons) {
-  PolygonSoup soup{std::move(points), {}, {}};
+  PolygonSoup soup;
+  soup.points = std::move(points);
   for (const auto& polygon : polygons) {
     soup.corners.insert(soup.corners.end(), polygon.begin(), polygon.end());
     soup.polygon_ends.push_back(soup.corners.size());

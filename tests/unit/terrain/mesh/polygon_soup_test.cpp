@@ -21,7 +21,7 @@ using Triangles = std::vector<TriangleCorners>;
 
 CleanMesh clean(PolygonSoup soup) { return clean_mesh(std::move(soup), {}, "m.obj"); }
 
-std::string refusal(PolygonSoup soup, const MeshPlacement& placement = {}) {
+std::string soup_refusal(PolygonSoup soup, const MeshPlacement& placement = {}) {
   try {
     static_cast<void>(clean_mesh(std::move(soup), placement, "m.obj"));
   } catch (const FormatError& error) {
@@ -81,20 +81,20 @@ TEST(CleanMesh, ScalesThenTurnsThenMoves) {
 
 TEST(CleanMesh, Refuses) {
   const Vectors corners = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
-  EXPECT_EQ(refusal(soup_of(corners, {{0, 1, 2}, {0, 1, 3}})), "m.obj: facet 2 names vertex 4 of 3");
-  EXPECT_EQ(refusal(soup_of(corners, {{0, 1, 1}})), "m.obj: has no facet with an area");
-  EXPECT_EQ(refusal(soup_of({}, {})), "m.obj: has no facet with an area");
+  EXPECT_EQ(soup_refusal(soup_of(corners, {{0, 1, 2}, {0, 1, 3}})), "m.obj: facet 2 names vertex 4 of 3");
+  EXPECT_EQ(soup_refusal(soup_of(corners, {{0, 1, 1}})), "m.obj: has no facet with an area");
+  EXPECT_EQ(soup_refusal(soup_of({}, {})), "m.obj: has no facet with an area");
   const std::string far =
       "m.obj: vertex 2 is not finite, or more than 1e12 m from the origin after placement";
-  EXPECT_EQ(refusal(soup_of(corners, {{0, 1, 2}}), {1.5e12, {}, {0, 0, 0}}), far);
+  EXPECT_EQ(soup_refusal(soup_of(corners, {{0, 1, 2}}), {1.5e12, {}, {0, 0, 0}}), far);
   const double nan = std::numeric_limits<double>::quiet_NaN();
-  EXPECT_EQ(refusal(soup_of({{0, 0, 0}, {0, nan, 0}, {0, 1, 0}}, {{0, 1, 2}})), far);
+  EXPECT_EQ(soup_refusal(soup_of({{0, 0, 0}, {0, nan, 0}, {0, 1, 0}}, {{0, 1, 2}})), far);
   PolygonSoup wide;
   wide.points.assign(257, {0, 0, 0});
   wide.corners.resize(257);
   std::iota(wide.corners.begin(), wide.corners.end(), 0U);
   wide.polygon_ends = {257};
-  EXPECT_EQ(refusal(wide), "m.obj: facet 1 has 257 corners, more than 256");
+  EXPECT_EQ(soup_refusal(wide), "m.obj: facet 1 has 257 corners, more than 256");
 }
 
 Triangles cut(const Vectors& vertices) {

@@ -11,13 +11,12 @@
 #include <random>
 
 #include "base/error.h"
+#include "constants.h"
 #include "mesh_shapes.h"
 #include "terrain/mesh/orient2d.h"
 
 namespace landfall {
 namespace {
-
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
 __extension__ typedef __int128 Wide;
 
@@ -179,7 +178,7 @@ TEST(TriangleMesh, NoVerticalSlipsBetweenNeighbours) {
   }
 }
 
-std::string refusal(const IndexedTriangles& mesh) {
+std::string mesh_refusal(const IndexedTriangles& mesh) {
   try {
     const TriangleMesh built(mesh, "t.h5");
   } catch (const FormatError& error) {
@@ -190,14 +189,14 @@ std::string refusal(const IndexedTriangles& mesh) {
 
 TEST(TriangleMesh, RefusesWhatIsNotSound) {
   const std::vector<Eigen::Vector3d> corners = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {2, 0, 0}};
-  EXPECT_EQ(refusal({corners, {}}), "t.h5: the mesh has no triangle");
-  EXPECT_EQ(refusal({corners, {{0, 1, 2}, {0, 1, 4}}}), "t.h5: triangle 1 names vertex 4 of 4");
-  EXPECT_EQ(refusal({corners, {{0, 1, 3}}}), "t.h5: triangle 0 has no area");
-  EXPECT_EQ(refusal({corners, {{0, 1, 1}}}), "t.h5: triangle 0 has no area");
+  EXPECT_EQ(mesh_refusal({corners, {}}), "t.h5: the mesh has no triangle");
+  EXPECT_EQ(mesh_refusal({corners, {{0, 1, 2}, {0, 1, 4}}}), "t.h5: triangle 1 names vertex 4 of 4");
+  EXPECT_EQ(mesh_refusal({corners, {{0, 1, 3}}}), "t.h5: triangle 0 has no area");
+  EXPECT_EQ(mesh_refusal({corners, {{0, 1, 1}}}), "t.h5: triangle 0 has no area");
   for (const double bad : {kNan, std::numeric_limits<double>::infinity(), 1.1e12, -1.1e12}) {
     std::vector<Eigen::Vector3d> spoilt = corners;
     spoilt[2].y() = bad;
-    EXPECT_THAT(refusal({spoilt, {{0, 1, 2}}}), testing::HasSubstr("t.h5: vertex 2 is not finite, or"));
+    EXPECT_THAT(mesh_refusal({spoilt, {{0, 1, 2}}}), testing::HasSubstr("t.h5: vertex 2 is not finite, or"));
   }
 }
 

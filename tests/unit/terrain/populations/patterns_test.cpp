@@ -6,9 +6,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 #include "base/error.h"
+#include "constants.h"
 #include "populations/drawn.h"
 #include "populations/expect_even.h"
 #include "terrain/relief/feature_field.h"
@@ -17,7 +17,6 @@ namespace landfall {
 namespace {
 
 using testing::HasSubstr;
-constexpr double kPi = std::numbers::pi;
 
 const RockPattern kRocks{{GolombekLaw{0.1}, {0.3, 3}}};
 const IceBlockPattern kBlocks{{GolombekLaw{0.2}, {0.3, 3}}, 15 * kPi / 180};

@@ -19,14 +19,14 @@ constexpr std::uint64_t kSeeds = 100;
 constexpr std::uint64_t kFirstSeed = 20240607;
 constexpr double kHectare_m2 = 1e4;
 
-struct Case {
+struct PopulationCase {
   std::string name;
   Population population;
   PopulationKind kind;
 };
 
-std::vector<Case> three_densities() {
-  std::vector<Case> cases;
+std::vector<PopulationCase> three_densities() {
+  std::vector<PopulationCase> cases;
   for (const double k : {0.03, 0.05, 0.1})
     cases.push_back({"rocks of k " + std::to_string(k), {GolombekLaw{k}, {0.3, 3}}, kTestRocks});
   const PowerLaw rocks[] = {kLowBlockyRocks, kViperRocks, kHaworthRocks};
@@ -39,7 +39,7 @@ std::vector<Case> three_densities() {
 }
 
 /// The objects whose centre is on the site.
-std::vector<ScatteredObject> inside(const Case& c, std::uint64_t seed) {
+std::vector<ScatteredObject> inside(const PopulationCase& c, std::uint64_t seed) {
   std::vector<ScatteredObject> objects = drawn(c.population, hectare(seed), c.kind);
   std::erase_if(objects, [](const ScatteredObject& o) {
     return std::max(std::abs(o.point.x_m), std::abs(o.point.y_m)) > 50;
@@ -47,13 +47,13 @@ std::vector<ScatteredObject> inside(const Case& c, std::uint64_t seed) {
   return objects;
 }
 
-double expected_count(const Case& c, const DiameterRange& range) {
+double expected_count(const PopulationCase& c, const DiameterRange& range) {
   return kHectare_m2 *
          (density_per_m2(c.population.law, range.min_m) - density_per_m2(c.population.law, range.max_m));
 }
 
 TEST(PopulationStatistics, CountsArePoissonAtTheModelsDensity) {
-  for (const Case& c : three_densities()) {
+  for (const PopulationCase& c : three_densities()) {
     const double expected = expected_count(c, c.population.diameters);
     double total = 0;
     double sum = 0;
@@ -85,7 +85,7 @@ double chi_square(const std::vector<double>& counts, const std::vector<double>& 
 
 TEST(PopulationStatistics, SizesAreThoseOfTheModelInBins) {
   constexpr std::size_t kBins = 8;
-  for (const Case& c : three_densities()) {
+  for (const PopulationCase& c : three_densities()) {
     const DiameterRange all = c.population.diameters;
     const auto edge = [&](std::size_t i) {
       return all.min_m * std::pow(all.max_m / all.min_m, static_cast<double>(i) / kBins);
@@ -127,7 +127,7 @@ double kolmogorov(std::vector<double> samples, const std::function<double(double
 constexpr double kKolmogorov = 1.83;  // exceeded in 1 of 400
 
 TEST(PopulationStatistics, SizesAndPlacesFollowTheirDistributions) {
-  for (const Case& c : three_densities()) {
+  for (const PopulationCase& c : three_densities()) {
     std::vector<double> sizes;
     std::vector<double> x;
     std::vector<double> y;

@@ -24,7 +24,7 @@ namespace {
 using testing::AllOf;
 using testing::HasSubstr;
 
-const Population kRocks{GolombekLaw{0.1}, {0.3, 3}};
+const Population kRockPopulation{GolombekLaw{0.1}, {0.3, 3}};
 
 /// All that a draw says, to compare exactly.
 std::vector<std::array<double, 3>> listed(const std::vector<ScatteredObject>& objects) {
@@ -65,19 +65,19 @@ TEST(Population, OtherDiametersOnlyTakeAwayOrAdd) {
 }
 
 TEST(Population, PatternsAndSeedsDrawApart) {
-  const auto first = listed(drawn(kRocks, hectare(1, 0)));
-  EXPECT_NE(first, listed(drawn(kRocks, hectare(1, 1))));
-  EXPECT_NE(first, listed(drawn(kRocks, hectare(2, 0))));
+  const auto first = listed(drawn(kRockPopulation, hectare(1, 0)));
+  EXPECT_NE(first, listed(drawn(kRockPopulation, hectare(1, 1))));
+  EXPECT_NE(first, listed(drawn(kRockPopulation, hectare(2, 0))));
   PopulationKind other = kTestRocks;
   other.stream = RandomStream::ice_block_population;
-  EXPECT_NE(first, listed(drawn(kRocks, hectare(1, 0), other)));
+  EXPECT_NE(first, listed(drawn(kRockPopulation, hectare(1, 0), other)));
 }
 
 TEST(Population, ASeedOfItsOwnFreesItFromThePlaceInTheList) {
-  Population seeded = kRocks;
+  Population seeded = kRockPopulation;
   seeded.seed = 7;
   EXPECT_EQ(listed(drawn(seeded, hectare(1, 0))), listed(drawn(seeded, hectare(1, 3))));
-  EXPECT_EQ(listed(drawn(seeded, hectare(1, 0))), listed(drawn(kRocks, hectare(1, 7))));
+  EXPECT_EQ(listed(drawn(seeded, hectare(1, 0))), listed(drawn(kRockPopulation, hectare(1, 7))));
 }
 
 TEST(Population, NothingReachesIntoTheClearCircle) {
@@ -152,7 +152,7 @@ TEST(Population, RefusesMoreThanItCanHold) {
 
 TEST(Population, RefusesParametersWithoutSense) {
   const auto of = [](const auto& change) {
-    Population population = kRocks;
+    Population population = kRockPopulation;
     change(population);
     return refusal([&] { population.validate("patterns/0"); });
   };

@@ -6,16 +6,14 @@
 
 #include <cmath>
 #include <limits>
-#include <numbers>
 #include <vector>
 
 #include "base/error.h"
+#include "constants.h"
 #include "refusal.h"
 
 namespace landfall {
 namespace {
-
-constexpr double kPi = std::numbers::pi;
 
 double per_hectare(const SizeLaw& law, double diameter_m) { return 1e4 * density_per_m2(law, diameter_m); }
 
@@ -124,7 +122,7 @@ TEST(GolombekLaw, CoveringIsTheLawOfThatAreaFraction) {
 }
 
 TEST(SizeLaw, RefusesParametersWithoutSense) {
-  using ::testing::HasSubstr;
+  using testing::HasSubstr;
   const auto of = [](const SizeLaw& law) { return refusal([&] { validate(law, "patterns/0"); }); };
   EXPECT_EQ(of(GolombekLaw{0}), "patterns/0/k: 0 is not in (0, 1]");
   EXPECT_THAT(of(GolombekLaw{1.1}), HasSubstr("k: 1.1"));

@@ -5,16 +5,15 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <limits>
 #include <random>
 
 #include "base/error.h"
+#include "constants.h"
 
 namespace landfall {
 namespace {
 
 using enum Interpolation;
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
 template <class F>
 DemSamples sampled(const RasterSize& size, const F& f) {
@@ -114,8 +113,8 @@ TEST(Inside, AllowsForRoundingOnTheBorder) {
 SiteMapping metres(const PixelPosition& center) { return {GeoTransform({0, 1, 0, 0, 0, -1}), center, 1}; }
 
 TEST(RequireSiteInside, NamesSizeAndFit) {
-  using ::testing::AllOf;
-  using ::testing::HasSubstr;
+  using testing::AllOf;
+  using testing::HasSubstr;
   const GridSpec site = GridSpec::centered(5, 0.5);
   EXPECT_NO_THROW(require_site_inside(metres({5, 5}), {11, 11}, bilinear, site, "a.tif"));
   EXPECT_NO_THROW(require_site_inside(metres({5, 5}), {11, 11}, bicubic, site, "a.tif"));

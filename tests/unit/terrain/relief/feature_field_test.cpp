@@ -5,16 +5,14 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <stdexcept>
 
 #include "base/error.h"
 #include "base/parallel.h"
+#include "constants.h"
 
 namespace landfall {
 namespace {
-
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
 /// Elevations of a plane that rises `slope` to the east.
 Grid<double> sloping(const GridSpec& spec, double slope) {

@@ -12,7 +12,7 @@
 namespace landfall {
 namespace {
 
-constexpr std::int64_t kGrid = 120;  // nodes of the grid, half the domain
+constexpr std::int64_t kGridNodes = 120;  // nodes of the grid, half the domain
 
 /// The expected squared difference of two nodes: the sum over all waves, metres^2.
 double squared_difference(const FractalSpectrum& spectrum, double amplitude_m, double dx, double dy) {
@@ -27,20 +27,20 @@ double squared_difference(const FractalSpectrum& spectrum, double amplitude_m, d
   return sum * amplitude_m * amplitude_m;
 }
 
-struct Case {
+struct SpectrumCase {
   double hurst;
   double longest_nodes;  ///< may be infinite
 };
 
-class Spectrum : public ::testing::TestWithParam<Case> {};
+class Spectrum : public ::testing::TestWithParam<SpectrumCase> {};
 
 // No random number: the expectation itself against the law, along an axis, a diagonal and between them.
 TEST_P(Spectrum, SumsToTheLawAtAllScales) {
   constexpr double kSpacing_m = 0.5;
   const auto [hurst, longest_nodes] = GetParam();
   const FractalBase law{hurst, 0.3, 5};
-  const WaveDomain domain = WaveDomain::around({kSpacing_m, 0, 0, kGrid, kGrid});
-  ASSERT_EQ(domain.nodes, 2 * kGrid);
+  const WaveDomain domain = WaveDomain::around({kSpacing_m, 0, 0, kGridNodes, kGridNodes});
+  ASSERT_EQ(domain.nodes, 2 * kGridNodes);
   const FractalSpectrum spectrum(domain, {0, longest_nodes * kSpacing_m}, hurst);
   const double whole = std::isinf(longest_nodes) ? 0.01 : 0.035;
   for (const double lag : {1.0, 2.0, 3.0, 6.0, 12.0, 24.0, 60.0, 90.0, 120.0})
@@ -54,7 +54,7 @@ TEST_P(Spectrum, SumsToTheLawAtAllScales) {
                                     ? 0.3 * std::pow(length_m / 5, hurst)
                                     : band_deviation_m(law, longest_nodes * kSpacing_m, length_m);
       const double deviation_m = std::sqrt(squared_difference(spectrum, law_amplitude(law, domain), dx, dy));
-      EXPECT_NEAR(deviation_m / expected_m, 1, lag <= kGrid / 5 ? 0.003 : whole) << dx << ' ' << dy;
+      EXPECT_NEAR(deviation_m / expected_m, 1, lag <= kGridNodes / 5 ? 0.003 : whole) << dx << ' ' << dy;
     }
 }
 
@@ -62,7 +62,7 @@ constexpr double kAll = std::numeric_limits<double>::infinity();
 // The longer band of a large terrain, without waves shorter than 8 nodes: the law less the shorter band.
 TEST(Spectrum, ALongBandIsWhatAShortOneLacks) {
   const FractalBase law{0.8, 0.3, 5};
-  const WaveDomain domain{4, 2 * kGrid};
+  const WaveDomain domain{4, 2 * kGridNodes};
   const FractalSpectrum spectrum(domain, {32, kAll}, 0.8);
   for (const double lag : {4.0, 8.0, 24.0, 60.0, 120.0}) {
     const double short_m = band_deviation_m(law, 32, lag * 4);
@@ -74,10 +74,12 @@ TEST(Spectrum, ALongBandIsWhatAShortOneLacks) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Laws, Spectrum,
-                         ::testing::Values(Case{0.05, kAll}, Case{0.2, kAll}, Case{0.5, kAll},
-                                           Case{0.8, kAll}, Case{0.95, kAll}, Case{0.5, 4}, Case{0.8, 4},
-                                           Case{0.8, 30}, Case{0.5, 120}, Case{0.8, 120}, Case{0.8, 360},
-                                           Case{0.8, 3600}));
+                         ::testing::Values(SpectrumCase{0.05, kAll}, SpectrumCase{0.2, kAll},
+                                           SpectrumCase{0.5, kAll}, SpectrumCase{0.8, kAll},
+                                           SpectrumCase{0.95, kAll}, SpectrumCase{0.5, 4},
+                                           SpectrumCase{0.8, 4}, SpectrumCase{0.8, 30},
+                                           SpectrumCase{0.5, 120}, SpectrumCase{0.8, 120},
+                                           SpectrumCase{0.8, 360}, SpectrumCase{0.8, 3600}));
 
 TEST(Spectrum, WithoutWavesLongerThanTwoNodesIsEmpty) {
   for (const double longest_m : {1.0, 1.0 + 1e-7}) {

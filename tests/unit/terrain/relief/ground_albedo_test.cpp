@@ -6,22 +6,20 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <numbers>
 #include <numeric>
 #include <vector>
 
 #include "base/error.h"
+#include "constants.h"
+#include "relief/no_raster.h"
 #include "terrain/relief/terrain_generator.h"
 #include "terrain/relief/terrain_strips.h"
 
 namespace landfall {
 namespace {
 
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 constexpr GridSpec kSite{0.5, -40, -40, 81, 81};
-
-DemRaster no_raster(const DemBase&, const GridSpec&) { throw IoError("no raster in this test"); }
 
 /// 10 col + 100 row in pixels of 10 m, row 0 in the north, the centre at (2, 2); a hole at `hole`.
 DemLoader tens(std::size_t hole = 99) {
@@ -43,7 +41,7 @@ TerrainModel model_with(const AlbedoModel& albedo) {
   return model;
 }
 
-Grid<float> albedo_of(const AlbedoModel& albedo, const GridSpec& grid = kSite) {
+Grid<float> generated_albedo(const AlbedoModel& albedo, const GridSpec& grid = kSite) {
   return generate_terrain(model_with(albedo), grid, tens()).albedo.value();
 }
 
@@ -61,23 +59,23 @@ TEST(GroundAlbedo, NoneUnlessTheModelHasOne) {
 }
 
 TEST(GroundAlbedo, ANumberIsThatOfEveryNode) {
-  EXPECT_THAT(albedo_of({.ground = 0.3}).values(), testing::Each(0.3F));
+  EXPECT_THAT(generated_albedo({.ground = 0.3}).values(), testing::Each(0.3F));
 }
 
 TEST(GroundAlbedo, AGradientSpansTheSite) {
-  const Grid<float> east = albedo_of({.ground = AlbedoGradient{0.2, 0.8}});
+  const Grid<float> east = generated_albedo({.ground = AlbedoGradient{0.2, 0.8}});
   EXPECT_FLOAT_EQ(east.at({3, 0}), 0.2F);
   EXPECT_FLOAT_EQ(east.at({70, 40}), 0.5F);
   EXPECT_FLOAT_EQ(east.at({0, 60}), 0.65F);
   EXPECT_FLOAT_EQ(east.at({0, 80}), 0.8F);
-  const Grid<float> north_east = albedo_of({.ground = AlbedoGradient{0.9, 0.1, std::numbers::pi / 4}});
+  const Grid<float> north_east = generated_albedo({.ground = AlbedoGradient{0.9, 0.1, std::numbers::pi / 4}});
   EXPECT_FLOAT_EQ(north_east.at({0, 0}), 0.9F);
   EXPECT_FLOAT_EQ(north_east.at({80, 80}), 0.1F);
   EXPECT_FLOAT_EQ(north_east.at({80, 0}), 0.5F);
 }
 
 TEST(GroundAlbedo, AGradientIsConstantBeyondItsLength) {
-  const Grid<float> north = albedo_of({.ground = AlbedoGradient{0, 1, std::numbers::pi / 2, 10.0}});
+  const Grid<float> north = generated_albedo({.ground = AlbedoGradient{0, 1, std::numbers::pi / 2, 10.0}});
   for (std::int64_t row = 0; row < 81; ++row)
     EXPECT_NEAR(north.at({row, 17}), std::clamp(0.5 + (static_cast<double>(row) - 40) * 0.5 / 10, 0.0, 1.0),
                 1e-6);
@@ -99,16 +97,17 @@ TEST(GroundAlbedo, PatchesCoverTheirFraction) {
       }
       EXPECT_NEAR(sum / 4, cover_frac, 0.025) << hurst;
     }
-  EXPECT_EQ(mean(albedo_of({.ground = patches(0, 10)})), 0);
-  EXPECT_EQ(mean(albedo_of({.ground = patches(1, 10)})), 1);
+  EXPECT_EQ(mean(generated_albedo({.ground = patches(0, 10)})), 0);
+  EXPECT_EQ(mean(generated_albedo({.ground = patches(1, 10)})), 1);
 }
 
 // A higher cover only adds patches; another seed or wavelength moves them; the same one does not.
 TEST(GroundAlbedo, PatchesDependOnTheSeed) {
-  const Grid<float> few = albedo_of({.ground = patches(0.2, 10)});
-  const Grid<float> many = albedo_of({.ground = patches(0.4, 10)});
+  const Grid<float> few = generated_albedo({.ground = patches(0.2, 10)});
+  const Grid<float> many = generated_albedo({.ground = patches(0.4, 10)});
   EXPECT_TRUE(std::ranges::equal(few.values(), many.values(), [](float a, float b) { return a <= b; }));
-  EXPECT_THAT(albedo_of({.ground = patches(0.2, 10)}).values(), testing::ElementsAreArray(few.values()));
+  EXPECT_THAT(generated_albedo({.ground = patches(0.2, 10)}).values(),
+              testing::ElementsAreArray(few.values()));
   TerrainModel other = model_with({.ground = patches(0.2, 10)});
   other.seed = 2;
   EXPECT_FALSE(std::ranges::equal(generate_terrain(other, kSite, no_raster).albedo->values(), few.values()));
@@ -143,12 +142,12 @@ TEST(GroundAlbedo, ARasterIsScaled) {
   AlbedoRaster raster{{}, 0.001, 0.1};
   raster.raster.path = "tens";
   raster.raster.interpolation = Interpolation::bilinear;
-  const Grid<float> layer = albedo_of({.ground = raster});
+  const Grid<float> layer = generated_albedo({.ground = raster});
   for (const std::int64_t row : {0, 13, 40, 80})
     for (const std::int64_t col : {0, 27, 80})
       EXPECT_NEAR(layer.at({row, col}), 0.1 + 0.001 * (220 + kSite.x(col) - 10 * kSite.y(row)), 1e-6);
   raster.raster.interpolation = Interpolation::nearest;
-  EXPECT_FLOAT_EQ(albedo_of({.ground = raster}).at({40, 48}), 0.32F);
+  EXPECT_FLOAT_EQ(generated_albedo({.ground = raster}).at({40, 48}), 0.32F);
 }
 
 TEST(GroundAlbedo, ARasterBeyondItsBoundsIsRefused) {

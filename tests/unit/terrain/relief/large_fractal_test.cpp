@@ -36,21 +36,23 @@ Grid<double> in_strips(const FractalBase& law, std::int64_t height) {
   return z;
 }
 
-bool same(const Grid<double>& a, const Grid<double>& b) { return std::ranges::equal(a.values(), b.values()); }
+bool same_values(const Grid<double>& a, const Grid<double>& b) {
+  return std::ranges::equal(a.values(), b.values());
+}
 
 TEST(LargeFractal, StripsChangeNothing) {
   const FractalBase law{0.7, 0.3, 5};
   const Grid<double> all = whole(law, {3, 1});
-  for (const std::int64_t height : {64, 100, 384, 768}) EXPECT_TRUE(same(all, in_strips(law, height)));
+  for (const std::int64_t height : {64, 100, 384, 768}) EXPECT_TRUE(same_values(all, in_strips(law, height)));
 }
 
 TEST(LargeFractal, AnyThreadCountGivesTheSame) {
   const FractalBase law{0.7, 0.3, 5};
   const Grid<double> all = whole(law, {7, 0});
   const ThreadLimit one(1);
-  EXPECT_TRUE(same(all, whole(law, {7, 0})));
-  EXPECT_FALSE(same(all, whole(law, {8, 0})));
-  EXPECT_FALSE(same(all, whole(law, {7, 1})));
+  EXPECT_TRUE(same_values(all, whole(law, {7, 0})));
+  EXPECT_FALSE(same_values(all, whole(law, {8, 0})));
+  EXPECT_FALSE(same_values(all, whole(law, {7, 1})));
 }
 
 class LargeStructureFunction : public ::testing::TestWithParam<double> {};

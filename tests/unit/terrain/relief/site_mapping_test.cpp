@@ -4,12 +4,11 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <numbers>
+
+#include "constants.h"
 
 namespace landfall {
 namespace {
-
-constexpr double kPi = std::numbers::pi;
 
 TEST(GeoTransform, CentresAreHalfAPixelIn) {
   const GeoTransform north_up({100, 2, 0, 50, 0, -3});

@@ -10,14 +10,12 @@
 
 #include "base/error.h"
 #include "base/parallel.h"
+#include "constants.h"
+#include "relief/no_raster.h"
 #include "terrain/relief/fractal.h"
 
 namespace landfall {
 namespace {
-
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
-
-DemRaster no_raster(const DemBase&, const GridSpec&) { throw IoError("no raster in this test"); }
 
 Grid<double> nodes_of(const TerrainModel& model, const GridSpec& spec, const DemLoader& load = no_raster) {
   return generate_terrain(model, spec, load).nodes;
@@ -94,7 +92,7 @@ TEST(GenerateTerrain, RingOfThePaper) {
   EXPECT_EQ(z.at(spec.bin_of(0, 0)), 0);
 }
 
-std::string refusal(const TerrainModel& model, const DemLoader& load = no_raster) {
+std::string generator_refusal(const TerrainModel& model, const DemLoader& load = no_raster) {
   try {
     (void)generate_terrain(model, GridSpec::centered(4, 1), load);
   } catch (const UsageError& error) {
@@ -108,16 +106,16 @@ std::string refusal(const TerrainModel& model, const DemLoader& load = no_raster
 TEST(GenerateTerrain, CentresMustLieOnTheGrid) {
   TerrainModel model;
   model.features = {{4, 4, Cone{}}, {4.5, 0, Cone{}}};
-  EXPECT_EQ(refusal(model), "usage: features/1: its centre (4.5, 0) m is outside the grid");
+  EXPECT_EQ(generator_refusal(model), "usage: features/1: its centre (4.5, 0) m is outside the grid");
   model.features.clear();
   model.patterns = {RingPattern{2, 5, 0, Cone{}}};
-  EXPECT_THAT(refusal(model), ::testing::HasSubstr("patterns/0 feature 0: its centre (5, 0)"));
+  EXPECT_THAT(generator_refusal(model), ::testing::HasSubstr("patterns/0 feature 0: its centre (5, 0)"));
 }
 
 TEST(GenerateTerrain, ParametersAreChecked) {
   TerrainModel model;
   model.features = {{0, 0, Cone{-1, 1}}};
-  EXPECT_THAT(refusal(model), ::testing::StartsWith("usage: features/0/radius_m"));
+  EXPECT_THAT(generator_refusal(model), ::testing::StartsWith("usage: features/0/radius_m"));
   EXPECT_THROW((void)generate_terrain({}, GridSpec::centered(16384, 1), no_raster), UsageError);
 }
 
@@ -125,27 +123,27 @@ TEST(GenerateTerrain, AbsurdElevationsAreRefused) {
   TerrainModel model;
   model.bases = {PlaneBase{0, 0, 1e300}};
   EXPECT_EQ(
-      refusal(model),
+      generator_refusal(model),
       "usage: the elevation at (-4, -4) m is -4e+300 m, farther than 1e12 m from 0; lower what the base "
       "or the features add there");
   model.bases = {PlaneBase{1e308, 1e308, 0}};
-  EXPECT_THAT(refusal(model), ::testing::HasSubstr("(-4, -4) m is -inf m"));
+  EXPECT_THAT(generator_refusal(model), ::testing::HasSubstr("(-4, -4) m is -inf m"));
   model.bases = {PlaneBase{}};
   model.features = {{1, 2, Cone{1.5, 1e13}}};
-  EXPECT_THAT(refusal(model), ::testing::HasSubstr("the elevation at (1, 1) m is 3.33333e+12 m"));
+  EXPECT_THAT(generator_refusal(model), ::testing::HasSubstr("the elevation at (1, 1) m is 3.33333e+12 m"));
   model.features = {{1, 2, Cone{1.5, 9e11}}};
-  EXPECT_EQ(refusal(model), "accepted");
+  EXPECT_EQ(generator_refusal(model), "accepted");
 }
 
 TEST(GenerateTerrain, AFractalNeedsAWaveThatTheGridHolds) {
   TerrainModel model;
   model.bases = {PlaneBase{}, FractalBase{.longest_wavelength_m = 2}};
   EXPECT_EQ(
-      refusal(model),
+      generator_refusal(model),
       "usage: base/1/longest_wavelength_m: 2 is not above twice the grid's resolution, the shortest wave "
       "that the grid can represent");
   model.bases = {FractalBase{.longest_wavelength_m = 2.5}};
-  EXPECT_EQ(refusal(model), "accepted");
+  EXPECT_EQ(generator_refusal(model), "accepted");
 }
 
 TEST(GenerateTerrain, DemAroundItsCentre) {
@@ -190,11 +188,11 @@ TEST(GenerateTerrain, HolesStayHoles) {
 TEST(GenerateTerrain, RefusesADemThatCannotServe) {
   TerrainModel model;
   model.bases = {dem_base()};
-  EXPECT_EQ(refusal(model, with_hole(10, 10)),
+  EXPECT_EQ(generator_refusal(model, with_hole(10, 10)),
             "format: slope: has no elevation at the site centre, which datum \"center\" needs; give another "
             "center, or datum \"none\"");
   model.features = {{1, 1, Cone{1, 1}}};
-  EXPECT_EQ(refusal(model, with_hole(9, 11)),
+  EXPECT_EQ(generator_refusal(model, with_hole(9, 11)),
             "format: features/0: its centre (1, 1) m is on a hole of the base");
   model.features.clear();
   DemBase dem = dem_base();
@@ -205,20 +203,20 @@ TEST(GenerateTerrain, RefusesADemThatCannotServe) {
     std::ranges::fill(raster.samples.values, kNan);
     return raster;
   };
-  EXPECT_EQ(refusal(model, empty),
+  EXPECT_EQ(generator_refusal(model, empty),
             "format: slope: no node of the site has an elevation; give another center");
   const DemLoader tiny = [](const DemBase& base, const GridSpec& site) {
     DemRaster raster = slope_raster(base, site);
     raster.samples = {{15, 15}, std::vector<double>(225)};
     return raster;
   };
-  EXPECT_EQ(refusal(model, tiny), "accepted");  // 15 x 15 from column 0: the site ends on column 14
+  EXPECT_EQ(generator_refusal(model, tiny), "accepted");  // 15 x 15 from column 0: the site ends on column 14
   const DemLoader tinier = [](const DemBase& base, const GridSpec& site) {
     DemRaster raster = slope_raster(base, site);
     raster.samples = {{15, 14}, std::vector<double>(210)};
     return raster;
   };
-  EXPECT_THAT(refusal(model, tinier), ::testing::HasSubstr("lies outside the raster"));
+  EXPECT_THAT(generator_refusal(model, tinier), ::testing::HasSubstr("lies outside the raster"));
 }
 
 TEST(GenerateTerrain, AnyThreadCountGivesTheSame) {

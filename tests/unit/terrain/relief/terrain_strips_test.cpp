@@ -11,14 +11,13 @@
 #include <vector>
 
 #include "base/error.h"
+#include "relief/no_raster.h"
 #include "terrain/relief/terrain_generator.h"
 
 namespace landfall {
 namespace {
 
-constexpr GridSpec kGrid{0.5, -203, -150, 407, 301};
-
-DemRaster no_raster(const DemBase&, const GridSpec&) { throw IoError("no raster in this test"); }
+constexpr GridSpec kStripsGrid{0.5, -203, -150, 407, 301};
 
 /// A 401 x 401 raster of 1 m pixels around the site centre, with a hole.
 DemRaster bumpy_raster(const DemBase& dem, const GridSpec&) {
@@ -38,11 +37,11 @@ TerrainModel model() {
   dem.path = "bumpy";
   model.bases = {PlaneBase{1, 0.1, -0.2}, FractalBase{0.7, 0.3, 5}, dem};
   for (int i = 0; i < 40; ++i) {
-    const double y_m = kGrid.y(10 * i);
+    const double y_m = kStripsGrid.y(10 * i);
     model.features.push_back({-60 + 3.1 * i, y_m + (i % 2 == 0 ? 0 : 0.137), Cone{3, 5}});
   }
   for (const std::int64_t row : {0, 63, 64, 65, 127, 128, 192, 406})
-    model.features.push_back({20.123, kGrid.y(row), Hemisphere{row == 192 ? 80.0 : 4.0}});
+    model.features.push_back({20.123, kStripsGrid.y(row), Hemisphere{row == 192 ? 80.0 : 4.0}});
   return model;
 }
 
@@ -53,34 +52,34 @@ struct Made {
 };
 
 Made made(std::int64_t most_nodes, std::int64_t rows) {
-  TerrainStrips strips(model(), kGrid, bumpy_raster, {most_nodes, rows});
-  Made result{Grid<double>(kGrid), {}, {}};
+  TerrainStrips strips(model(), kStripsGrid, bumpy_raster, {most_nodes, rows});
+  Made result{Grid<double>(kStripsGrid), {}, {}};
   std::int64_t next = 0;
   strips.make([&](const TerrainStrip& part) {
     const Grid<double>& strip = part.nodes;
-    EXPECT_EQ(strip.spec().first_row, kGrid.first_row + next);
-    EXPECT_EQ(strip.spec().cols, kGrid.cols);
+    EXPECT_EQ(strip.spec().first_row, kStripsGrid.first_row + next);
+    EXPECT_EQ(strip.spec().cols, kStripsGrid.cols);
     std::ranges::copy(strip.values(), result.nodes.row(next).begin());
     next += strip.spec().rows;
     result.heights.push_back(strip.spec().rows);
   });
-  EXPECT_EQ(next, kGrid.rows);
+  EXPECT_EQ(next, kStripsGrid.rows);
   result.features = strips.features();
   return result;
 }
 
-bool same(const Grid<double>& a, const Grid<double>& b) {
+bool same_or_hole(const Grid<double>& a, const Grid<double>& b) {
   return std::ranges::equal(a.values(), b.values(),
                             [](double x, double y) { return x == y || (std::isnan(x) && std::isnan(y)); });
 }
 
 TEST(TerrainStrips, TheirHeightChangesNothing) {
-  const Made whole = made(1000, kGrid.rows);
+  const Made whole = made(1000, kStripsGrid.rows);
   EXPECT_EQ(whole.heights, std::vector<std::int64_t>{407});
   EXPECT_EQ(std::ranges::count_if(whole.nodes.values(), [](double z) { return std::isnan(z); }) > 0, true);
   for (const std::int64_t rows : {4, 63, 64, 101, 256, 404}) {
     const Made parts = made(1000, rows);
-    EXPECT_TRUE(same(parts.nodes, whole.nodes)) << rows;
+    EXPECT_TRUE(same_or_hole(parts.nodes, whole.nodes)) << rows;
     EXPECT_EQ(parts.features, whole.features) << rows;
   }
   EXPECT_EQ(made(1000, 101).heights, (std::vector<std::int64_t>{101, 101, 101, 104}));
@@ -88,10 +87,10 @@ TEST(TerrainStrips, TheirHeightChangesNothing) {
 
 // Small terrains are one piece, with the one fractal that fits them best.
 TEST(TerrainStrips, OnePieceIsGenerateTerrain) {
-  const Made one = made(kGrid.rows * kGrid.cols, 64);
+  const Made one = made(kStripsGrid.rows * kStripsGrid.cols, 64);
   EXPECT_EQ(one.heights, std::vector<std::int64_t>{407});
-  EXPECT_TRUE(same(one.nodes, generate_terrain(model(), kGrid, bumpy_raster).nodes));
-  EXPECT_FALSE(same(one.nodes, made(1000, kGrid.rows).nodes));
+  EXPECT_TRUE(same_or_hole(one.nodes, generate_terrain(model(), kStripsGrid, bumpy_raster).nodes));
+  EXPECT_FALSE(same_or_hole(one.nodes, made(1000, kStripsGrid.rows).nodes));
 }
 
 // The rim of the crater-wide dome reaches far north of its own strip, and south of it: those strips wait.
@@ -99,7 +98,7 @@ TEST(TerrainStrips, FeaturesStandOnTheGroundUnderTheirCentre) {
   TerrainModel slope;
   slope.bases = {PlaneBase{0, 0, 0.5}};
   slope.features = {{0, 31.25, Hemisphere{60}}};
-  TerrainStrips strips(slope, kGrid, no_raster, {1000, 16});
+  TerrainStrips strips(slope, kStripsGrid, no_raster, {1000, 16});
   strips.make([&](const TerrainStrip& part) {
     const Grid<double>& strip = part.nodes;
     const GridSpec& spec = strip.spec();
@@ -124,7 +123,7 @@ TEST(TerrainStrips, ADemWithoutRelief) {
   dem.path = "empty";
   dem.datum = Datum::none;
   holes.bases = {dem};
-  TerrainStrips strips(holes, kGrid, empty, {1000, 64});
+  TerrainStrips strips(holes, kStripsGrid, empty, {1000, 64});
   EXPECT_THROW(strips.make([](const TerrainStrip&) {}), FormatError);
 }
 
@@ -143,7 +142,7 @@ TEST(TerrainStrips, AFractalOnTheDemOfAPole) {
   dem.datum = Datum::none;
   model.bases = {dem, FractalBase{0.7, 0.3, 5}};
   try {
-    const TerrainStrips strips(model, kGrid, pole, {1000, 64});
+    const TerrainStrips strips(model, kStripsGrid, pole, {1000, 64});
     FAIL() << "the pole was accepted";
   } catch (const FormatError& error) {
     EXPECT_THAT(error.what(),
@@ -151,12 +150,12 @@ TEST(TerrainStrips, AFractalOnTheDemOfAPole) {
                                  ::testing::HasSubstr("longest_wavelength_m")));
   }
   std::get<FractalBase>(model.bases[1]).longest_wavelength_m = 4;
-  EXPECT_NO_THROW(TerrainStrips(model, kGrid, pole, {1000, 64}));
+  EXPECT_NO_THROW(TerrainStrips(model, kStripsGrid, pole, {1000, 64}));
 }
 
 TEST(TerrainStrips, ProgressRisesToOne) {
   std::vector<double> fractions;
-  TerrainStrips strips(model(), kGrid, bumpy_raster, {1000, 64});
+  TerrainStrips strips(model(), kStripsGrid, bumpy_raster, {1000, 64});
   strips.make([](const TerrainStrip&) {}, [&](double fraction) { fractions.push_back(fraction); });
   EXPECT_TRUE(std::ranges::is_sorted(fractions));
   EXPECT_EQ(fractions.back(), 1);

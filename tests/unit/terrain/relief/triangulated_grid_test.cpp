@@ -11,11 +11,10 @@
 #include <vector>
 
 #include "base/error.h"
+#include "constants.h"
 
 namespace landfall {
 namespace {
-
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
 // 3 x 3 nodes at -1, 0, 1 m.
 TriangulatedGrid nine_nodes(std::initializer_list<double> south_to_north) {
