@@ -107,9 +107,9 @@ inline Terrain flat_ground(Random&) {
   return terrain_of(GridSpec::centered(4, 0.5), [](double, double) { return 0.0; });
 }
 
-// Ten cones on a plane, as in the paper's first example, on a coarse grid.
+// Ten cones on a plane, as in the paper's first example, on a coarse grid that ends 0.25 m beyond them.
 inline Terrain cones(Random&) {
-  return terrain_of(GridSpec::centered(4, 0.25), [](double x, double y) {
+  return terrain_of(GridSpec::centered(3.25, 0.25), [](double x, double y) {
     double z = 0;
     for (int i = 0; i < 10; ++i) {
       const double azimuth = 0.2 * std::numbers::pi * i;
