@@ -18,9 +18,9 @@ from landfall.errors import DataError
 import matplotlib.pyplot as plt
 
 TERRAIN = {**harness.TERRAIN, "base": {"type": "plane", "elevation_m": 0}}
-CAMPAIGN = {"draws": 12, "metrics": "verdict", "scan": harness.SCAN, "regrid": harness.REGRID, "eval": harness.EVAL, "terrain": TERRAIN,
-            "hazard": {**harness.HAZARD, "touchdown_sigma_m": 0.8}, "landing": {},
-            "vary": {"terrain.features.0.x_m": {"type": "uniform", "low": -3, "high": 3}, "scan.navigation_error.position_m.1": {"type": "normal", "sigma": 4}}}
+CAMPAIGN = {"draws": 12, "metrics": "verdict", "scan": {**harness.SCAN, "navigation_error": {}}, "regrid": harness.REGRID, "eval": harness.EVAL, "terrain": TERRAIN,
+            "hazard": {**harness.HAZARD, "touchdown_sigma_m": 0.8}, "landing": {"drift_time_s": 2000},
+            "vary": {"terrain.features.0.x_m": {"type": "uniform", "low": -3, "high": 3}, "scan.navigation_error.velocity_mps.1": {"type": "list", "values": [0] * 6 + [0.01] * 3 + [0.0005] * 3}}}
 
 
 class LandingTest(harness.ToolTest):
