@@ -150,7 +150,7 @@ PulseInput Instrument::Impl::input(const Pulse& pulse) const {
   input.truth = pose_of(pulse.truth, "pulse/truth");
   input.estimate = pulse.estimate ? pose_of(*pulse.estimate, "pulse/estimate")
                                   : navigation_error->estimated(input.truth, since_start_s);
-  const Pose& otherwise = aims_from_estimate ? input.estimate : input.truth;
+  const auto& otherwise = aims_from_estimate ? input.estimate : input.truth;
   input.nominal = pulse.nominal ? pose_of(*pulse.nominal, "pulse/nominal") : otherwise;
   return input;
 }
