@@ -227,7 +227,7 @@ function landingTable(failed) {
   const {x_m, y_m, slope_deg, roughness_m} = report.landings.landing;
   const number = (value) => value === null ? ["no ground"] : [shortNumber(value), value];
   const columns = [["draw", true], ["x (m)", true], ["y (m)", true], ["slope (\u00b0)", true], ["roughness (m)", true], ["blind", false]];
-  const rows = failed.slice(0, MOST_FAILURES).map((i) => [[String(drawNumber(i)), drawNumber(i)], number(x_m[i]), number(y_m[i]), number(slope_deg[i]),
+  const rows = failed.slice(0, MAX_FAILURES).map((i) => [[String(drawNumber(i)), drawNumber(i)], number(x_m[i]), number(y_m[i]), number(slope_deg[i]),
     number(roughness_m[i]), [report.landings.blind.safe[i] === 1 ? "safe" : "not safe"]]);
   return tableElement("failed-landings", columns, rows);
 }
@@ -243,7 +243,7 @@ function fillLandings(section) {
                  htmlElement("div", {class: "figures"}, ...ARMS.map((arm) => touchdownChart(arm, reach))));
   const failed = report.landings.landing.safe.map((safe, i) => safe === 1 ? -1 : i).filter((i) => i >= 0);
   section.append(htmlElement("h3", {}, "Landings that are not safe"), htmlElement("p", {}, failed.length === 0 ? "All landings with the lidar are safe." :
-      `${failed.length.toLocaleString("en")} landings with the lidar are not safe.${failed.length > MOST_FAILURES ? ` The table has the first ${MOST_FAILURES}.` : ""} The chain's commands of each draw are below.`));
+      `${failed.length.toLocaleString("en")} landings with the lidar are not safe.${failed.length > MAX_FAILURES ? ` The table has the first ${MAX_FAILURES}.` : ""} The chain's commands of each draw are below.`));
   if (failed.length > 0) section.append(htmlElement("div", {class: "tall"}, landingTable(failed)));
 }
 

@@ -139,7 +139,8 @@ void make_evaluation(const fs::path& path, const fs::path& dem_path) {
   add_input(provenance, "dem", dem_path, "dem");
   DemInput dem = read_dem(dem_path);
   EvaluationWriter writer({path}, provenance, dem.layers.z_est.spec(), dem.crs_wkt);
-  writer.finish(evaluate(std::move(dem.layers), evaluation_config(provenance.config, "config"), {&writer}));
+  const EvaluationParameters parameters = evaluation_config(provenance.config, "config");
+  writer.finish(evaluate(std::move(dem.layers), parameters, {&writer}), parameters.limits);
 }
 
 /// With every layer: the terrain is its own truth, and has a sigma.
