@@ -200,17 +200,20 @@ function drawCommands(index) {
   const ground = makesGround ? `${draw}-terrain.h5` : "terrain.h5";
   const groundSeed = report.terrain_seeds === "each" ? ` --seed ${report.stages.terrain?.seed + drawNumber(index)}` : "";
   const commands = makesGround ? [`terrain-gen -c terrain.json${groundSeed}${sets("terrain")} -o ${ground}`] : [];
-  commands.push(`scan-sim -c scan.json${report.traces ? "" : " --ranges-from scan.h5"} --terrain ${ground} \\\n  --seed ${report.seeds[index]}${sets("scan")} \\\n  -o ${draw}-scan.h5`,
+  const ranges = report.traces ? "" : " --ranges-from scan.h5";
+  commands.push(`scan-sim -c scan.json${ranges} --terrain ${ground} \\\n  --seed ${report.seeds[index]}${sets("scan")} \\\n  -o ${draw}-scan.h5`,
           `regrid ${draw}-scan.h5 -c regrid.json --terrain ${ground}${report.uncertainty ? " --uncertainty" : ""}${sets("regrid")} \\\n  -o ${draw}-dem.h5`,
           `dem-eval ${draw}-dem.h5 -c eval.json${sets("eval")} \\\n  --metrics ${draw}-metrics.json -o ${draw}-eval.h5`);
   if (report.stages.hazard !== undefined) {
-    commands.push(`hazard-map ${draw}-dem.h5 -c hazard.json --terrain ${ground}${sets("hazard")} \\\n  --sites ${draw}-sites.json --score ${draw}-score.json -o ${draw}-hazards.h5`);
+    commands.push(`hazard-map ${draw}-dem.h5 -c hazard.json --terrain ${ground}${sets("hazard")} \\\n` +
+        `  --sites ${draw}-sites.json --score ${draw}-score.json -o ${draw}-hazards.h5`);
   }
   return commands.join("\n");
 }
 
 // Landings
 
+/** @type {[string, string][]} */
 const ARMS = [["landing", "with the lidar"], ["blind", "without a lidar"]];
 
 /** The touchdowns of one arm, north up; both arms have the same axes. */
@@ -243,7 +246,8 @@ function fillLandings(section) {
                  htmlElement("div", {class: "figures"}, ...ARMS.map((arm) => touchdownChart(arm, reach))));
   const failed = report.landings.landing.safe.map((safe, i) => safe === 1 ? -1 : i).filter((i) => i >= 0);
   section.append(htmlElement("h3", {}, "Landings that are not safe"), htmlElement("p", {}, failed.length === 0 ? "All landings with the lidar are safe." :
-      `${failed.length.toLocaleString("en")} landings with the lidar are not safe.${failed.length > MAX_FAILURES ? ` The table has the first ${MAX_FAILURES}.` : ""} The chain's commands of each draw are below.`));
+      `${failed.length.toLocaleString("en")} landings with the lidar are not safe.` +
+      `${failed.length > MAX_FAILURES ? ` The table has the first ${MAX_FAILURES}.` : ""} The chain's commands of each draw are below.`));
   if (failed.length > 0) section.append(htmlElement("div", {class: "tall"}, landingTable(failed)));
 }
 
@@ -265,7 +269,8 @@ function fillFailures(section) {
   input.addEventListener("input", show);
   show();
   section.append(htmlElement("h3", {}, "The same draw by the chain"),
-                 htmlElement("p", {class: "note"}, report.traces ? "The metrics are the same, bit for bit." : "scan.h5 and terrain.h5 are the inputs of this campaign; the metrics are the same, bit for bit."),
+                 htmlElement("p", {class: "note"}, report.traces ? "The metrics are the same, bit for bit." :
+                     "scan.h5 and terrain.h5 are the inputs of this campaign; the metrics are the same, bit for bit."),
                  htmlElement("details", {}, htmlElement("summary", {}, "once: the configurations of the tools"),
                              htmlElement("pre", {id: "configurations"}, configurationCommands())),
                  htmlElement("div", {class: "controls screen-only"}, htmlElement("label", {}, "draw", input)), commands);
