@@ -2,7 +2,9 @@
 #include "report/report_data.h"
 
 #include <algorithm>
+#include <string_view>
 
+#include "dictionary/layers.h"
 #include "files/field_json.h"
 #include "files/metrics_json.h"
 
@@ -92,13 +94,25 @@ Json histograms_json(const ReportLayers& layers) {
   return result;
 }
 
+/// An evaluation gives z first.
+std::vector<const ReportLayer*> in_dictionary_order(const std::vector<ReportLayer>& layers) {
+  const std::vector<const char*> names = dictionary::layer_names();
+  std::vector<const ReportLayer*> ordered;
+  for (const ReportLayer& layer : layers) ordered.push_back(&layer);
+  std::ranges::stable_sort(ordered, {}, [&](const ReportLayer* layer) {
+    return std::ranges::find(names, std::string_view(layer->name)) - names.begin();
+  });
+  return ordered;
+}
+
 }  // namespace
 
 ReportData report_data(const ReportContent& content) {
   const ReportLayers& layers = content.layers;
   Packer packer;
   Json list = Json::array();
-  for (const ReportLayer& layer : layers.layers()) list.push_back(packer.add(layer, layer.name));
+  for (const ReportLayer* const layer : in_dictionary_order(layers.layers()))
+    list.push_back(packer.add(*layer, layer->name));
   Json metrics = metrics_json(content.evaluation.metrics);
   ReportData data;
   data.values = {{"grid", grid_json(layers.spec(), layers.factor())},
