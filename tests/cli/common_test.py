@@ -28,7 +28,7 @@ class Information(ToolTest):
             text = self.succeed(name, "--help").stdout
             for option in COMMON:
                 self.assertIn(option, text, name)
-            self.assertEqual("--seed" in text, name in ["terrain-gen", "scan-sim"], name)
+            self.assertEqual("--seed" in text, name in ["terrain-gen", "scan-sim", "monte-carlo"], name)
             self.assertEqual(run(name, "-h").stdout, text)
 
     def test_texts_fit_80_columns(self):

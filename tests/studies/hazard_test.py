@@ -180,25 +180,17 @@ class Repeats(StudyTest):
         self.assertEqual(self.files("shared"), [])
         self.assertIn("Nothing to be done", self.make("study-results").stdout)
 
-    def test_files_that_are_lost_or_damaged(self):
+    def test_files_that_are_lost(self):
         self.write(hazard_study(CLEARANCES))
         self.make("study-results")
         whole = {f"{folder}/{name}": read(self.out(folder, name)) for folder in ("score", "sites") for name in self.files(folder)}
         for name in (min(whole), max(whole)):
-            for how in ("lost", "cut"):
-                with self.subTest(name=name, how=how):
-                    os.remove(self.out(name))
-                    if how == "cut":
-                        with open(self.out(name), "wb") as file:
-                            file.write(whole[name][:len(whole[name]) // 2])
-                    else:
-                        self.assertIn("1 done, 0 failed, 1 left, of 2 cases", self.make("study-status").stdout)
-                        self.assertEqual(len(self.partial_rows()), 1)
-                    result = self.make("study-results")
-                    self.assertEqual(self.stages_of(result), ["dem", "score"])
-                    self.assertEqual({name: read(self.out(name)) for name in whole}, whole)
-                    if how == "cut":
-                        self.assertRegex(result.stderr, rf"{name} is lost or damaged and is made again")
+            with self.subTest(name=name):
+                os.remove(self.out(name))
+                self.assertIn("1 done, 0 failed, 1 left, of 2 cases", self.make("study-status").stdout)
+                self.assertEqual(len(self.partial_rows()), 1)
+                self.assertEqual(self.stages_of(self.make("study-results")), ["dem", "score"])
+                self.assertEqual({name: read(self.out(name)) for name in whole}, whole)
         self.assertIn("Nothing to be done", self.make("study-results").stdout)
 
     def partial_rows(self):
@@ -237,7 +229,7 @@ class Pages(StudyTest):
         self.make("study", "-j2")
         self.assertLessEqual({f"{metric}.png" for metric in metrics} | {"overview.png"}, set(self.files("figures")))
         page = read(self.out("report.html")).decode()
-        tree = json.loads(re.search(r'id="study-data">(.*?)</script>', page, re.S)[1])
+        tree = json.loads(re.search(r'id="report-data">(.*?)</script>', page, re.S)[1])
         columns = {column["name"]: column for column in tree["columns"]}
         self.assertTrue(all(columns[metric]["first"] for metric in metrics))
         self.assertEqual(columns["score.missed_hazard_frac"]["label"], "missed hazards, share of the true hazards")
