@@ -122,6 +122,7 @@ std::optional<KeyEffect> effect_of(const std::string& pointer) {
 }
 
 std::optional<KeyEffect> effect_of(const std::string& pointer, const Json& config) {
+  if (pointer.empty()) return effect_of(pointer);
   const Json& sections = schema().at("properties");
   const std::string section = pointer.substr(1, pointer.find('/', 1) - 1);
   if (sections.contains(section) && moves_beams_in(sections[section], config)) return KeyEffect::beam;

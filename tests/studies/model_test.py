@@ -197,7 +197,7 @@ class Failures(ModelTest):
     def test_a_killed_tool_is_not_a_result(self):
         """Nor is it kept."""
         of = self.of([SIGMA], [LARGEST], prefix=["sh", "-c", "kill -9 $$"])
-        with self.assertRaisesRegex(DataError, "ended from outside"):
+        with self.assertRaisesRegex(DataError, "was killed"):
             of([0.01])
         self.assertTrue(np.isfinite(self.of([SIGMA], [LARGEST])([0.01])[0]))
 
