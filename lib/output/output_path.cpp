@@ -106,8 +106,6 @@ void require_usable_output(const fs::path& path, bool overwrite) {
   if (const std::size_t longest = longest_name(folder); path.filename().string().size() > longest)
     throw UsageError("output " + path.string() + ": its name has more than the " + std::to_string(longest) +
                      " bytes that a file name has there");
-  if (path == "-")
-    throw UsageError("output -: only landfall-export writes to standard output; ./- names a file");
   if (fs::exists(path, ignored) && !fs::is_regular_file(path, ignored))
     throw UsageError("output " + path.string() + " is not a regular file");
   if (!overwrite && fs::exists(fs::symlink_status(path, ignored)))
