@@ -41,6 +41,7 @@ RUNS = {
     "eval.h5": ("evaluation.md", ["dem-eval", "dem.h5", "--metrics", "metrics.json", "--set", "region_radius_m=3"]),
     "hazards.h5": ("hazards.md", ["hazard-map", "dem.h5", "--sites", "sites.json", "--score", "score.json", "--set", "region_radius_m=3"]),
     "draws.h5": ("draws.md", ["monte-carlo", "scan.h5", "--terrain", "terrain.h5", *CAMPAIGN, "--set", "sigma=true"]),
+    "landed.h5": ("draws.md", ["monte-carlo", "scan.h5", "--terrain", "terrain.h5", *CAMPAIGN, "--set", "landing={}"]),
     "pairs.h5": ("draws.md", ["monte-carlo", "--pair", "scan.h5:terrain.h5", "--pair", "scan.h5:terrain.h5", *CAMPAIGN]),
     "unjudged.h5": ("evaluation.md", ["dem-eval", "blind.h5", "--metrics", "unjudged.json", "--set", "region_radius_m=3"]),
 }
@@ -84,6 +85,8 @@ def entry_of(name, kind, units):
     """The entry of a dataset, or of the group of columns that a page describes together; the names of these tell their units."""
     if name.startswith("/draws/") and name not in ("/draws/seed", "/draws/pair", "/draws/pass"):
         first = name.removeprefix("/draws/").split(".")[0]
+        if first in ("landing", "blind"):
+            return {name: (kind, units if name.endswith(".safe") else "of its name")}
         group = {"scan": "KEY", "score": "score.KEY", "site": "site.KEY"}.get(first, "METRIC")
         return {f"/draws/{group}": (kind, "of its name")}
     return {name: (kind, units)}
