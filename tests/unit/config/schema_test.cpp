@@ -135,6 +135,7 @@ void expect_known_keywords(const Json& schema) {
                                                "minLength",
                                                "effect",
                                                "drawn",
+                                               "beam_with",
                                                "sigma"};
   for (const auto& [key, value] : schema.items()) {
     EXPECT_TRUE(kKnown.count(key) == 1) << key;

@@ -61,13 +61,13 @@ const nlohmann::ordered_json& named(const ReportData& data, const std::string& n
 TEST(HazardData, HasTheLayersThatTheMapHas) {
   Case c;
   EXPECT_THAT(names_of(c.data()),
-              ElementsAre("z_est", "z_true", "safe", "outcome", "p_touchdown", "cost", "distance_to_hazard",
-                          "slope", "roughness", "slope_true", "roughness_true"));
+              ElementsAre("safe", "outcome", "p_touchdown", "cost", "distance_to_hazard", "slope",
+                          "roughness", "slope_true", "roughness_true", "z_est", "z_true"));
   c.input.z_true.reset();
   c.input.z_sigma = Grid<double>(c.spec, 0.01);
   const ReportData data = c.data();
-  EXPECT_THAT(names_of(data), ElementsAre("z_est", "safe", "p_safe", "p_touchdown", "cost",
-                                          "distance_to_hazard", "slope", "roughness"));
+  EXPECT_THAT(names_of(data), ElementsAre("safe", "p_safe", "p_touchdown", "cost", "distance_to_hazard",
+                                          "slope", "roughness", "z_est"));
   EXPECT_TRUE(data.values["score"].is_null());
 }
 
