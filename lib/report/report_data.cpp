@@ -2,7 +2,6 @@
 #include "report/report_data.h"
 
 #include <algorithm>
-#include <string_view>
 
 #include "dictionary/layers.h"
 #include "files/field_json.h"
@@ -94,13 +93,14 @@ Json histograms_json(const ReportLayers& layers) {
   return result;
 }
 
-/// An evaluation gives z first.
-std::vector<const ReportLayer*> in_dictionary_order(const std::vector<ReportLayer>& layers) {
-  const std::vector<const char*> names = dictionary::layer_names();
+/// The layers of the DEM as they came, then those of the evaluation, which gives z first, in the dictionary's
+/// order.
+std::vector<const ReportLayer*> in_order(const std::vector<ReportLayer>& layers) {
   std::vector<const ReportLayer*> ordered;
   for (const ReportLayer& layer : layers) ordered.push_back(&layer);
-  std::ranges::stable_sort(ordered, {}, [&](const ReportLayer* layer) {
-    return std::ranges::find(names, std::string_view(layer->name)) - names.begin();
+  std::ranges::stable_sort(ordered, {}, [](const ReportLayer* layer) {
+    const dictionary::Layer* const words = dictionary::find_layer("evaluation", layer->name);
+    return words == nullptr ? -1 : words - dictionary::kLayers.data();
   });
   return ordered;
 }
@@ -111,7 +111,7 @@ ReportData report_data(const ReportContent& content) {
   const ReportLayers& layers = content.layers;
   Packer packer;
   Json list = Json::array();
-  for (const ReportLayer* const layer : in_dictionary_order(layers.layers()))
+  for (const ReportLayer* const layer : in_order(layers.layers()))
     list.push_back(packer.add(*layer, layer->name));
   Json metrics = metrics_json(content.evaluation.metrics);
   ReportData data;
