@@ -8,13 +8,13 @@
 #include <cstring>
 #include <filesystem>
 #include <iostream>
-#include <sstream>
 #include <string>
 #include <vector>
 
 #include "base/abbreviated.h"
 #include "base/error.h"
 #include "base/shown_text.h"
+#include "cli/captured_output.h"
 #include "cli/umbrella_page.h"
 #include "config/schema.h"
 #include "files/provenance.h"
@@ -131,12 +131,15 @@ int help(const std::vector<std::string>& words);
 
 /// The completion of `landfall`, which contains that of `landfall run`.
 int print_completion() {
-  std::ostringstream own;
-  std::streambuf* const before = std::cout.rdbuf(own.rdbuf());
   const std::array argv = {"landfall run", "--print-completion"};
-  const int code = landfall_run(2, argv.data(), nullptr);
-  std::cout.rdbuf(before);
-  std::cout << cli::umbrella_completion(entries(), own.str()) << std::flush;
+  int code = 0;
+  std::string own;
+  {
+    const cli::CapturedOutput output;
+    code = landfall_run(2, argv.data(), nullptr);
+    own = output.text();
+  }
+  std::cout << cli::umbrella_completion(entries(), own) << std::flush;
   return code;
 }
 

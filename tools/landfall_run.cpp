@@ -7,9 +7,9 @@
 #include <iostream>
 #include <map>
 #include <optional>
-#include <sstream>
 #include <vector>
 
+#include "cli/captured_output.h"
 #include "cli/chain.h"
 #include "cli/tool.h"
 #include "config/chain_config.h"
@@ -95,20 +95,6 @@ std::vector<std::string> shared_options(const cli::CommonOptions& common) {
   return words;
 }
 
-/// Collects what is written to standard output.
-class CapturedOutput {
- public:
-  CapturedOutput() : before_(std::cout.rdbuf(text_.rdbuf())) {}
-  ~CapturedOutput() { std::cout.rdbuf(before_); }
-  CapturedOutput(const CapturedOutput&) = delete;
-  CapturedOutput& operator=(const CapturedOutput&) = delete;
-  [[nodiscard]] std::string text() const { return text_.str(); }
-
- private:
-  std::ostringstream text_;
-  std::streambuf* before_;
-};
-
 ToolFunction* function_of(const std::string& tool) {
   static const std::map<std::string, ToolFunction*> functions = {{"terrain-gen", terrain_gen},
                                                                  {"scan-sim", scan_sim},
@@ -130,7 +116,7 @@ StageResult run_tool(const cli::ChainStage& stage, const std::vector<std::string
   for (const std::string& word : stage.arguments) argv.push_back(word.c_str());
   for (const std::string& word : options) argv.push_back(word.c_str());
   cli::Invocation invocation{.keep_same = keep_same};
-  const CapturedOutput output;
+  const cli::CapturedOutput output;
   const int code = function_of(stage.tool)(static_cast<int>(argv.size()), argv.data(), &invocation);
   return {static_cast<ExitCode>(code), invocation.kept, output.text()};
 }

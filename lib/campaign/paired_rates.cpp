@@ -29,6 +29,14 @@ double third_side(double x, double y, double phi) {
 
 }  // namespace
 
+PairedCounts paired_counts(std::span<const double> a, std::span<const double> b) {
+  assert(a.size() == b.size());
+  PairedCounts counts;
+  for (std::size_t i = 0; i < a.size(); ++i)
+    ++(a[i] == 1 ? (b[i] == 1 ? counts.both : counts.only_a) : (b[i] == 1 ? counts.only_b : counts.neither));
+  return counts;
+}
+
 double mcnemar_p(const PairedCounts& counts) {
   assert(counts.only_a >= 0 && counts.only_b >= 0);
   if (counts.only_a == counts.only_b) return 1;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 
 #include "campaign/pass_rate.h"
 
@@ -20,6 +21,9 @@ struct PairedCounts {
   [[nodiscard]] PassRate rate_b() const { return {both + only_b, pairs()}; }
   friend bool operator==(const PairedCounts&, const PairedCounts&) = default;
 };
+
+/// The counts of the draws of two columns of equal length; 1 is a pass.
+[[nodiscard]] PairedCounts paired_counts(std::span<const double> a, std::span<const double> b);
 
 /// McNemar's exact two-sided test of equal pass probabilities: twice the probability that at most
 /// min(only_a, only_b) of only_a + only_b fair coins show heads, at most 1; 1 without a discordant pair.

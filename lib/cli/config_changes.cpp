@@ -4,9 +4,8 @@
 #include "cli/config_changes.h"
 
 #include "base/error.h"
-#include "config/scan_config.h"
+#include "config/resolved_config.h"
 #include "config/schema.h"
-#include "config/terrain_config.h"
 
 namespace landfall::cli {
 namespace {
@@ -59,13 +58,6 @@ void add_changes(const Node& node, const std::string& path, std::vector<ConfigCh
 }
 
 }  // namespace
-
-Json resolved_config(const JsonSource& source, const std::string& schema) {
-  Json config =
-      schema == "terrain" ? resolve_terrain_config(source) : resolve_config(source, embedded_schema(schema));
-  if (schema == "scan") complete_scan_config(config);
-  return config;
-}
 
 std::vector<ConfigChange> config_changes(const Json& config, const std::string& schema) {
   std::vector<ConfigChange> changes;

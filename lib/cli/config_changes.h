@@ -5,13 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "config/json_source.h"
-
 namespace landfall::cli {
-
-/// Fills a source with the defaults of the schema (embedded_schema()) and those that follow from its keys;
-/// throws UsageError.
-[[nodiscard]] nlohmann::json resolved_config(const JsonSource& source, const std::string& schema);
 
 /// A value of a configuration that is not its default.
 struct ConfigChange {

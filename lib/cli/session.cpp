@@ -21,6 +21,7 @@
 #include "cli/tool.h"
 #include "config/json_source.h"
 #include "config/presets.h"
+#include "config/resolved_config.h"
 #include "config/schema.h"
 #include "exports/quick_look.h"
 #include "files/current_output.h"

@@ -4,23 +4,16 @@
 #include "base/error.h"
 #include "config/dem_config.h"
 #include "config/hazard_config.h"
+#include "config/resolved_config.h"
 #include "config/scan_config.h"
-#include "config/schema.h"
 #include "config/stage_sections.h"
 #include "config/terrain_config.h"
 
 namespace landfall {
 namespace {
 
-nlohmann::json resolved_section(const std::string& stage, const JsonSource& section) {
-  if (stage == "terrain") return resolve_terrain_config(section);
-  nlohmann::json resolved = resolve_config(section, embedded_schema(stage));
-  if (stage == "scan") complete_scan_config(resolved);
-  return resolved;
-}
-
 void check_section(const std::string& stage, const JsonSource& section) {
-  const nlohmann::json resolved = resolved_section(stage, section);
+  const nlohmann::json resolved = resolved_config(section, stage);
   if (stage == "terrain") static_cast<void>(terrain_config(resolved, section.name));
   if (stage == "scan") static_cast<void>(scan_model(resolved, section.name, {}));
   if (stage == "regrid") static_cast<void>(regrid_config(resolved, section.name));

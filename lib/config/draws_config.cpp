@@ -15,8 +15,10 @@
 #include "config/config_path.h"
 #include "config/key_effects.h"
 #include "config/presets.h"
+#include "config/resolved_config.h"
 #include "config/scan_config.h"
 #include "config/schema.h"
+#include "config/stage_sections.h"
 #include "config/terrain_config.h"
 #include "config/uncertainty_config.h"
 
@@ -60,8 +62,7 @@ Json completed_scan(Json filled) {
 }
 
 Json resolve_stage(const std::string& stage, const Json& config, const std::string& name) {
-  Json filled = filled_stage(stage, config, name);
-  return stage == "scan" ? completed_scan(std::move(filled)) : filled;
+  return resolved_config({name + ": /" + stage, config}, stage);
 }
 
 /// An object such as {"0": 0.1}, which changes elements of an array.
@@ -186,7 +187,6 @@ auto& stage_of(Stages& stages, const std::string& stage) {
 }
 
 constexpr std::array kRedrawn = {"scan", "regrid", "eval"};
-constexpr std::array kStages = {"scan", "regrid", "eval", "hazard", "terrain"};
 
 /// Sets a value of a configuration that has only some of the keys of the completed one: the default that
 /// holds the value becomes part of it as a whole.
@@ -224,7 +224,7 @@ DrawsConfig::DrawsConfig(const Json& resolved, std::string name, const Json& sca
   stages_ = {completed_scan(scan_), stage("regrid", Json::object()), stage("eval", Json::object()),
              stage("hazard", Json::object()), stage("terrain", Json::object())};
   seed_ = stages_.scan.at("seed");
-  for (const char* const each : kStages) json_[each] = stage_of(stages_, each);
+  for (const std::string& each : stage_sections()) json_[each] = stage_of(stages_, each);
   if (!resolved.at("landing").is_null()) landing_ = landing_of(resolved.at("landing"));
   if (landing_ && !has_hazards())
     throw UsageError(name_ + ": /landing: needs the section hazard, which finds the site");
@@ -299,7 +299,7 @@ void DrawsConfig::add_variation(const std::string& owner, const std::string& key
   if (vary_.contains(key)) throw UsageError(where + "is a column of the samples too");
   const auto [stage, pointer] = split_key(key);
   if (const std::string why = fixed_because(key); !why.empty()) throw UsageError(where + why);
-  const bool is_known = traces_ ? std::ranges::find(kStages, stage) != kStages.end()
+  const bool is_known = traces_ ? std::ranges::find(stage_sections(), stage) != stage_sections().end()
                                 : std::ranges::find(kRedrawn, stage) != kRedrawn.end();
   if (!is_known)
     throw UsageError(where + "unknown key; its first part is scan, regrid" +
@@ -368,7 +368,7 @@ DrawStages DrawsConfig::stages(std::int64_t draw) const {
     set_value(stage_of(stages, stage), stage_of(stages_, stage), pointer, drawn[i++]);
   }
   const std::string name = name_ + ": draw " + std::to_string(draw);
-  for (const char* const stage : kStages)
+  for (const std::string& stage : stage_sections())
     if (Json& config = stage_of(stages, stage); !config.is_null())
       config = resolve_stage(stage, config, name);
   return stages;

@@ -28,10 +28,6 @@ constexpr const char* kYEst = name_of(&PointColumns::y_est);
 constexpr std::int64_t kMaxPixels = 1100;
 constexpr std::int64_t kMeshPixels = 500;  ///< each needs a search in the mesh
 
-bool keeps_greatest(const ContentInfo& content) {
-  return content.type == h5::Type::int8 || content.name == "hole_id";
-}
-
 struct PlaceValue {
   std::int8_t value;
   MapClass drawn;
@@ -66,7 +62,7 @@ RgbImage class_picture(const GridSource& grid, const ContentInfo& layer,
 RgbImage grid_picture(const GridSource& grid, const ContentInfo& layer, const ProgressCallback& progress) {
   const std::vector<PlaceValue> classes = classes_of(grid, layer);
   if (!classes.empty()) return class_picture(grid, layer, classes, progress);
-  const Reduction reduction = keeps_greatest(layer) ? Reduction::greatest : Reduction::mean;
+  const Reduction reduction = is_class(layer) ? Reduction::greatest : Reduction::mean;
   LayerReducer reducer(grid.spec(), reduction, kMaxPixels);
   grid.read_strips(
       layer,
@@ -115,7 +111,7 @@ ScanExtent scan_extent_of(const PointReader& points, const ProgressCallback& pro
 RgbImage scan_picture(const PointReader& points, const std::string& layer, const ProgressCallback& progress) {
   const ScanExtent extent = scan_extent_of(points, [&](double f) { report(progress, f / 3); });
   const bool counts = layer == "count";
-  const bool flags = !counts && keeps_greatest(points.column(layer));
+  const bool flags = !counts && is_class(points.column(layer));
   PointMap map(extent.box, extent.count, kMaxPixels, flags ? Reduction::greatest : Reduction::mean);
   PointReader::Pass pass{{kXEst, kYEst}, {true, 1}, 2};
   if (!counts) pass.columns.push_back(layer);
@@ -186,7 +182,7 @@ MapStyle style_of(const std::string& kind, const ContentInfo& content) {
     style.title += std::string(", ") + words->long_name;
   }
   style.from_zero = drawn_as == "magnitude";
-  style.cut = !style.relief && !keeps_greatest(content);
+  style.cut = !style.relief && !is_class(content);
   return style;
 }
 

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <map>
 #include <optional>
 #include <string>
@@ -11,10 +12,11 @@
 
 #include "base/error.h"
 #include "campaign/paired_rates.h"
-#include "evaluation/metrics.h"
+#include "evaluation/error_statistics.h"
 #include "evaluation/quantile/order_statistics.h"
 #include "files/contents.h"
 #include "files/draws_file.h"
+#include "files/field_json.h"
 #include "files/file_description.h"
 #include "files/grid_file.h"
 
@@ -139,44 +141,37 @@ Json requirements_json(const Json& a, const Json& b) {
 
 /// The statistics of B - A where both have a value.
 Json difference_json(const Grid<double>& a, const Grid<double>& b) {
-  const std::size_t size = a.spec().size();
-  const auto difference = [&](std::size_t i) { return b.values()[i] - a.values()[i]; };
-  CountedSum sum;
-  double largest = 0;
+  Grid<double> difference(a.spec(), std::numeric_limits<double>::quiet_NaN());
   std::int64_t only_a = 0;
   std::int64_t only_b = 0;
-  for (std::size_t i = 0; i < size; ++i) {
+  std::optional<double> largest;
+  for (std::size_t i = 0; i < a.spec().size(); ++i) {
     const bool in_a = std::isfinite(a.values()[i]);
     const bool in_b = std::isfinite(b.values()[i]);
     only_a += in_a && !in_b ? 1 : 0;
     only_b += in_b && !in_a ? 1 : 0;
     if (!in_a || !in_b) continue;
-    sum.add(difference(i));
-    largest = std::max(largest, std::abs(difference(i)));
+    difference.values()[i] = b.values()[i] - a.values()[i];
+    largest = std::max(largest.value_or(0), std::abs(difference.values()[i]));
   }
-  Json json = {{"valid_both", sum.count}, {"only_a", only_a}, {"only_b", only_b}};
-  for (const char* const key : {"mean", "std", "nmad", "p05", "p50", "p95", "max_abs"}) json[key] = nullptr;
-  if (sum.count == 0) return json;
-  const double mean = sum.mean();
-  double squares = 0;
-  for (std::size_t i = 0; i < size; ++i)
-    if (const double d = difference(i); std::isfinite(d)) squares += (d - mean) * (d - mean);
-  const auto quantile = [&](double q) { return quantile_of(size, difference, q).value(); };
-  const double median = quantile(0.5);
-  const auto deviation = [&](std::size_t i) { return std::abs(difference(i) - median); };
-  json["mean"] = mean;
-  json["std"] = std::sqrt(squares / static_cast<double>(sum.count));
-  json["nmad"] = 1.4826 * quantile_of(size, deviation, 0.5).value();
-  json["p05"] = quantile(0.05);
-  json["p50"] = median;
-  json["p95"] = quantile(0.95);
-  json["max_abs"] = largest;
-  return json;
+  const ErrorStatistics statistics = error_statistics(difference, BinMask(a.spec(), 1));
+  const auto quantile = [&](double q) {
+    return or_null(quantile_of(
+        a.spec().size(), [&](std::size_t i) { return difference.values()[i]; }, q));
+  };
+  return {{"valid_both", *statistics.count},
+          {"only_a", only_a},
+          {"only_b", only_b},
+          {"mean", or_null(statistics.mean_m)},
+          {"std", or_null(statistics.std_m)},
+          {"nmad", or_null(statistics.nmad_m)},
+          {"p05", quantile(0.05)},
+          {"p50", or_null(statistics.median_m)},
+          {"p95", quantile(0.95)},
+          {"max_abs", or_null(largest)}};
 }
 
-/// Layers of names and classes, whose differences mean nothing, are counted where they differ.
-bool is_class(const ContentInfo& layer) { return layer.type == h5::Type::int8 || layer.name == "hole_id"; }
-
+/// Classes, whose differences mean nothing, are counted where they differ.
 Json class_json(const Grid<double>& a, const Grid<double>& b) {
   std::int64_t differing = 0;
   for (std::size_t i = 0; i < a.spec().size(); ++i) differing += a.values()[i] != b.values()[i] ? 1 : 0;
@@ -207,12 +202,7 @@ void add_layers(Json& json, const LandfallFileReader& a, const LandfallFileReade
 }
 
 Json pair_json(const std::string& name, const std::vector<double>& a, const std::vector<double>& b) {
-  PairedCounts counts;  // A is the file's B: the difference is B - A
-  for (std::size_t i = 0; i < a.size(); ++i) {
-    const bool in_a = a[i] == 1;
-    const bool in_b = b[i] == 1;
-    ++(in_a ? (in_b ? counts.both : counts.only_b) : (in_b ? counts.only_a : counts.neither));
-  }
+  const PairedCounts counts = paired_counts(b, a);  // the difference is B - A
   const ProbabilityDifference difference = newcombe_difference(counts);
   return {{"name", name},
           {"both", counts.both},

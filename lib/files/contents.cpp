@@ -120,6 +120,10 @@ std::vector<ContentInfo> columns(const TableReader& table, std::span<const char*
 
 }  // namespace
 
+bool is_class(const ContentInfo& content) {
+  return content.type == h5::Type::int8 || content.name == "hole_id";
+}
+
 std::string name_with_unit(const ContentInfo& content) {
   const bool plain = !content.units.empty() && content.units != "1" &&
                      std::all_of(content.units.begin(), content.units.end(),

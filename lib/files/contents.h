@@ -18,6 +18,9 @@ struct ContentInfo {
   std::string long_name;
 };
 
+/// Whether the values are flags, classes or numbers of things, of which no mean makes sense.
+[[nodiscard]] bool is_class(const ContentInfo& content);
+
 /// The name with its unit appended as in this project's names: x_est_m, t_s, count. The unit is omitted if it
 /// is missing or not a word, or if the name already ends with it.
 [[nodiscard]] std::string name_with_unit(const ContentInfo& content);

@@ -258,10 +258,7 @@ Json hazard_json(std::int64_t draws, const std::vector<double>& chosen_safe,
 Json landing_json(const DrawTable& table, bool is_valid) {
   const std::vector<double>& with = find_metric(table, kLandingSafe)->values;
   const std::vector<double>& without = find_metric(table, kBlindSafe)->values;
-  PairedCounts pairs;
-  for (std::size_t i = 0; i < with.size(); ++i)
-    ++(with[i] == 1 ? (without[i] == 1 ? pairs.both : pairs.only_a)
-                    : (without[i] == 1 ? pairs.only_b : pairs.neither));
+  const PairedCounts pairs = paired_counts(with, without);
   const auto off_terrain = [&](const char* column) {
     return std::ranges::count_if(find_metric(table, column)->values,
                                  [](double slope_deg) { return std::isnan(slope_deg); });

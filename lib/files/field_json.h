@@ -83,6 +83,12 @@ class FieldReader {
   const Json& json_;
 };
 
+/// The value, or null where there is none.
+template <class T>
+[[nodiscard]] nlohmann::ordered_json or_null(const std::optional<T>& value) {
+  return value ? nlohmann::ordered_json(*value) : nlohmann::ordered_json(nullptr);
+}
+
 /// Converts the fields of a struct (base/fields.h) to nested objects, and back.
 template <class T>
 [[nodiscard]] nlohmann::ordered_json fields_json(const T& value) {

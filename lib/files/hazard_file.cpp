@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "files/contents.h"
+#include "files/field_json.h"
 #include "files/grid_file.h"
 #include "hdf5/table.h"
 
@@ -19,11 +20,6 @@ using Json = nlohmann::ordered_json;
 
 const std::vector<std::int8_t> kSafetyValues = {0, 1, 2};
 constexpr const char* kSafetyMeanings = "hazard safe unknown";
-
-template <class T>
-Json or_null(const std::optional<T>& value) {
-  return value ? Json(*value) : Json(nullptr);
-}
 
 Json true_safe(Safety truth) {
   return truth == Safety::unknown ? Json(nullptr) : Json(truth == Safety::safe);

@@ -1,6 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Draws two DEMs on equal grids side by side, A and B, and the difference B - A."""
-import os
 
 import numpy as np
 
@@ -20,8 +19,7 @@ def parse(arguments):
     parser.add_argument("--layer", default="z_est", choices=LAYERS, help="elevations to compare; default z_est")
     plots.add_output_options(parser)
     options = parser.parse_args(arguments)
-    options.output = options.output or os.path.splitext(options.dem_b)[0] + "-compared.png"
-    plots.require_png(options.output)
+    plots.name_output(options, options.dem_b, "-compared.png")
     return options
 
 

@@ -23,8 +23,7 @@ def parse(arguments):
     plots.add_data_only_option(parser)
     plots.add_output_options(parser)
     options = parser.parse_args(arguments)
-    options.output = options.output or os.path.splitext(options.dem)[0] + "-figure.png"
-    plots.require_png(options.output)
+    plots.name_output(options, options.dem)
     return options
 
 

@@ -25,8 +25,7 @@ def parse(arguments):
     parser.add_argument("-o", "--output", metavar="PNG", help="output file (default: DRAWS-figure.png beside the input)")
     plots.add_output_options(parser)
     options = parser.parse_args(arguments)
-    options.output = options.output or os.path.splitext(options.draws)[0] + "-figure.png"
-    plots.require_png(options.output)
+    plots.name_output(options, options.draws)
     return options
 
 

@@ -29,8 +29,7 @@ def parse(arguments):
     plots.add_data_only_option(parser)
     plots.add_output_options(parser)
     options = parser.parse_args(arguments)
-    options.output = options.output or os.path.splitext(options.hazards)[0] + "-figure.png"
-    plots.require_png(options.output)
+    plots.name_output(options, options.hazards)
     return options
 
 

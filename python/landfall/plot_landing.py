@@ -2,7 +2,6 @@
 """Draws the landings of a draws.h5 that monte-carlo made with landing: the touchdowns with the lidar and without, safe and not, the
 distance that the lander diverted, and slope and roughness on the true ground against their limits.
 """
-import os
 
 import numpy as np
 
@@ -19,8 +18,7 @@ def parse(arguments):
     parser.add_argument("-o", "--output", metavar="PNG", help="output file (default: DRAWS-landing.png beside the input)")
     plots.add_output_options(parser)
     options = parser.parse_args(arguments)
-    options.output = options.output or os.path.splitext(options.draws)[0] + "-landing.png"
-    plots.require_png(options.output)
+    plots.name_output(options, options.draws, "-landing.png")
     return options
 
 

@@ -21,8 +21,7 @@ def parse(arguments):
     parser.add_argument("-o", "--output", metavar="PNG", help="output file (default: PLAN-figure.png beside the plan)")
     plots.add_output_options(parser)
     options = parser.parse_args(arguments)
-    options.output = options.output or os.path.splitext(options.plan)[0] + "-figure.png"
-    plots.require_png(options.output)
+    plots.name_output(options, options.plan)
     return options
 
 

@@ -30,8 +30,7 @@ def parse(arguments):
     options = parser.parse_args(arguments)
     if options.start == options.end:
         raise UsageError("--from and --to are the same point")
-    options.output = options.output or os.path.splitext(options.dem)[0] + "-profile.png"
-    plots.require_png(options.output)
+    plots.name_output(options, options.dem, "-profile.png")
     return options
 
 

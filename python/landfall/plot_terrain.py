@@ -27,8 +27,7 @@ def parse(arguments):
     parser.add_argument("--zoom-at", type=plots.place, metavar="X,Y", help="default: the steepest place")
     plots.add_output_options(parser)
     options = parser.parse_args(arguments)
-    options.output = options.output or os.path.splitext(options.terrain)[0] + "-figure.png"
-    plots.require_png(options.output)
+    plots.name_output(options, options.terrain)
     return options
 
 

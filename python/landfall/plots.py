@@ -37,6 +37,12 @@ def require_png(path):
         raise UsageError(f"--output {path}: the name must end in .png")
 
 
+def name_output(options, source, ending="-figure.png"):
+    """The PNG of --output; without it one beside the input that is called after it."""
+    options.output = options.output or os.path.splitext(source)[0] + ending
+    require_png(options.output)
+
+
 def dots_per_inch(text):
     value = int(text)
     if not 50 <= value <= 600:
