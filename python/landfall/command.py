@@ -4,6 +4,7 @@ import argparse
 import os
 import re
 import sys
+import threading
 
 from landfall.errors import Error, UsageError, printable
 
@@ -66,11 +67,12 @@ def sync(path):
 
 
 def write_whole(path, write_to, is_synced=True):
-    """Calls write_to(temporary name) and renames: `path` holds a complete file or what it held before, also after a crash.
+    """Calls write_to(temporary name) and renames: `path` holds a complete file or what it held before, also after a crash
+    and while other threads or processes write it.
 
     Without is_synced, the caller syncs many files at once.
     """
-    temporary = os.path.join(os.path.dirname(path), f".{os.path.basename(path)}.{os.getpid()}.part")
+    temporary = os.path.join(os.path.dirname(path), f".{os.path.basename(path)}.{threading.get_native_id()}.part")
     try:
         write_to(temporary)
         if is_synced:

@@ -11,7 +11,9 @@ import shutil
 import subprocess
 import sys
 import tempfile
+import threading
 import unittest
+from concurrent import futures
 from unittest import mock
 
 import h5py
@@ -398,6 +400,19 @@ class Outputs(unittest.TestCase):
             command.write_whole(os.path.join(folder, "a.txt"), lambda name: pathlib.Path(name).write_text("text", encoding="utf-8"))
             self.assertEqual(os.listdir(folder), [])
         self.assertEqual(calls, ["synced", "named"])
+
+    def test_threads_that_write_one_file(self):
+        """Both have written before either renames."""
+        both = threading.Barrier(2, timeout=60)
+
+        def write_to(name):
+            pathlib.Path(name).write_text("text", encoding="utf-8")
+            both.wait()
+        with tempfile.TemporaryDirectory() as folder, futures.ThreadPoolExecutor(2) as pool:
+            path = os.path.join(folder, "a.txt")
+            for written in [pool.submit(command.write_whole, path, write_to) for _ in range(2)]:
+                written.result()
+            self.assertEqual((os.listdir(folder), pathlib.Path(path).read_text(encoding="utf-8")), (["a.txt"], "text"))
 
 
 def imports(path):

@@ -229,7 +229,7 @@ def show(options):
 # begin
 
 
-# Python writes files under such names first; the number is the process.
+# Python writes files under such names first; the number is the thread's or the process's.
 TEMPORARY = re.compile(r"\..*\.(?P<part>\d+)\.part|.*\.(?P<figure>\d+)\.tmp")
 
 
