@@ -80,7 +80,7 @@ double misfit_factor(double count) { return 0.41 + 0.175 / count; }
 
 double crowding_factor(double relative_count) { return std::pow(std::max(0.6, relative_count), 1.2); }
 
-double largest_chance_ratio(double freedom) {
+double mean_square_ratio_p99(double freedom) {
   constexpr double kQuantile = 2.3263478740408408;  // of the standard normal distribution
   const double variance = 2 / (9 * freedom);
   const double root = 1 - variance + kQuantile * std::sqrt(variance);
@@ -161,7 +161,7 @@ double UncertaintyMap::misfit_beyond(double noise, BinIndex bin) const {
   });
   const double by_chance = noise * weighted / weight;
   const double misfit = plane.misfit_m2 * plane.bins / freedom;
-  return misfit > by_chance * largest_chance_ratio(freedom) ? misfit - by_chance : 0;
+  return misfit > by_chance * mean_square_ratio_p99(freedom) ? misfit - by_chance : 0;
 }
 
 /// sum w_k (z_k - plane)^2 over the normalised weights; the plane goes through the centroid with the slope.

@@ -169,7 +169,7 @@ class UncertaintyOracle : public testing::Test {
     const double freedom = static_cast<double>(around.size()) - 3;
     const double noise = std::pow(oracle_.at({middle.row, middle.col}).noise(), 2) * w_noise / w;
     const double excess = square * (freedom + 3) / freedom - noise;
-    return excess > noise * (largest_chance_ratio(freedom) - 1) ? excess : 0;
+    return excess > noise * (mean_square_ratio_p99(freedom) - 1) ? excess : 0;
   }
 
   [[nodiscard]] double relative_count(BinIndex middle) const {

@@ -151,10 +151,10 @@ TEST(Misfit, FactorAgainstRandomSteps) {
 
 // chi^2 at 0.99 from tables: 6.635, 9.210, 16.812, 63.691 for 1, 2, 6, 40 degrees of freedom.
 TEST(Misfit, LargestChanceRatioAgainstTables) {
-  EXPECT_NEAR(largest_chance_ratio(1) / 6.635, 1, 0.01);
-  EXPECT_NEAR(largest_chance_ratio(2) / (9.210 / 2), 1, 0.01);
-  EXPECT_NEAR(largest_chance_ratio(6) / (16.812 / 6), 1, 0.01);
-  EXPECT_NEAR(largest_chance_ratio(40) / (63.691 / 40), 1, 0.01);
+  EXPECT_NEAR(mean_square_ratio_p99(1) / 6.635, 1, 0.01);
+  EXPECT_NEAR(mean_square_ratio_p99(2) / (9.210 / 2), 1, 0.01);
+  EXPECT_NEAR(mean_square_ratio_p99(6) / (16.812 / 6), 1, 0.01);
+  EXPECT_NEAR(mean_square_ratio_p99(40) / (63.691 / 40), 1, 0.01);
 }
 
 // Seen from straight above, n = (0, 0, -1) and J . n = -1.
