@@ -58,7 +58,8 @@ class Fsm : public Scanner {
   void steer(const ScannerState& state, std::span<const Direction<LidarFrame>> pixels,
              std::span<Beam> beams) const override;
   [[nodiscard]] ContextNeeds needs() const override {
-    return {.jumps = timing_.minds_jumps(), .echo = parameters_.tof_lag, .motion = timing_.is_accelerated()};
+    return {
+        .jumps = timing_.depends_on_jumps(), .echo = parameters_.tof_lag, .motion = timing_.is_accelerated()};
   }
   [[nodiscard]] bool is_known() const override;
   [[nodiscard]] ScannerState believed_state(const PulseContext& pulse,

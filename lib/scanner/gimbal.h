@@ -39,7 +39,7 @@ class Gimbal : public Scanner {
   /// max_deflection.
   [[nodiscard]] ScannerState state(const PulseContext& pulse) const override;
   [[nodiscard]] ContextNeeds needs() const override {
-    return {.jumps = timing_.minds_jumps(), .motion = timing_.is_accelerated()};
+    return {.jumps = timing_.depends_on_jumps(), .motion = timing_.is_accelerated()};
   }
   [[nodiscard]] bool is_known() const override { return encoder_harmonics_.empty(); }
   /// The readings of the encoders.

@@ -6,12 +6,12 @@
 namespace landfall {
 
 struct MechanismTimingParameters {
-  /// Pulses less than this after a jump of the aim are blanked; finite, >= 0.
+  /// Pulses within this time after a jump of the aim are blanked; finite, >= 0.
   double turnaround_time_s = 0;
-  /// Three time constants, 3/(zeta w_n): a step has decayed to about 5 % for damping up to 0.7, to 11 % at
-  /// 0.9 (e^-3/sqrt(1 - zeta^2)); finite, >= 0. 0: the mechanism follows at once.
+  /// Three time constants, 3/(zeta w_n): at most e^-3/sqrt(1 - zeta^2) of a step remains, which is 7 % at a
+  /// damping of 0.7 and 11 % at 0.9; finite, >= 0. 0: the mechanism follows at once.
   double settle_time_s = 0;
-  double settle_damping = 0.7;  ///< zeta, in (0, 1)
+  double settle_damping = 0.7;  ///< damping ratio zeta, in (0, 1)
   /// Largest angular acceleration of each axis, finite, >= 0. 0: unlimited.
   double max_acceleration_radps2 = 0;
 };
@@ -25,9 +25,10 @@ struct AxesJump {
   double interval_s = 0;  ///< between the two pulses
 };
 
-/// The shortest time in which an axis with the angular acceleration a > 0 reaches an aim that is `ahead_rad`
-/// away and recedes evenly; `closing_radps` is the axis's speed towards it at the begin. It ends at the speed
-/// of the aim. Full acceleration, then full braking: with D, u and s = sign(D - u |u|/2a),
+/// The shortest time in which an axis with the largest angular acceleration a > 0 reaches an aim that moves
+/// at constant speed, and ends at the aim's speed. At the start the aim is D = `ahead_rad` away, and the axis
+/// moves towards it at the relative speed u = `closing_radps`. The axis accelerates fully, then brakes fully:
+/// with s = sign(D - u |u|/2a),
 ///   T = (2 sqrt(u^2/2 + s a D) - s u)/a,
 /// which is 2 sqrt(|D|/a) from rest and (1 + sqrt 2) |u|/a for an axis that passes its aim at the speed u.
 [[nodiscard]] double transfer_time_s(double ahead_rad, double closing_radps, double acceleration_radps2);
@@ -39,25 +40,24 @@ class MechanismTiming {
   explicit MechanismTiming(const MechanismTimingParameters& parameters);
 
   /// True if jumps affect the mechanism.
-  [[nodiscard]] bool minds_jumps() const {
+  [[nodiscard]] bool depends_on_jumps() const {
     return parameters_.turnaround_time_s > 0 || parameters_.settle_time_s > 0 || is_accelerated();
   }
   [[nodiscard]] bool is_accelerated() const { return parameters_.max_acceleration_radps2 > 0; }
 
-  /// True for a pulse at which an axis with limited acceleration has not yet reached the aim, since_jump
-  /// after the first pulse after the jump. Both axes start at the last pulse before the jump and meet the
-  /// moving aim in the shortest time; the slower one counts. A pulse due at the very end of the motion is
-  /// fired (1 ns).
+  /// True if an axis with limited acceleration has not yet reached the aim at the pulse `since_jump_s` after
+  /// the first pulse after the jump. Both axes start at the last pulse before the jump and meet the moving
+  /// aim in the shortest time; the slower one counts. False from 1 ns before the end of the motion on.
   [[nodiscard]] bool is_moving(double since_jump_s, const AxesJump& jump) const;
 
-  /// True for a pulse less than turnaround_time after the jump. A pulse due at the very end of the turnaround
-  /// is fired, even if its time is rounded (1 ns).
+  /// True for a pulse within the turnaround time after the jump. False from 1 ns before its end on, so that a
+  /// pulse due at the end is fired even if its time is rounded.
   [[nodiscard]] bool blanks(double since_jump_s) const;
 
-  /// The fraction of the step that a second-order loop has not yet made, t after the step:
+  /// The fraction of a step that a second-order loop has not yet made at t = `since_jump_s`:
   ///   e(t) = e^(-zeta w_n t) (cos w_d t + zeta/sqrt(1 - zeta^2) sin w_d t), w_d = w_n sqrt(1 - zeta^2),
   /// 1 at t = 0, starting at rest; negative where it overshoots. |e| <= e^(-zeta w_n t)/sqrt(1 - zeta^2).
-  /// Exactly 0 without settling and once the exponential is below 1e-17, including infinite t.
+  /// Exactly 0 without settling, and once the exponential is below e^-40, also at infinite t.
   [[nodiscard]] double step_left(double since_jump_s) const;
 
  private:

@@ -56,7 +56,7 @@ struct ScannerState {
 struct Beam {
   Direction<LidarFrame> direction{};  ///< n
   Point<LidarFrame> exit{};           ///< b
-  bool lost = false;                  ///< totally reflected: it never leaves, and the rest is undefined
+  bool lost = false;  ///< never leaves (total reflection, back of a mirror); the rest is undefined
 };
 
 /// beams[i] leaves the focal point along the rotated direction of pixels[i]: d' = R d, b = 0.

@@ -122,7 +122,7 @@ TEST(TransferTime, ReachesTheAim) {
 
 TEST(MechanismTiming, MovesUntilTheSlowerAxisIsThere) {
   const MechanismTiming timing({.max_acceleration_radps2 = 100});
-  EXPECT_TRUE(timing.minds_jumps());
+  EXPECT_TRUE(timing.depends_on_jumps());
   const double h = 1e-3;
   // Both aims at rest, 0.01 and 0.0025 rad away: 20 ms and 10 ms after the last pulse before the jump.
   const AxesJump step{.before = {0, 0.0025}, .after = {0.01, 0}, .interval_s = h};
