@@ -5,8 +5,8 @@
 
 namespace landfall {
 
-/// The range that a pixel reports when its sub-pixels see several. A sample that missed is NaN; with one
-/// sample every rule returns it unchanged.
+/// The rule by which a pixel makes one range of those of its samples, the rays of its sub-pixels. A sample
+/// that missed is NaN; with one sample every rule returns it unchanged.
 enum class RangeRule {
   mean,       ///< mean of the samples that hit (Chen et al.); no return where fewer than half hit
   first,      ///< the nearest, as a leading-edge trigger reports it; one hit is enough
@@ -16,8 +16,7 @@ enum class RangeRule {
 
 struct RangeEstimatorParameters {
   RangeRule rule = RangeRule::mean;
-  /// The range extent that `strongest` accepts for one echo: a cluster's farthest range minus its nearest is
-  /// at most this. Finite, > 0.
+  /// `strongest`: the largest extent of a cluster, its farthest minus its nearest range. Finite, > 0.
   double range_resolution_m = 0.15;
 };
 
@@ -25,12 +24,12 @@ struct RangeEstimatorParameters {
 class RangeEstimator {
  public:
   RangeEstimator() = default;
-  /// Throws UsageError, naming the key, where range_resolution_m is out of range.
+  /// Throws UsageError, naming the key, unless range_resolution_m is finite and > 0.
   explicit RangeEstimator(const RangeEstimatorParameters& parameters);
 
-  /// Metres; NaN for no return, also without any sample. `strongest` takes the nearest of the clusters with
-  /// the most ranges and sums from its nearest range on. Only the result of `mean`, which sums in the order
-  /// given, depends on the order of the samples. The call may reorder them.
+  /// The reported range, metres; NaN for no return, also if there are no samples. If several clusters have
+  /// the most ranges, `strongest` takes the nearest. Only `mean` depends on the order of the samples, by
+  /// rounding: it adds them in the order given. The call may reorder `sample_ranges_m`.
   [[nodiscard]] double range_m(std::span<double> sample_ranges_m) const;
 
  private:

@@ -9,7 +9,7 @@
 
 namespace landfall {
 
-/// Densities q of random walks: the sigma after one second. All zero: no random walk.
+/// Densities q of random walks, per axis: sigma is q sqrt(t). All zero: no random walk.
 struct RandomWalkParameters {
   Vector<DemFrame> position_m_per_sqrt_s{};
   Vector<DemFrame> velocity_mps_per_sqrt_s{};
@@ -18,7 +18,8 @@ struct RandomWalkParameters {
   friend bool operator==(const RandomWalkParameters&, const RandomWalkParameters&) = default;
 };
 
-/// First-order Gauss-Markov errors: stationary sigmas and correlation times. All sigmas zero: no such error.
+/// First-order Gauss-Markov errors: stationary sigmas per axis, and correlation times. All sigmas zero: no
+/// such error.
 struct GaussMarkovParameters {
   Vector<DemFrame> position_sigma_m{};
   double position_time_s = 1;
@@ -36,21 +37,21 @@ struct RandomNavigationParameters {
   double interval_s = 0.01;  ///< of the time grid on which both are drawn
 };
 
-/// A linear error (Eq. 6) with random errors added, as the paper's alternative to Eq. 6:
-///   p_err = linear + walk + Gauss-Markov, each of the latter two its position process plus the integral of
-///   its velocity process;
-///   R_err = R_linear R_walk R_gauss_markov, each by its roll, pitch and yaw at that time.
+/// A linear error (Eq. 6) plus random errors, which the paper names as the alternative to Eq. 6:
+///   p_err = p_linear + p_walk + p_gauss_markov, where each of the last two is a position process plus the
+///   integral of a velocity process;
+///   R_err = R_linear R_walk R_gauss_markov, each made of the roll, pitch and yaw at that time.
 /// The constructor draws the processes once on a grid of times (sampled_path.h): 48 bytes per step and active
 /// process. The draws of a process depend on (seed, process, step, axis) only.
 class RandomNavigationError : public NavigationError {
  public:
   struct Draw {
     std::uint64_t seed = 1;
-    double duration_s = 2;  ///< afterwards the errors keep their last value
+    double duration_s = 2;  ///< length of the grid of times; afterwards the errors keep their last value
   };
 
   /// Throws UsageError, naming the key, where a sigma is negative, a time is not positive, a number is not
-  /// finite, or the grid is too fine.
+  /// finite, or the grid would have more than a million steps.
   RandomNavigationError(const NavigationErrorParameters& linear, const RandomNavigationParameters& random,
                         const Draw& draw);
 
@@ -63,7 +64,7 @@ class RandomNavigationError : public NavigationError {
 
  private:
   struct Process {
-    SampledPath position_m;
+    SampledPath position_m;  ///< with the integral of the velocity
     SampledPath rpy_rad;
   };
   [[nodiscard]] static Process walk(const RandomWalkParameters& p, const TimeGrid& grid, std::uint64_t seed);

@@ -12,17 +12,16 @@
 
 namespace landfall {
 
-/// Sums and quantiles of as many values as a map has bins, in parallel. The results are the same for any
-/// number of threads.
-///
+// Parallel loops and sums over as many values as a map has bins. The results are the same for any number of
+// threads, because the pieces do not depend on it (D63).
+
+inline constexpr std::size_t kValuesPerPiece = std::size_t{1} << 18U;
+
 /// A function that gives the i-th value; NaN for one that does not count. Any thread may call it repeatedly.
 template <class F>
 concept ValueAt = std::is_invocable_r_v<double, const F&, std::size_t>;
 
-/// Values are taken in pieces that do not depend on the number of threads.
-inline constexpr std::size_t kValuesPerPiece = std::size_t{1} << 18U;
-
-/// Calls work(i) for each i of [0, count).
+/// Calls work(i) for each i of [0, count), on any thread.
 template <class Work>
 void for_each_index(std::size_t count, const Work& work) {
   parallel_for(count, kValuesPerPiece, [&](std::size_t begin, std::size_t end) {
@@ -30,7 +29,7 @@ void for_each_index(std::size_t count, const Work& work) {
   });
 }
 
-/// Calls work(begin, end) for each piece of [0, count) and returns the results by piece.
+/// Calls work(begin, end) for each piece of [0, count), on any thread, and returns one result for each piece.
 template <class Work>
 [[nodiscard]] auto by_piece(std::size_t count, const Work& work) {
   std::vector<decltype(work(count, count))> results((count + kValuesPerPiece - 1) / kValuesPerPiece);
@@ -40,7 +39,7 @@ template <class Work>
   return results;
 }
 
-/// The count and sum of the values that count: each piece from its first value, then the pieces in order.
+/// The number and the sum of the values that count.
 struct CountedSum {
   std::int64_t count = 0;
   double sum = 0;
@@ -53,6 +52,7 @@ struct CountedSum {
   [[nodiscard]] double mean() const { return sum / static_cast<double>(count); }
 };
 
+/// The sum of the pieces, in their order.
 [[nodiscard]] inline CountedSum total(const std::vector<CountedSum>& pieces) {
   CountedSum result;
   for (const CountedSum& piece : pieces) {
@@ -62,6 +62,7 @@ struct CountedSum {
   return result;
 }
 
+/// The count and sum of the values 0 .. count - 1, by piece and then over the pieces.
 template <ValueAt F>
 [[nodiscard]] CountedSum counted_sum(std::size_t count, const F& value_at) {
   return total(by_piece(count, [&](std::size_t begin, std::size_t end) {

@@ -20,6 +20,7 @@ namespace landfall {
 /// Rows per chunk of a table column.
 inline constexpr std::size_t kTableChunkRows = 65536;
 
+/// A column of a table. `units` and `long_name` become its attributes.
 struct ColumnSpec {
   std::string name;
   h5::Type type;
@@ -42,7 +43,7 @@ struct TableChunk {
   struct Part {
     std::vector<std::byte> rows;
     ChunkEncoder encoder;
-    StoredChunk copy;                   ///< for a copied column
+    StoredChunk copy;                   ///< the source's chunk, for a copied column
     std::span<const std::byte> stored;  ///< bytes to store, set by encode()
   };
   std::size_t first_row = 0;
@@ -60,17 +61,18 @@ class TableWriter {
  public:
   using ChunkPtr = std::shared_ptr<TableChunk>;
 
+  /// Creates the group `group` of `parent` with empty columns. `compression`: deflate level, 0..9.
   TableWriter(hid_t parent, const std::string& group, std::vector<ColumnSpec> columns, int compression);
 
-  /// From now on the named columns are copied chunk by chunk, as `source` stores them, and their rows are
-  /// ignored and may be empty. Use it for columns that are known to equal those of an earlier file. Call
-  /// before the first rows. `source` must live until finish(), which throws FormatError unless it has as many
-  /// rows. A column whose type, chunks or filters differ in `source` is written as before; returns false if
-  /// there is such a column.
+  /// Copies the named columns from `source` chunk by chunk, as stored; take() ignores their rows, which may
+  /// be empty, except those of the first column, which count. For columns that are known to equal those of an
+  /// earlier file. Call before the first rows. `source` must live until finish(), which throws FormatError
+  /// unless `source` has as many rows as this table. A column whose type, chunks or filters differ in
+  /// `source` is not copied but written from its rows; returns false if there is such a column.
   bool copy_columns(const TableReader& source, std::span<const char* const> names);
 
-  /// Adds rows; `rows` in the order of the columns, all of one length. Returns the chunks that became full,
-  /// to be encoded and written.
+  /// Adds rows: one element of `rows` for each column, in their order, all of one length. Returns the chunks
+  /// that became full, to be encoded and written.
   [[nodiscard]] std::vector<ChunkPtr> take(std::span<const ColumnRows> rows);
   /// Compresses on all threads. Throws FormatError if a column to copy cannot be read, or a value is
   /// infinite.
@@ -110,7 +112,7 @@ class TableWriter {
   std::vector<ChunkPtr> free_;  ///< already written; their memory is reused
 };
 
-/// Writes whole columns at once.
+/// Writes a table whose rows are all known: TableWriter in one call.
 void write_table(hid_t parent, const std::string& group, std::vector<ColumnSpec> columns,
                  std::span<const ColumnRows> rows, int compression);
 

@@ -15,17 +15,18 @@ struct OutputOptions {
 
 /// An output that appears complete under its name or not at all.
 ///
-/// Work goes to temporary(), a hidden file in the same folder. commit() flushes it to the disk and renames
-/// it. Until then an existing file of that name stays untouched; a run that fails, or is ended by SIGINT or
-/// SIGTERM, removes the temporary file. After SIGKILL a `.NAME.MACHINE-PID.part` file may remain; the next
-/// run for that name removes it if its process is gone. A hash replaces a NAME with which that would be
-/// longer than a file name may be. MACHINE identifies the machine or container, because process numbers
-/// repeat elsewhere: files of other machines in a shared directory may still be in use, and are not touched.
+/// The tool writes to temporary(), a hidden file `.NAME.MACHINE-PID.part` in the same folder. commit()
+/// flushes it to the disk and renames it. Until then an existing file of that name stays untouched. A run
+/// that fails, or that a signal interrupts (temporary_files.h), removes the temporary file. After SIGKILL it
+/// may remain; the next run for that name removes it if its process has ended. MACHINE identifies the machine
+/// or container, because another machine may use the same process number: its files in a shared directory may
+/// still be in use, and are not touched. If the hidden name would be too long for a file name, a hash
+/// replaces NAME.
 class OutputPath {
  public:
-  /// Throws UsageError if `path` exists and `overwrite` is false, exists but is not a regular file (a
-  /// directory, a pipe, a device), its name is too long, or its directory does not exist. A symbolic link is
-  /// replaced, not followed.
+  /// Throws UsageError if `path` exists and `overwrite` is false, if it exists but is not a regular file (a
+  /// directory, a pipe, a device), if its name is too long, or if its directory does not exist. A symbolic
+  /// link is replaced, not followed.
   OutputPath(std::filesystem::path path, bool overwrite);
   ~OutputPath();
   OutputPath(const OutputPath&) = delete;
@@ -36,8 +37,9 @@ class OutputPath {
   /// Flushes the temporary file, which must be closed, to the disk. A run with several outputs flushes all of
   /// them before it names the first. Throws IoError when writing fails.
   void flush();
-  /// Flushes if that was not done, and gives the output its name. Throws IoError when writing fails,
-  /// UsageError when another process created the output meanwhile and `overwrite` is false.
+  /// Flushes if that was not done, and gives the output its name; it gets the permissions of a file that it
+  /// replaces. Throws IoError when writing fails, UsageError when another process created the output
+  /// meanwhile and `overwrite` is false.
   void commit();
 
  private:
@@ -48,8 +50,8 @@ class OutputPath {
   bool committed_ = false;
 };
 
-/// The hidden file `.NAME.SUFFIX` beside an output; a hash replaces a NAME with which that would be longer
-/// than a file name may be.
+/// The path of the hidden file `.NAME.SUFFIX` beside an output. If that would be too long for a file name, a
+/// hash replaces NAME.
 [[nodiscard]] std::filesystem::path hidden_beside(const std::filesystem::path& output,
                                                   const std::string& suffix);
 

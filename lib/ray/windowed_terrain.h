@@ -16,31 +16,36 @@
 
 namespace landfall {
 
-/// Bounds of points, metres, inclusive; empty where low > high.
+/// A rectangle of frame D, metres, borders included; empty where low > high.
 struct GroundBox {
   double low_x = std::numeric_limits<double>::infinity();
   double high_x = -std::numeric_limits<double>::infinity();
   double low_y = std::numeric_limits<double>::infinity();
   double high_y = -std::numeric_limits<double>::infinity();
 
+  /// Extends the box to hold the point or the other box.
   void add(double x_m, double y_m);
   void add(const GroundBox& box);
   [[nodiscard]] bool empty() const { return low_x > high_x || low_y > high_y; }
   [[nodiscard]] bool contains(const GroundBox& box) const;
 };
 
-/// Makes an engine for a window; empty if no rays are traced.
+/// Makes an engine for the surface of a window. An empty function if no rays are traced.
 using EngineMaker =
     std::function<std::unique_ptr<const RayEngine>(std::shared_ptr<const TriangulatedGrid> surface)>;
 
-/// A large terrain as a surface and as an engine, through one window that grows as points and rays need it.
+/// A large terrain as a surface and as an engine. One window of it is in memory, and grows as points and rays
+/// need it.
 ///
-/// Answers do not depend on the window. The positions of the nodes do not (CellOrigin), and an answer is
-/// given only when the window certainly holds everything that decides it. A ray can meet the surface only
-/// between the elevations lowest_m and highest_m of the terrain: the window must hold the points where the
-/// ray enters and leaves this range, or hits. A window is a rectangle, so it also holds what the ray crosses
-/// in between. A window counts as ending one cell inside its border, except at the terrain's border. Answers
-/// equal those of make_heightfield_engine() for the whole terrain with CellOrigin::of_windows(), bit for bit.
+/// Answers do not depend on the window: they equal those of make_heightfield_engine() for the whole terrain
+/// with CellOrigin::of_windows(), bit for bit. The node positions are rounded in the same way for any window
+/// (CellOrigin), and an answer is given only when the window certainly holds everything that decides it. A
+/// ray can meet the surface only between the terrain's elevations lowest_m and highest_m: the window must
+/// hold the point where the ray enters this range, and the point where it hits or leaves the range. As a
+/// rectangle, it then also holds what the ray crosses in between. One cell inside the window's border does
+/// not count as held, except at the terrain's border.
+///
+/// Any number of threads may use it.
 class WindowedTerrain final : public TerrainSurface, public RayEngine {
  public:
   /// Throws UsageError unless CellOrigin::has_windows(terrain.spec).
@@ -50,7 +55,7 @@ class WindowedTerrain final : public TerrainSurface, public RayEngine {
   void require(const GroundBox& box) const;
 
   void first_hits(std::span<const Ray> rays, std::span<double> ranges) const override;
-  /// 0 as long as there is no window.
+  /// That of the window's engine; 0 before there is a window.
   [[nodiscard]] std::size_t efficient_rays() const override;
   [[nodiscard]] double elevation(double x_m, double y_m) const override;
   [[nodiscard]] double highest_m() const override { return terrain_.highest_m; }
@@ -58,7 +63,7 @@ class WindowedTerrain final : public TerrainSurface, public RayEngine {
   void cosines(std::span<const Eigen::Vector3d> points, std::span<const Eigen::Vector3d> directions,
                std::span<double> out) const override;
 
-  /// The nodes that are in memory; empty at first.
+  /// The nodes that are in memory; none at first.
   [[nodiscard]] GridSpec window() const;
 
  private:
@@ -74,8 +79,8 @@ class WindowedTerrain final : public TerrainSurface, public RayEngine {
   LargeTerrain terrain_;
   EngineMaker make_engine_;
   CellOrigin origin_;
-  mutable std::mutex growing_;
-  mutable std::shared_mutex reading_;
+  mutable std::mutex growing_;         ///< one thread at a time loads a window
+  mutable std::shared_mutex reading_;  ///< protects window_
   mutable std::shared_ptr<const Window> window_;
 };
 

@@ -34,9 +34,9 @@ struct Lidar {
   PointingError pointing_error{};
   Receiver receiver{};
   RangeTimer range_timer{};
-  /// The link constants of the detector's samples, photoelectrons x m^2 (receiver/link_budget.h): those of a
-  /// whole pixel over the samples of a pixel, times the beam's relative irradiance and, if the terrain has no
-  /// map of it, the albedo. Empty unless the receiver sees waveforms.
+  /// The link constant of each sample of the detector, photoelectrons x m^2: that of a whole pixel
+  /// (receiver/link_budget.h) over the samples per pixel, times the beam's relative irradiance there and, if
+  /// the terrain has no map of it, the albedo. Empty unless the receiver sees waveforms.
   std::vector<double> link_constants_pe_m2{};
 };
 
@@ -54,7 +54,7 @@ struct PulseInput {
 struct TrueRanges {
   std::span<const double> ranges_m;    ///< NaN for a miss
   std::span<const Echo> echoes{};      ///< empty unless the receiver sees waveforms
-  std::span<const LaterEcho> later{};  ///< ordered by pulse, pixel, number; also those of other pulses
+  std::span<const LaterEcho> later{};  ///< ordered by pulse, pixel, number; may hold other pulses
 
   [[nodiscard]] TrueRanges part(std::size_t first, std::size_t count) const {
     return {ranges_m.subspan(first, count), echoes.empty() ? echoes : echoes.subspan(first, count), later};
@@ -112,22 +112,27 @@ struct PulseWorkspace {
 /// poses and RayEngine. The result depends on the arguments only: any thread may compute any pulse.
 ///
 /// The true beam leaves from the true pose and mount (PointingError), aimed from the pose `nominal` and the
-/// nominal mount: navigation error does not move it unless the caller aims from the estimate. A point is s =
-/// p + R (p_BL + R_BL (b + r n)) (Eqs. 1 and 7). The true point uses the true range, mount and pose; the
-/// estimated point uses the measured range, the nominal mount and the estimated pose. With a receiver the
-/// true range is that of the pixel's own direction, while the receiver sees the echoes of its samples; a
-/// pixel whose own direction misses is a miss. Both use the same n and b unless the lander does not know the
-/// mechanism's state (Scanner::is_known, PointingError::mirror_time_error_s). A pixel's status is the first
-/// that applies of dead, blanked, total reflection, miss, undetected, dropout. A false return may replace a
-/// miss, an undetected echo, a dropout or a return from farther away; a background photoelectron is one.
+/// nominal mount: navigation error does not move it unless the caller aims from the estimate.
+///
+/// A point is s = p + R (p_BL + R_BL (b + r n)) (Eqs. 1 and 7): p, R are the pose, p_BL, R_BL the mount, b, n
+/// the beam, r the range. The true point uses the true range, mount and pose; the estimated point uses the
+/// measured range, the nominal mount and the estimated pose. Both use the same b and n unless the lander does
+/// not know the mechanism's state (Scanner::is_known, PointingError::mirror_time_error_s). With a receiver
+/// that sees waveforms, the true range is that of the pixel's own direction, while the receiver sees the
+/// echoes of the samples; a pixel whose own direction misses is a miss.
+///
+/// A pixel's status is the first that applies of dead, blanked, lost in the optics, miss, undetected,
+/// dropout. A false return may replace a miss, an undetected echo, a dropout or a return from farther away. A
+/// background photoelectron is reported as a false return, too.
 ///
 /// The caller applies time-stamp errors when it chooses the estimated poses.
 class PulseSimulator {
  public:
-  /// `engine` must outlive this object; if it is null, only replay() may be called. `ground` must outlive it
-  /// too; if given, a beam that starts at or below it is refused (for surfaces with ground below). Throws
-  /// UsageError if it is missing and the noise or the receiver depends on the incidence. `albedo`: of the
-  /// ground, in [0, 1], that of the nearest node; null: 1 everywhere; must outlive this object.
+  /// `engine`, `ground` and `albedo` must outlive this object. Without an engine (null), only replay() may be
+  /// called. With a ground, a beam that starts at or below it is refused, if
+  /// TerrainSurface::is_ground_below(). `albedo` is the ground's map of it, in [0, 1]; null:
+  /// link_constants_pe_m2 include the albedo. Throws UsageError without a ground if the noise depends on the
+  /// incidence or if waveforms are traced.
   PulseSimulator(Lidar lidar, const RayEngine* engine, const TerrainSurface* ground,
                  const SurfaceAlbedo* albedo = nullptr);
 
@@ -179,11 +184,11 @@ class PulseSimulator {
 
  private:
   void load_true_ranges(const PulseInput& pulse, const TrueRanges& truth, PulseWorkspace& workspace) const;
-  /// The scanner's input at the pulse's time plus an error of the mirror's clock, seen from the pose of the
-  /// pulse.
+  /// The scanner's input at the pulse's time plus an error of the mirror's clock; aims are seen from the
+  /// pulse's nominal pose.
   [[nodiscard]] PulseContext context_of(const PulseInput& pulse, double mirror_time_error_s) const;
   void steer(const PulseInput& pulse, AimedPulse& aimed) const;
-  /// As steer(). From below the ground a scanner cannot aim at it: then that is the reason of the refusal.
+  /// steer(); if the scanner cannot aim because the lidar is at or below the ground, the error says so.
   void steer_to_trace(const PulseInput& pulse, AimedPulse& aimed) const;
   /// The beams of the pulse's rays, in order: those of the samples, then the pixels' own where they differ.
   [[nodiscard]] std::span<const Beam> traced_beams(const AimedPulse& aimed, const TracedPulse& traced) const;

@@ -27,15 +27,15 @@ struct FractalBase {
   double hurst_exponent = 0.8;
   double rms_deviation_m = 2.13;
   double reference_length_m = 10;
-  /// Only shorter waves are made; infinity: all that the grid holds. Empty: the waves that the DEMs of the
-  /// same model lack, shorter than twice the finest posting; all waves without a DEM.
+  /// Only waves shorter than this are made; infinity: all that the grid holds. Empty: all waves if the model
+  /// has no DEM, else those that its DEMs lack, shorter than twice the finest posting.
   std::optional<double> longest_wavelength_m{};
   friend bool operator==(const FractalBase&, const FractalBase&) = default;
 };
 
 enum class Interpolation { nearest, bilinear, bicubic };
 
-/// The elevation at z = 0: that of the site centre, or the raster's own zero.
+/// The elevation of the raster that becomes z = 0: that of the site centre, or the raster's own zero (none).
 enum class Datum { center, none };
 
 /// Elevations from a raster file around a site centre, which becomes the origin of frame D. At most one of
@@ -54,24 +54,26 @@ struct DemBase {
   std::optional<double> horizontal_scale_m;
   /// Samples, before scale and offset, that are holes beside those that the raster declares.
   std::optional<double> nodata{};
-  bool keeps_undeclared_fills = false;  ///< numbers that look like undeclared fill values are elevations
+  /// Whether samples that look like fill values, but are not declared, are elevations; else they are refused.
+  bool keeps_undeclared_fills = false;
   friend bool operator==(const DemBase&, const DemBase&) = default;
 };
 
+/// One term of the ground's elevation.
 using Base = std::variant<PlaneBase, FractalBase, DemBase>;
 
-/// Linear from one albedo to another along an azimuth, through the mean of the two at the site centre, and
-/// constant beyond the length.
+/// An albedo that changes linearly along an azimuth, from one value to another over a length with the site
+/// centre in its middle, and is constant beyond.
 struct AlbedoGradient {
   double from = 0;
   double to = 1;
   double azimuth_rad = 0;            ///< from +x to +y
-  std::optional<double> length_m{};  ///< between the two albedos; none: from border to border of the site
+  std::optional<double> length_m{};  ///< empty: from border to border of the site
   friend bool operator==(const AlbedoGradient&, const AlbedoGradient&) = default;
 };
 
-/// Two albedos: of patches, where a fractal of wavelengths below the longest is above a threshold, and of
-/// what lies between them.
+/// Patches of one albedo and another albedo between them. A patch is where a random fractal, made of waves
+/// shorter than `longest_wavelength_m`, exceeds a threshold.
 struct AlbedoPatches {
   double albedo = 1;
   double albedo_between = 0;
@@ -81,7 +83,7 @@ struct AlbedoPatches {
   friend bool operator==(const AlbedoPatches&, const AlbedoPatches&) = default;
 };
 
-/// offset + scale times the samples of a raster, of which datum and vertical scale have no effect.
+/// offset + scale times the samples of a raster. The raster's datum and vertical scale have no effect.
 struct AlbedoRaster {
   DemBase raster;
   double scale = 1;
@@ -89,16 +91,16 @@ struct AlbedoRaster {
   friend bool operator==(const AlbedoRaster&, const AlbedoRaster&) = default;
 };
 
-/// The albedo of the nodes: that of the ground (a number: everywhere), and those of features on it.
+/// The albedo of the nodes: that of the ground (a number is the same everywhere), and those of features.
 struct AlbedoModel {
   std::variant<double, AlbedoGradient, AlbedoPatches, AlbedoRaster> ground = 1.0;
-  /// By index of FeatureShape; features of other kinds leave the albedo as it is.
+  /// By index of FeatureShape; empty: features of this kind leave the albedo as it is.
   std::array<std::optional<double>, std::variant_size_v<FeatureShape>> of_kind{};
   friend bool operator==(const AlbedoModel&, const AlbedoModel&) = default;
 };
 
-/// A gridded terrain: the sum of the bases, then the features on it (feature_field.h): the listed ones in
-/// their order, then those of the patterns in theirs.
+/// A gridded terrain: the sum of the bases, with features on it (feature_field.h): first the listed ones,
+/// then those of the patterns, each in the order of its list.
 struct TerrainModel {
   std::vector<Base> bases = {PlaneBase{}};
   std::vector<Feature> features;

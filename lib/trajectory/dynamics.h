@@ -10,32 +10,34 @@
 
 namespace landfall {
 
-/// Disturbance torque about the axes of B.
+/// Disturbance torque about the axes of B: a constant plus random draws.
 struct DisturbanceTorque {
-  Vector<BodyFrame> torque_nm{};        ///< constant
+  Vector<BodyFrame> torque_nm{};
   Vector<BodyFrame> torque_sigma_nm{};  ///< one sigma of a normal draw per control period and axis
   std::uint64_t seed = 1;
 };
 
 struct DynamicsParameters {
   RigidBody body{};
-  Point<DemFrame> position_m{{0, 0, 500}};  ///< at t0 = 0
+  // The state at time 0.
+  Point<DemFrame> position_m{{0, 0, 500}};
   Vector<DemFrame> velocity_mps{{0, 0, -23}};
   RollPitchYaw rpy{};
-  Vector<BodyFrame> rate_radps{};
+  Vector<BodyFrame> rate_radps{};  ///< of B against D
+
   double gravity_mps2 = 1.315;  ///< along -z_D, uniform
   DescentThrust thrust{};
   AttitudeControl attitude_control{};
   DisturbanceTorque disturbance{};
   double control_period_s = 0.01;
-  double duration_s = 2;  ///< the motion has poses at least until this time
+  double duration_s = 2;  ///< the motion is computed at least until this time
 };
 
 /// A rigid body's descent in six degrees of freedom: gravity, an engine that holds the descent rate, on-off
 /// thrusters that hold the attitude within a deadband, and disturbance torques. Force and torque are updated
-/// at the times k * control_period_s and held in between.
+/// at the times k * control_period_s and held constant in between.
 ///
-/// The constructor integrates the motion once and keeps the state at every control time, 104 bytes each. In
+/// The constructor integrates the motion once and keeps the state at every control time, 112 bytes each. In
 /// between, positions are cubic Hermite pieces with the known velocities, and attitudes are R_k exp(phi(t)),
 /// phi the cubic Hermite piece of the rotation vector with the known rates. Both are continuous with their
 /// rates. Their error is at most h^4/384 max|d^4/dt^4|, h the control period: at h = 0.01 s, below 1e-10 m
