@@ -26,7 +26,7 @@ struct PairedCounts {
 [[nodiscard]] PairedCounts paired_counts(std::span<const double> a, std::span<const double> b);
 
 /// McNemar's exact two-sided test of equal pass probabilities: twice the probability that at most
-/// min(only_a, only_b) of only_a + only_b fair coins show heads, at most 1; 1 without a discordant pair.
+/// min(only_a, only_b) of only_a + only_b fair coins show heads, at most 1; 1 if only_a + only_b is 0.
 [[nodiscard]] double mcnemar_p(const PairedCounts& counts);
 
 /// A difference of two probabilities with its interval.
@@ -38,8 +38,9 @@ struct ProbabilityDifference {
 
 /// P(A passes) - P(B passes) with the interval of Newcombe's method 10 for paired proportions (Statistics in
 /// Medicine 17, 1998, 2635-2650): the Wilson limits of both rates, combined with the correlation of the
-/// pairs, phi = (ad - bc) / sqrt of the product of the four margins, in which ad - bc > 0 is reduced by n/2
-/// but not below 0. phi is 0 where a margin is 0. Without a pair: 0 in [-1, 1].
+/// pairs, phi = (both * neither - only_a * only_b) / sqrt of the product of the four margins, in which a
+/// positive numerator is reduced by pairs/2 but not below 0. phi is 0 if a margin is 0. Without a pair: 0 in
+/// [-1, 1].
 [[nodiscard]] ProbabilityDifference newcombe_difference(const PairedCounts& counts, double confidence = 0.95);
 
 }  // namespace landfall

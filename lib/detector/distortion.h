@@ -19,8 +19,8 @@ struct RadialDistortion {
   }
 };
 
-/// The least radius in (0, radius] at which the distorted radius stops growing: from there on the image
-/// folds, so that two pixels look the same way. Empty where it grows over all of [0, radius]; accurate to
+/// The smallest radius in (0, radius] at which the distorted radius stops growing: from there on the image
+/// folds, so that two pixels look the same way. Empty if it grows everywhere in [0, radius]. Accurate to
 /// 1e-12 of the radius. The coefficients must be finite.
 [[nodiscard]] std::optional<double> fold_radius(const RadialDistortion& distortion, double radius);
 

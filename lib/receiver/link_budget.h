@@ -11,13 +11,13 @@ struct ReferenceSignal {
   double range_m = 500;  ///< at this range, > 0
 };
 
-/// The same from the instrument's design.
+/// The instrument's design, from which the same signal follows.
 struct LinkDesign {
   double pulse_energy_J = 0;  ///< > 0
   double wavelength_m = 0;    ///< > 0
   double aperture_m = 0;      ///< diameter of the receiving telescope, > 0
-  double efficiency =
-      0;  ///< photoelectrons per photon that enters it, losses of the transmitter included, in (0, 1]
+  /// Photoelectrons per photon that enters the telescope, losses of the transmitter included, in (0, 1].
+  double efficiency = 0;
 };
 
 /// The link constant K of a whole pixel, photoelectrons x m^2. A Lambertian surface that fills the pixel and

@@ -11,12 +11,11 @@
 namespace landfall {
 
 struct RangeTimerParameters {
-  double jitter_sigma_s = 0;  ///< one sigma of a time of flight, per pixel and pulse, >= 0
-  /// The offset that each pixel keeps for the whole scan: one sigma, >= 0, or the values; empty: drawn.
-  double pixel_offset_sigma_m = 0;
-  std::vector<double> pixel_offset_m{};
-  double clock_scale_ppm = 0;  ///< the clock's period is too short by this; in [-1e5, 1e5]
-  double timer_step_s = 0;     ///< a time of flight is rounded to a multiple of it, >= 0; 0: not rounded
+  double jitter_sigma_s = 0;        ///< one sigma of a time of flight, per pixel and pulse, >= 0
+  double pixel_offset_sigma_m = 0;  ///< one sigma of the offset that a pixel keeps for the whole scan, >= 0
+  std::vector<double> pixel_offset_m{};  ///< or the offsets of all pixels, with sigma 0; empty: drawn
+  double clock_scale_ppm = 0;            ///< the clock's period is too short by this; in [-1e5, 1e5]
+  double timer_step_s = 0;  ///< a time of flight is rounded to a multiple of it, >= 0; 0: not rounded
 };
 
 /// The clock that measures the time of flight, r = c t/2:

@@ -14,7 +14,7 @@ namespace landfall {
 [[nodiscard]] Direction<LidarFrame> direction_to(const Point<DemFrame>& target,
                                                  const Transform<DemFrame, LidarFrame>& T_dem_lidar);
 
-/// A time that lies within one pulse interval of a pulse.
+/// A time within one pulse interval before or after a pulse.
 struct TimeNearPulse {
   PulseTime pulse;
   double later_s = 0;
@@ -26,8 +26,9 @@ class PatternAim {
   /// `interval_s` between two pulses; 0: the aim is taken as constant.
   PatternAim(const Pattern& pattern, double interval_s) : pattern_(pattern), interval_s_(interval_s) {}
 
-  /// t + e as the last pulse on the way there from the pulse at t, and the rest. Where the pattern has no aim
-  /// at that pulse, before its begin or after its end, it is the pulse at t.
+  /// The time of `pulse` plus `error_s`, as a whole number of pulses from `pulse`, rounded towards it, and
+  /// the remaining time, which has the sign of the error. If the pattern has no aim there (before its start,
+  /// after its end, at a blanked pulse), `pulse` itself without the error.
   [[nodiscard]] TimeNearPulse time_after(const PulseTime& pulse, double error_s) const;
 
   /// The point that the pattern aims at `later_s` after a pulse that has an aim, moving linearly from pulse

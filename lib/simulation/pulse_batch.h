@@ -26,7 +26,7 @@ struct PulseBatch {
   bool keeps_later_echoes = false;
 
   /// Makes room for every pixel of every pulse. Values are not initialised: the caller fills all rows.
-  /// `rows_per_pulse`: pixels times the most returns of one.
+  /// `rows_per_pulse`: pixels times the largest number of returns of a pixel.
   void resize(std::size_t pulse_count, std::size_t rows_per_pulse, PointContent content = PointContent::all,
               const OptionalColumns& optional = {});
   /// Number of rows per status, indexed by its value.

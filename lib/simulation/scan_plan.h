@@ -63,7 +63,7 @@ class ScanPlan {
 struct BinSpread {
   double mean = 0;
   std::int64_t min = 0;
-  std::int64_t p05 = 0;  ///< the least value that at least 5 % of the bins do not exceed
+  std::int64_t p05 = 0;  ///< the smallest value that at least 5 % of the bins do not exceed
   std::int64_t median = 0;
   std::int64_t p95 = 0;
   std::int64_t max = 0;
