@@ -117,10 +117,10 @@ def with_lists(text):
 
 
 def without_folders(text, page):
-    """The text without links to folders and scripts of the repository, which the site does not hold."""
+    """The text without links to folders and hidden files of the repository, which the site does not hold."""
     def shown(link):
         path = os.path.normpath(os.path.join(os.path.dirname(page), link[2]))
-        return link[1] if os.path.isdir(os.path.join(ROOT, path)) else link[0]
+        return link[1] if path.startswith(".") or os.path.isdir(os.path.join(ROOT, path)) else link[0]
     return ANY_LINK.sub(shown, text)
 
 
