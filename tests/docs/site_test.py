@@ -27,6 +27,7 @@ import stage
 MISSING = [program for program in ("mkdocs", "doxygen") if not shutil.which(program)] + ([] if os.path.exists(stage.KATEX) else ["libjs-katex"])
 START = "index.html"
 GENERATED = "docs/reference/api.md"  # holds text that mkdocstrings makes
+GENERATED_PAGE = "docs/reference/api.html"
 # Elements and attributes whose files a browser loads by itself.
 LOADED = {("script", "src"), ("img", "src"), ("link", "href"), ("iframe", "src"), ("source", "src")}
 
@@ -143,6 +144,15 @@ class Site(unittest.TestCase):
                 self.assertGreaterEqual(counts["pre"], len(shown), name)
                 self.assertEqual(counts["table"], sum(bool(re.match(r" *\|(?=.*-)[-|: ]+\|$", line)) for line in prose), name)
                 self.assertEqual(counts["li"], sum(bool(re.match(r" *([-*]|\d+\.) ", line)) for line in prose), name)
+
+    def test_every_public_name_has_its_entry(self):
+        sys.path.insert(0, os.path.join(ROOT, "python"))
+        import landfall  # pylint: disable=import-outside-toplevel
+        self.assertEqual([name for name in landfall.__all__ if f"landfall.{name}" not in Built.documents[GENERATED_PAGE].ids], [])
+        names = re.findall(r"(?m)^(?:struct|class|enum class|using) (\w+)", read(os.path.join(ROOT, "lib", "host", "lidar.h")))
+        self.assertGreater(len(names), 8)
+        shown = "".join(read(os.path.join(Built.folder, "cpp", name)) for name in os.listdir(os.path.join(Built.folder, "cpp")) if name.endswith(".html"))
+        self.assertEqual([name for name in names if f">{name}</" not in shown and f"{name} " not in shown], [])
 
     def test_the_heading_names_the_version(self):
         version = re.search(r"project\(landfall VERSION (\S+)", read(os.path.join(ROOT, "CMakeLists.txt")))[1]
