@@ -10,9 +10,9 @@ from landfall.errors import DataError
 class Table:
     """Columns of equal length in a file, which are read on access.
 
-    table["z_est"] reads a column into a numpy array. table[1000:2000] is a Table of these rows and table[["x_est", "y_est"]] one
-    of these columns, both without reading; so table[::100]["z_est"] reads every hundredth value. len() counts rows, iterating gives
-    the names of the columns.
+    `table["z_est"]` reads a column into a numpy array. `table[1000:2000]` is a Table of these rows and `table[["x_est", "y_est"]]`
+    one of these columns, both without reading; so `table[::100]["z_est"]` reads every hundredth value. `len()` counts rows, iterating
+    gives the names of the columns.
 
     `columns`: names in their order; `units`: unit by name; `attributes`: all attributes by name, with units, long_name and the
     meanings of flags; `attrs`: attributes of the file.

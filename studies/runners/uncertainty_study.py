@@ -1,6 +1,6 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Judges regrid's uncertainty map against the truth: z-scores of many draws on 10 m maps (docs/user/uncertainty.md).
+"""Judges regrid's uncertainty map against the truth: z-scores of many draws on 10 m maps (docs/quality/uncertainty.md).
 
 Each scene is scanned once; every draw takes new errors (scan-sim --ranges-from), grids them with --uncertainty
 --corrected, and divides z_true_map - z_est by its sigma. Writes zscores.csv and two figures into the output folder.

@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """terrain-gen on the rasters and meshes of testdata/ and on the real ones in the folder LANDFALL_DATA: each file loads with
 the values that another reader gives, or is refused with a reason, quickly and in little memory. The results are listed in
-docs/user/terrain-files.md.
+docs/quality/terrain-files.md.
 
 usage: raster_files_test.py [--write]   --write updates the page
 """
@@ -23,7 +23,7 @@ from raster_readers import Cells, Degrees, Rotated
 ROOT = os.environ["LANDFALL_ROOT"]
 TESTDATA = os.path.join(ROOT, "testdata")
 DATA = os.environ.get("LANDFALL_DATA", os.path.join(ROOT, "..", "shared", "data"))
-TABLE = os.path.join(ROOT, "docs", "user", "terrain-files.md")
+TABLE = os.path.join(ROOT, "docs", "quality", "terrain-files.md")
 LIMIT_S, LIMIT_MB = (60, 5000) if SANITIZED else (2, 500)
 MESHES = (".obj", ".off", ".ply", ".stl")
 EXACT = ["--interpolation", "nearest", "--datum", "none"]

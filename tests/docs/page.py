@@ -12,13 +12,17 @@ A comment on its own line annotates the next block:
     <!-- check: TOOL -->          the next block is a configuration that TOOL --check must accept
     <!-- output -->               the next block is the output of the previous one; a line `...` matches any lines, and
                                   revisions, ids and file sizes may differ
+
+and one gives a line that only the site shows (scripts/docs):
+
+    <!-- site: MARKDOWN -->
 """
 import os
 import re
 
 ROOT = os.environ.get("LANDFALL_ROOT", os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", ".."))
 FENCE = re.compile(r"^( *)```(\w*) *$")
-COMMENT = re.compile(r"^<!-- (setup|long setup|long|bare|all tests|file|check|output)(?:: *(.*))?$", re.DOTALL)
+COMMENT = re.compile(r"^<!-- (setup|long setup|long|bare|all tests|file|check|output|site)(?:: *(.*))?$", re.DOTALL)
 LINK = re.compile(r"(!?)\[(?:[^\[\]]|\[[^\]]*\])*\]\(([^()\s]+)\)")
 RUN_LANGUAGES = ("sh", "python")
 RUN_ELSEWHERE = {"bare", "all tests"}
@@ -94,6 +98,8 @@ class Page:
         match = COMMENT.match(text[:text.find("-->")].rstrip())
         if not match:
             self.faults.append(f"{self.name}:{first + 1}: an unknown comment: {self._lines[first]}")
+        elif match[1] == "site":
+            pass
         elif match[1] in ("setup", "long setup"):
             lines_before = text[:match.start(2)].count("\n")
             self.blocks.append(Block(match[1], first + 1 + lines_before, match[2] + "\n", {}))

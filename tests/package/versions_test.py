@@ -57,6 +57,47 @@ class Versions(unittest.TestCase):
             self.assertLessEqual({"authors", "title", "type"}, set(reference))
 
 
+class Workflow(unittest.TestCase):
+    def test_each_job_runs_scripts_that_exist(self):
+        workflow = yaml.safe_load(text(".github", "workflows", "ci.yml"))
+        commands = [step["run"] for job in workflow["jobs"].values() for step in job["steps"] if "run" in step]
+        scripts = [command.split()[0] for command in commands if re.match(r"(scripts|\.ci)/", command)]
+        self.assertLessEqual({".ci/run", "scripts/package", "scripts/test-deb", "scripts/test-container", "scripts/docs"}, set(scripts))
+        self.assertEqual([script for script in scripts if not os.access(os.path.join(ROOT, script), os.X_OK)], [])
+        needed = {name for job in workflow["jobs"].values() for name in job.get("needs", [])}
+        self.assertLessEqual(needed, set(workflow["jobs"]))
+
+
+class Paper(unittest.TestCase):
+    """paper/paper.md in the form of the Journal of Open Source Software."""
+
+    def setUp(self):
+        _, head, self.body = text("paper", "paper.md").split("---\n", 2)
+        self.head = yaml.safe_load(head)
+
+    def test_the_head_has_its_keys(self):
+        self.assertLessEqual({"title", "tags", "authors", "affiliations", "date", "bibliography"}, set(self.head))
+        self.assertTrue(os.path.exists(os.path.join(ROOT, "paper", self.head["bibliography"])))
+        places = {affiliation["index"] for affiliation in self.head["affiliations"]}
+        self.assertLessEqual({author["affiliation"] for author in self.head["authors"]}, places)
+
+    def test_the_sections_and_the_length(self):
+        sections = re.findall(r"(?m)^# (.*)$", self.body)
+        self.assertLessEqual({"Summary", "Statement of need", "State of the field", "References"}, set(sections))
+        self.assertTrue(250 <= len(self.body.split()) <= 1000, len(self.body.split()))
+
+    def test_what_it_cites_is_in_the_bibliography(self):
+        entries = re.findall(r"(?m)^@\w+\{(\w+),$", text("paper", "paper.bib"))
+        self.assertEqual(sorted(set(re.findall(r"@(\w+)[\];]", self.body))), sorted(entries))
+
+    def test_its_numbers_are_those_of_the_pages(self):
+        self.assertIn("| all | 3,826 | 3,519, 92.0 % | 307 | 295 | 99.7 % |", text("docs", "quality", "mutation.md"))
+        self.assertIn("| roll reversed | 260.7 |", text("docs", "quality", "real-scan.md"))
+        self.assertIn("**4.98 urad rms**", text("docs", "quality", "real-scan.md"))
+        for number in ("3,826", "99.7 %", "5 microradians", "261"):
+            self.assertIn(number, self.body)
+
+
 class Schemas(unittest.TestCase):
     def test_each_has_an_id_with_its_version(self):
         files = sorted(name for name in os.listdir(os.path.join(ROOT, "schemas")) if name != "dictionary")

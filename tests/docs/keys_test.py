@@ -1,0 +1,102 @@
+#!/usr/bin/python3
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The pages of docs/reference/keys are those of the schemas, and name every key.
+
+    keys_test.py            compares them
+    keys_test.py --write    writes them
+"""
+import json
+import os
+import re
+import subprocess
+import sys
+import unittest
+
+ROOT = os.path.abspath(os.environ.get("LANDFALL_ROOT", os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..")))
+sys.path.insert(0, os.path.join(ROOT, "scripts", "site"))
+# pylint: disable=wrong-import-position
+import keys
+
+# The commands whose manual, written in C++ from the same schemas, lists the same keys.
+TOOLS = {**{page: [page] for page in ("terrain-gen", "scan-sim", "regrid", "dem-eval", "hazard-map", "monte-carlo")}, "landfall-run": ["landfall", "run"]}
+
+
+def read(name):
+    with open(os.path.join(ROOT, name), encoding="utf-8") as file:
+        return file.read()
+
+
+def properties(node):
+    """(name, description) of every key that a schema defines, wherever it stands; None without a description of its own."""
+    if isinstance(node, list):
+        for inner in node:
+            yield from properties(inner)
+    if isinstance(node, dict):
+        for word, inner in node.items():
+            if word == "properties":
+                yield from ((name, value.get("description")) for name, value in inner.items())
+            yield from properties(inner)
+
+
+def headings(page):
+    return re.findall(r"(?m)^##+ `(.*)`$", read(f"{keys.FOLDER}/{page}.md"))
+
+
+def manual(command):
+    """{key: its type, unit, bounds and default} of a manual's section CONFIGURATION."""
+    result = subprocess.run([os.path.join(os.environ["LANDFALL_BIN"], command[0]), *command[1:], "--print-man"], capture_output=True, text=True, check=True)
+    section = re.search(r"\n\.SH CONFIGURATION\n(.*?)\n\.SH ", result.stdout, re.DOTALL)[1]
+    plain = section.replace("\\-", "-").replace("\\(dq", '"').replace("\\(aq", "'")
+    return re.findall(r"(?m)^\\fB([^\\]+)\\fR \((.*)\)$", plain)
+
+
+class Keys(unittest.TestCase):
+    maxDiff = None
+
+    def test_the_pages_are_those_of_the_schemas(self):
+        there = {f"{keys.FOLDER}/{name}" for name in os.listdir(os.path.join(ROOT, keys.FOLDER))}
+        texts = keys.texts()
+        self.assertEqual(there, set(texts))
+        stale = [name for name, text in texts.items() if read(name) != text]
+        self.assertEqual(stale, [], "tests/docs/keys_test.py --write renews them")
+
+    def test_every_schema_has_a_page(self):
+        there = {name.removesuffix(".schema.json") for name in os.listdir(os.path.join(ROOT, "schemas")) if name.endswith(".schema.json")}
+        self.assertEqual(there, set(keys.PAGES))
+
+    def test_every_key_of_every_schema_is_there(self):
+        for kind, page in keys.PAGES.items():
+            names = {path.split(".")[-1] for path in headings(page)}
+            text, found = read(f"{keys.FOLDER}/{page}.md"), list(properties(json.loads(read(f"schemas/{kind}.schema.json"))))
+            self.assertGreater(len(found), 5)
+            self.assertEqual([name for name, _ in found if name not in names], [], page)
+            self.assertEqual([name for name, description in found if description and description.rstrip(".") not in text], [], page)
+
+    def test_the_keys_are_those_of_the_manuals(self):
+        for page, command in TOOLS.items():
+            self.assertEqual(sorted(headings(page)), sorted({path for path, _ in manual(command)}), page)
+
+    def test_numbers_and_units_are_those_of_the_manuals(self):
+        """Every bound and unit that a manual states stands in the entry of its key."""
+        compared = 0
+        for page, command in TOOLS.items():
+            entries = dict(re.findall(r"(?ms)^##+ `([^\n]*)`\n(.*?)(?=^##|\Z)", read(f"{keys.FOLDER}/{page}.md")))
+            for path, facts in manual(command):
+                stated = re.findall(r"(?:at least|at most|above|below) [-\w.]+|(?<=, )(?:m|s|rad|degrees|m/s)(?=,|;|$)", facts)
+                compared += len(stated)
+                self.assertEqual([fact for fact in stated if fact not in entries[path]], [], (page, path, facts))
+        self.assertGreater(compared, 300)
+
+
+def write():
+    os.makedirs(os.path.join(ROOT, keys.FOLDER), exist_ok=True)
+    for name, text in keys.texts().items():
+        with open(os.path.join(ROOT, name), "w", encoding="utf-8") as file:
+            file.write(text)
+
+
+if __name__ == "__main__":
+    if sys.argv[1:] == ["--write"]:
+        write()
+    else:
+        unittest.main()

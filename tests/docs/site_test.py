@@ -1,0 +1,217 @@
+#!/usr/bin/python3
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The site that scripts/docs builds: every link and anchor holds, every page is near, its search finds, nothing leaves the machine."""
+import collections
+import functools
+import html.parser
+import http.server
+import json
+import os
+import re
+import shutil
+import subprocess
+import sys
+import tempfile
+import threading
+import unittest
+import urllib.parse
+
+import page as pages
+from harness import browser
+
+ROOT = os.path.abspath(os.environ["LANDFALL_ROOT"])
+sys.path.insert(0, os.path.join(ROOT, "scripts", "site"))
+# pylint: disable=wrong-import-position
+import stage
+
+MISSING = [program for program in ("mkdocs", "doxygen") if not shutil.which(program)] + ([] if os.path.exists(stage.KATEX) else ["libjs-katex"])
+START = "index.html"
+GENERATED = "docs/reference/api.md"  # holds text that mkdocstrings makes
+GENERATED_PAGE = "docs/reference/api.html"
+# Elements and attributes whose files a browser loads by itself.
+LOADED = {("script", "src"), ("img", "src"), ("link", "href"), ("iframe", "src"), ("source", "src")}
+
+
+class Document(html.parser.HTMLParser):
+    """A page of the site, or a part of it: the targets of its links, what it loads, its ids and the number of its elements."""
+
+    def __init__(self, text):
+        super().__init__()
+        self.links, self.loads, self.ids, self.counts, self.text = [], [], set(), collections.Counter(), text
+        self.feed(text)
+
+    def handle_starttag(self, tag, attrs):
+        self.counts[tag] += 1
+        for name, value in attrs:
+            if name == "id":
+                self.ids.add(value)
+            elif (tag, name) in LOADED:
+                self.loads.append(value)
+            elif (tag, name) == ("a", "href"):
+                self.links.append(value)
+
+
+def read(path):
+    with open(path, encoding="utf-8") as file:
+        return file.read()
+
+
+def built_page(name):
+    """The path in the site of a page of the repository."""
+    return re.sub(r"README\.html$", "index.html", name.removesuffix(".md") + ".html")
+
+
+def target_of(page, link):
+    """The page and the anchor that a link of `page` leads to; None for one to another site."""
+    link = urllib.parse.urlsplit(link)
+    if link.scheme or link.netloc:
+        return None
+    path = os.path.normpath(os.path.join(os.path.dirname(page), urllib.parse.unquote(link.path))) if link.path else page
+    return (os.path.join(path, "index.html").removeprefix("./") if link.path.endswith("/") or path == "." else path), urllib.parse.unquote(link.fragment)
+
+
+class Quiet(http.server.SimpleHTTPRequestHandler):
+    def log_message(self, *arguments):  # pylint: disable=arguments-differ
+        pass
+
+
+class Built:
+    """The site in a new folder, built once."""
+    folder, documents = None, {}
+
+    @classmethod
+    def build(cls):
+        cls.folder = tempfile.mkdtemp(prefix="landfall-site-")
+        unittest.addModuleCleanup(shutil.rmtree, cls.folder)
+        done = subprocess.run([os.path.join(ROOT, "scripts", "docs"), cls.folder], capture_output=True, text=True, check=False)
+        if done.returncode != 0:
+            raise AssertionError(done.stdout + done.stderr)
+        for folder, _, names in os.walk(cls.folder):
+            for name in names:
+                path = os.path.relpath(os.path.join(folder, name), cls.folder)
+                if name.endswith(".html") and not path.startswith("cpp/") and path != "404.html":
+                    cls.documents[path] = Document(read(os.path.join(folder, name)))
+
+
+def setUpModule():  # pylint: disable=invalid-name
+    if MISSING:
+        raise unittest.SkipTest(f"needs {', '.join(MISSING)}: scripts/install-packages --docs")
+    Built.build()
+
+
+class Site(unittest.TestCase):
+    maxDiff = None
+
+    def test_every_page_is_there(self):
+        self.assertLessEqual(set(map(built_page, stage.pages())), set(Built.documents))
+        self.assertTrue(os.path.exists(os.path.join(Built.folder, "cpp", "index.html")))
+
+    def test_every_link_and_anchor_holds(self):
+        broken, checked = [], 0
+        for page, document in Built.documents.items():
+            for link in document.links + document.loads:
+                target = target_of(page, link)
+                if target is None:
+                    continue
+                checked += 1
+                path, anchor = target
+                if not os.path.isfile(os.path.join(Built.folder, path)) or anchor and path in Built.documents and anchor not in Built.documents[path].ids:
+                    broken.append((page, link))
+        self.assertGreater(checked, 1000)
+        self.assertEqual(broken, [])
+
+    def test_every_page_is_three_clicks_away(self):
+        reached = near = {START}
+        for _ in range(3):
+            near = {target[0] for page in near for link in Built.documents[page].links if (target := target_of(page, link))} & set(Built.documents) - reached
+            reached = reached | near
+        self.assertEqual(sorted(set(Built.documents) - reached), [])
+
+    def test_nothing_is_loaded_from_elsewhere(self):
+        self.assertEqual([(page, load) for page, document in Built.documents.items() for load in document.loads if target_of(page, load) is None], [])
+        for folder, _, names in os.walk(os.path.join(Built.folder, "assets")):
+            for name in names:
+                if name.endswith(".css"):
+                    self.assertEqual(re.findall(r"url\(['\"]?(https?:[^)]*)", read(os.path.join(folder, name))), [], name)
+
+    def test_markdown_is_read_as_on_github(self):
+        """Each fence, table and list item of a page is one on the site."""
+        for name in stage.pages():
+            parsed = pages.Page(name)
+            prose, shown = parsed.prose.values(), [block for block in parsed.blocks if block.language not in ("setup", "long setup")]
+            counts = Document(re.search(r"<article.*?</article>", Built.documents[built_page(name)].text, re.DOTALL)[0]).counts
+            if name != GENERATED:
+                self.assertGreaterEqual(counts["pre"], len(shown), name)
+                self.assertEqual(counts["table"], sum(bool(re.match(r" *\|(?=.*-)[-|: ]+\|$", line)) for line in prose), name)
+                self.assertEqual(counts["li"], sum(bool(re.match(r" *([-*]|\d+\.) ", line)) for line in prose), name)
+
+    def test_every_public_name_has_its_entry(self):
+        sys.path.insert(0, os.path.join(ROOT, "python"))
+        import landfall  # pylint: disable=import-outside-toplevel
+        self.assertEqual([name for name in landfall.__all__ if f"landfall.{name}" not in Built.documents[GENERATED_PAGE].ids], [])
+        names = re.findall(r"(?m)^(?:struct|class|enum class|using) (\w+)", read(os.path.join(ROOT, "lib", "host", "lidar.h")))
+        self.assertGreater(len(names), 8)
+        shown = "".join(read(os.path.join(Built.folder, "cpp", name)) for name in os.listdir(os.path.join(Built.folder, "cpp")) if name.endswith(".html"))
+        self.assertEqual([name for name in names if f">{name}</" not in shown and f"{name} " not in shown], [])
+
+    def test_the_heading_names_the_version(self):
+        version = re.search(r"project\(landfall VERSION (\S+)", read(os.path.join(ROOT, "CMakeLists.txt")))[1]
+        self.assertRegex(Built.documents[START].text, rf"(?s)<header.*landfall {re.escape(version)}\s*<.*</header>")
+
+
+@unittest.skipIf(browser.missing(), browser.missing())
+class Search(unittest.TestCase):
+    """The site as a browser shows it, from a plain web server."""
+
+    @classmethod
+    def setUpClass(cls):
+        cls.server = http.server.ThreadingHTTPServer(("127.0.0.1", 0), functools.partial(Quiet, directory=Built.folder))
+        cls.addClassCleanup(cls.server.server_close)
+        cls.addClassCleanup(cls.server.shutdown)
+        threading.Thread(target=cls.server.serve_forever, daemon=True).start()
+        cls.address = f"http://127.0.0.1:{cls.server.server_port}/"
+        cls.window = browser.Browser()
+        cls.addClassCleanup(cls.window.close)
+
+    def first_result(self, words):
+        """The path of the page that the search names first."""
+        self.window.driver.get(self.address)
+        self.window.wait("return document.querySelector('.md-search__input') !== null")
+        self.window.run("document.getElementById('__search').click()")
+        field = self.window.driver.find_element("css selector", ".md-search__input")
+        self.window.run("arguments[0].focus()", field)
+        field.send_keys(words)
+        self.window.wait("return document.querySelector('.md-search-result__link') !== null", 60)
+        link = self.window.run("return document.querySelector('.md-search-result__link').href")
+        return urllib.parse.urlsplit(link).path.lstrip("/")
+
+    def test_the_search_finds_the_right_page_first(self):
+        for words, page in (("dead pixel", "docs/user/studies/dead-pixels.html"), ("noise.range_sigma_m", "docs/reference/keys/scan-sim.html"),
+                            ("footprint", "docs/user/glossary.html")):
+            self.assertEqual(self.first_result(words), page, words)
+
+    def test_no_request_leaves_the_machine(self):
+        self.window.requests()
+        for page in (START, "docs/user/glossary.html", "docs/reference/api.html", "docs/reference/keys/scan-sim.html"):
+            self.window.driver.get(self.address + page)
+        self.first_result("scan")
+        asked = self.window.requests()
+        self.assertGreater(len(asked), 20)
+        self.assertEqual([url for url in asked if not url.startswith(self.address)], [])
+
+    def test_formulas_are_typeset(self):
+        self.window.driver.get(self.address + "docs/user/glossary.html")
+        counts = self.window.run("return [document.querySelectorAll('.arithmatex').length, document.querySelectorAll('.arithmatex .katex').length]")
+        self.assertGreater(counts[0], 3)
+        self.assertEqual(counts[0], counts[1])
+        self.assertEqual([entry for entry in self.window.driver.get_log("browser") if entry["level"] == "SEVERE"], [])
+
+    def test_dark_and_light(self):
+        self.window.driver.get(self.address)
+        before = self.window.run("return getComputedStyle(document.body).backgroundColor")
+        self.window.run("[...document.querySelectorAll('[data-md-component=palette] label')].find(label => !label.hidden).click()")
+        self.window.wait(f"return getComputedStyle(document.body).backgroundColor !== {json.dumps(before)}", 20)
+
+
+if __name__ == "__main__":
+    unittest.main()
