@@ -59,8 +59,23 @@ void bind(CLI::App& app, Options& o) {
                "Exit with 3 unless a site has a p_touchdown of at least sites.min_p");
 }
 
+/// On a terminal the table is printed without --table.
+bool is_table_default(const cli::CommonOptions& common) {
+  return isatty(STDOUT_FILENO) != 0 && !common.quiet && !common.json_summary;
+}
+
+void check_output(const cli::CommonOptions& common, const Options& o) {
+  if (common.output_path.empty() && !common.view_path.empty())
+    throw UsageError("--view shows the output and needs -o");
+  const bool has_output =
+      !common.output_path.empty() || !o.sites.empty() || !o.score.empty() || !o.report.empty();
+  if (!has_output && !o.table && !o.require_safe && !is_table_default(common))
+    throw UsageError("nothing to write; give -o, --sites, --score, --report or --table");
+}
+
 void check(const cli::CommonOptions& common, const Options& o) {
   if (o.map.empty()) throw UsageError("a DEM or terrain to judge is required");
+  check_output(common, o);
   if (o.table && common.json_summary) throw UsageError("--table and --json both write to standard output");
   if (o.no_truth && !o.score.empty())
     throw UsageError("--score compares with the truth, which --no-truth ignores");
@@ -77,7 +92,8 @@ ExitCode run(cli::Session& session, const Options& o) {
   const HazardParameters parameters = hazard_config(session.config());
   // The outputs are refused before the map is read, and appear together or not at all.
   const std::vector<std::string> inputs = {o.map, o.terrain};
-  const OutputOptions output = session.output(inputs);
+  std::optional<OutputOptions> output;
+  if (!session.options().output_path.empty()) output = session.output(inputs);
   const auto sites_file = session.side_output("--sites", o.sites, inputs);
   const auto score_file = session.side_output("--score", o.score, inputs);
   const auto report_file = session.side_output("--report", o.report, inputs);
@@ -90,7 +106,8 @@ ExitCode run(cli::Session& session, const Options& o) {
   if (score_file && !source.z_true)
     throw FormatError(o.map + ": has no true elevations (z_true), which --score needs");
   input = cli::complete_hazard_input(session, {o.map, o.terrain}, source, parameters, provenance);
-  LandfallFileWriter file(output, "hazards", provenance);
+  std::optional<LandfallFileWriter> file;
+  if (output) file.emplace(*output, "hazards", provenance);
   HazardMap map;
   session.with_file_names(o.map, [&] { map = map_hazards(input, parameters, session.phases()); });
   session.phase("write", [&](const ProgressCallback&) {
@@ -98,13 +115,12 @@ ExitCode run(cli::Session& session, const Options& o) {
     if (score_file) write_text(*score_file, score_json(map.truth->score).dump(2) + "\n");
     if (report_file)
       write_text(*report_file, html_report::hazard_page({input, parameters, map}, provenance, o.title));
-    write_hazards(file, map, source.crs_wkt);
+    if (file) write_hazards(*file, map, source.crs_wkt);
     if (sites_file) sites_file->commit();
     if (score_file) score_file->commit();
     if (report_file) report_file->commit();
   });
-  if (o.table || (isatty(STDOUT_FILENO) != 0 && !session.options().quiet && !session.options().json_summary))
-    std::cout << cli::hazard_table(map);
+  if (o.table || is_table_default(session.options())) std::cout << cli::hazard_table(map);
   std::optional<double> required;
   if (o.require_safe) required = parameters.sites.min_p;
   return cli::report_hazards(session, o.map, map, required);

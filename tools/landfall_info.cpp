@@ -26,7 +26,7 @@ constexpr const char* kExamples = R"(Examples:
   landfall-info scan.h5
   landfall-info terrain.h5 scan.h5 dem.h5 eval.h5
   landfall-info dem.h5 --json
-  landfall-info huge.h5 --no-statistics --config
+  landfall-info scan.h5 --config | scan-sim -c - --terrain terrain.h5 -o again.h5
   landfall-info --compare a/eval.h5 b/eval.h5
   landfall-info dem.h5 --at 12.5,-3 --scan scan.h5
   landfall-info --check *.h5
@@ -73,8 +73,7 @@ void bind(CLI::App& app, Options& o) {
   app.add_flag("--json", o.json, "Print a JSON object; an array for several files");
   app.add_flag("--no-statistics", o.no_statistics,
                "List layers and columns with their meaning, without reading values");
-  app.add_flag("--config", o.config,
-               "Print the whole configuration, not only what differs from the defaults");
+  app.add_flag("--config", o.config, "Print only the whole configuration, JSON for the tool's -c");
   app.add_flag("--check", o.check,
                "Check the files as every tool does when it opens them, and print only refusals; exit 1 if "
                "there is one");
@@ -131,11 +130,20 @@ ExitCode describe_files(cli::Session& session, const Options& o) {
     if (o.json)
       all.push_back(description);
     else
-      std::cout << gap << cli::description_text(description, o.config) << std::flush;
+      std::cout << gap << cli::description_text(description) << std::flush;
     gap = "\n";
   });
   if (o.json) std::cout << shown_lines((o.files.size() == 1 ? all.at(0) : all).dump(2)) << '\n';
   return code;
+}
+
+/// Prints the configuration alone, so that a tool can read it: landfall-info scan.h5 --config | scan-sim -c
+/// -.
+ExitCode print_config(const Options& o) {
+  if (o.json) throw UsageError("--config prints JSON, and --json the configuration with all else; omit one");
+  if (o.files.size() != 1) throw UsageError("--config needs one file");
+  std::cout << cli::config_text(describe_file(o.files[0], {.statistics = false}));
+  return ExitCode::done;
 }
 
 /// The output of --compare and --at.
@@ -185,7 +193,8 @@ ExitCode run(cli::Session& session, const Options& o) {
   if (o.compare) return compare(session, o);
   if (!o.at.empty()) return show_bin(session, o);
   if (o.files.empty()) throw UsageError("a file to describe is required");
-  return o.check ? check_files(session, o) : describe_files(session, o);
+  if (o.check) return check_files(session, o);
+  return o.config ? print_config(o) : describe_files(session, o);
 }
 
 }  // namespace

@@ -56,21 +56,39 @@ std::string requirement_lines(const Comparison& all) {
 }
 
 std::string metric_lines(const Comparison& metrics) {
-  std::string text = print("\n%-48s %12s %12s %12s\n", "number that differs", "A", "B", "B - A");
+  std::string text = print("\n%-43s %11s %11s %11s\n", "number that differs", "A", "B", "B - A");
   std::size_t shown = 0;
   for (const Comparison& entry : metrics) {
     if (entry["a"] == entry["b"] || shown == kShownMetrics) continue;
     ++shown;
-    text += print("%-48s %12s %12s %12s\n", entry["metric"].get<std::string>().c_str(),
+    text += print("%-43s %11s %11s %11s\n", entry["metric"].get<std::string>().c_str(),
                   value_text(entry["a"]).c_str(), value_text(entry["b"]).c_str(),
                   value_text(entry["difference"]).c_str());
   }
   return shown == 0 ? "\nnumbers: no difference\n" : text;
 }
 
+/// At most 8 characters, as far as an exponent leaves room for digits.
+std::string statistic_text(const Comparison& value) {
+  if (value.is_null()) return "-";
+  std::string text;
+  for (int digits = 4; digits > 1 && (text.empty() || text.size() > 8); --digits)
+    text = print("%.*g", digits, value.get<double>());
+  return text;
+}
+
+/// The name of a layer and its unit, on a line of their own if the table has no room for them.
+std::string layer_title(const Comparison& layer) {
+  const std::string unit = layer["unit"].get<std::string>();
+  const std::string title =
+      layer["layer"].get<std::string>() + (unit.empty() || unit == "1" ? "" : ", " + unit);
+  constexpr std::size_t kWidth = 15;
+  return title.size() <= kWidth ? print("%-15s", title.c_str()) : title + "\n" + std::string(kWidth, ' ');
+}
+
 std::string layer_lines(const Comparison& layers) {
-  std::string text = print("\n%-18s %11s %10s %10s %10s %10s %10s %10s  %s\n", "layer, B - A", "in both",
-                           "mean", "std", "NMAD", "5 %", "50 %", "95 %", "unit");
+  std::string text = print("\n%-15s %10s %8s %8s %8s %8s %8s %8s\n", "layer, B - A", "in both", "mean", "std",
+                           "NMAD", "5 %", "50 %", "95 %");
   for (const Comparison& layer : layers) {
     const std::string name = layer["layer"].get<std::string>();
     if (layer.contains("differing")) {
@@ -78,26 +96,24 @@ std::string layer_lines(const Comparison& layers) {
                     value_text(layer["bins"]).c_str());
       continue;
     }
-    text += print("%-18s %11s", name.c_str(), value_text(layer["valid_both"]).c_str());
+    text += layer_title(layer) + print(" %10s", value_text(layer["valid_both"]).c_str());
     for (const char* const key : {"mean", "std", "nmad", "p05", "p50", "p95"})
-      text += print(" %10s", layer[key].is_null() ? "-" : print("%.4g", layer[key].get<double>()).c_str());
-    const std::string unit = layer["unit"].get<std::string>();
-    text += unit == "1" ? "\n" : "  " + unit + "\n";
+      text += print(" %8s", statistic_text(layer[key]).c_str());
+    text += "\n";
   }
   return text;
 }
 
 std::string pair_lines(const Comparison& json) {
-  std::string text = print("\n%-20s %7s %7s %7s %8s %11s  %s\n", "draws that pass", "both", "only A",
-                           "only B", "neither", "McNemar p", "B - A, 95 % interval");
+  std::string text = print("\n%-19s %4s %6s %6s %7s %9s %s\n", "draws that pass", "both", "only A", "only B",
+                           "neither", "McNemar p", "B - A, 95 % interval");
   for (const Comparison& pair : json) {
     const Comparison& difference = pair["difference"];
-    text +=
-        print("%-20s %7s %7s %7s %8s %11.3g  %.4f, %.4f to %.4f\n", pair["name"].get<std::string>().c_str(),
-              value_text(pair["both"]).c_str(), value_text(pair["only_a"]).c_str(),
-              value_text(pair["only_b"]).c_str(), value_text(pair["neither"]).c_str(),
-              pair["mcnemar_p"].get<double>(), difference["value"].get<double>(),
-              difference["low"].get<double>(), difference["high"].get<double>());
+    text += print("%-19s %4s %6s %6s %7s %9.2g %.3f, %.3f to %.3f\n", pair["name"].get<std::string>().c_str(),
+                  value_text(pair["both"]).c_str(), value_text(pair["only_a"]).c_str(),
+                  value_text(pair["only_b"]).c_str(), value_text(pair["neither"]).c_str(),
+                  pair["mcnemar_p"].get<double>(), difference["value"].get<double>(),
+                  difference["low"].get<double>(), difference["high"].get<double>());
   }
   return text;
 }
@@ -108,13 +124,14 @@ std::string side_line(const char* name, const Comparison& side) {
 }
 
 std::string return_lines(const Comparison& returns) {
-  std::string text = print("\n%8s %6s %10s %-12s %12s %12s %10s %8s %8s\n", "pulse", "pixel", "t, s",
-                           "status", "range true", "measured, m", "z_est, m", "weight", "share");
+  std::string text =
+      print("\nreturns in it; ranges and z_est in metres\n%6s %5s %8s %-12s %10s %9s %9s %6s %6s\n", "pulse",
+            "pixel", "t, s", "status", "range true", "measured", "z_est", "weight", "share");
   const auto fixed = [](const Comparison& value, int digits) {
     return value.is_null() ? std::string("-") : print("%.*f", digits, value.get<double>());
   };
   for (const Comparison& point : returns)
-    text += print("%8s %6s %10s %-12s %12s %12s %10s %8s %8s\n", value_text(point["pulse"]).c_str(),
+    text += print("%6s %5s %8s %-12s %10s %9s %9s %6s %6s\n", value_text(point["pulse"]).c_str(),
                   value_text(point["pixel"]).c_str(), fixed(point["t_s"], 6).c_str(),
                   point["status"].get<std::string>().c_str(), fixed(point["range_true_m"], 4).c_str(),
                   fixed(point["range_measured_m"], 4).c_str(), fixed(point["z_est_m"], 4).c_str(),

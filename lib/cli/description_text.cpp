@@ -29,16 +29,8 @@ using OrderedJson = nlohmann::ordered_json;
 /// Columns of a unit, which a foreign file may write at any length.
 constexpr std::size_t kUnitWidth = 24;
 
-/// A text on one line, cut to the page width.
-std::string cut(const std::string& text, std::size_t width) {
-  if (text.size() <= width) return text;
-  std::size_t end = width - 3;
-  while (end > 0 && (static_cast<unsigned char>(text[end]) & 0xc0U) == 0x80U) --end;  // not inside a letter
-  return text.substr(0, end) + "...";
-}
-
 std::string line(const char* name, const std::string& value) {
-  return print("  %-11s ", name) + cut(value, page_width() - 14) + "\n";
+  return print("  %-11s ", name) + fitted(value, 14) + "\n";
 }
 
 std::string integer(const OrderedJson& value) {
@@ -76,9 +68,8 @@ std::string bytes(double count) {
 
 std::string head(const OrderedJson& d) {
   const std::string title = d["title"].get<std::string>();
-  return cut(d["file"].get<std::string>() + ": " + d["kind"].get<std::string>() +
-                 (title.empty() ? "" : " (" + title + ")"),
-             page_width()) +
+  return fitted(d["file"].get<std::string>() + ": " + d["kind"].get<std::string>() +
+                (title.empty() ? "" : " (" + title + ")")) +
          "\n" + line("made by", d["source"].get<std::string>()) +
          line("file id", d["file_id"].get<std::string>()) +
          line("format", "version " + d["format_version"].get<std::string>() + ", complete, " +
@@ -155,11 +146,10 @@ std::string list_lines(const std::string& group, const OrderedJson& entries) {
   std::string text =
       print("\n%-*s %-8s %10s  %-5s meaning\n", width + 2, group.c_str(), "type", "stored", "unit");
   for (const OrderedJson& e : entries)
-    text += cut(print("  %-*s %-8s %10s  %-5s ", width, e["name"].get<std::string>().c_str(),
-                      e["type"].get<std::string>().c_str(), bytes(e["stored_bytes"].get<double>()).c_str(),
-                      cut(e["unit"].get<std::string>(), kUnitWidth).c_str()) +
-                    e["long_name"].get<std::string>(),
-                page_width()) +
+    text += fitted(print("  %-*s %-8s %10s  %-5s ", width, e["name"].get<std::string>().c_str(),
+                         e["type"].get<std::string>().c_str(), bytes(e["stored_bytes"].get<double>()).c_str(),
+                         shortened(e["unit"].get<std::string>(), kUnitWidth).c_str()) +
+                   e["long_name"].get<std::string>()) +
             "\n";
   return text;
 }
@@ -176,7 +166,7 @@ std::string flag_lines(const OrderedJson& by_name, int indent) {
   std::string row;
   for (const auto& [name, count] : by_name.items()) {
     if (count == 0) continue;
-    const std::string word = cut(name, 40) + " " + integer(count);
+    const std::string word = shortened(name, 40) + " " + integer(count);
     if (!row.empty() && row.size() + word.size() + static_cast<std::size_t>(indent) + 2 > page_width()) {
       text += print("%*s", indent, "") + row + ",\n";
       row.clear();
@@ -192,21 +182,46 @@ struct TableShape {
   // Only where the page is wide enough:
   bool has_types = false;
   bool has_unit_title = false;
+  // The counts have wide columns too where the page has room for them:
+  int valid_width = 9;
+  int nan_width = 8;
 };
 
-TableShape shape_of(const OrderedJson& entries) {
-  const int width = static_cast<int>(std::min<std::size_t>(name_width(entries), 40));
+/// The digits of the largest count of this key, and at least those of its heading.
+int count_width(const OrderedJson& entries, const char* key, const std::string& heading) {
+  std::size_t width = heading.size();
+  for (const OrderedJson& entry : entries) width = std::max(width, integer(entry[key]).size());
+  return static_cast<int>(width);
+}
+
+TableShape shape_of(const std::string& title, const OrderedJson& entries) {
+  TableShape shape;
+  const std::size_t heading =
+      title.size() < 2 ? 0 : title.size() - 2;  // it begins two columns before the names
+  shape.name_width = static_cast<int>(std::min<std::size_t>(std::max(name_width(entries), heading), 40));
   std::size_t unit = 4;
   for (const OrderedJson& entry : entries)
     unit = std::max(unit, std::min(kUnitWidth, entry["unit"].get<std::string>().size()));
-  const std::size_t numbers = static_cast<std::size_t>(width) + 58;
-  return {width, numbers + unit + 8 <= page_width(), numbers + 4 <= page_width()};
+  const std::size_t numbers = static_cast<std::size_t>(shape.name_width) + 57;
+  shape.has_types = numbers + unit + 9 <= page_width();
+  shape.has_unit_title = numbers + 5 <= page_width();
+  if (numbers + unit + 1 > page_width()) {
+    shape.valid_width = count_width(entries, "count", "valid");
+    shape.nan_width = count_width(entries, "nan_count", "NaN");
+    const std::size_t others = static_cast<std::size_t>(shape.valid_width + shape.nan_width) + 41 + unit;
+    shape.name_width = std::min(shape.name_width,
+                                static_cast<int>(std::max<std::size_t>(page_width(), others + 12) - others));
+  }
+  return shape;
 }
 
+/// A name that is longer than its column has a line of its own.
 std::string statistics_row(const TableShape& shape, const std::array<std::string, 9>& cells) {
-  std::string text = print("%-*s", shape.name_width + 2, cells[0].c_str());
+  const auto name_width = static_cast<std::size_t>(shape.name_width) + 2;
+  std::string text = cells[0].size() > name_width ? cells[0] + "\n" + std::string(name_width, ' ')
+                                                  : print("%-*s", shape.name_width + 2, cells[0].c_str());
   if (shape.has_types) text += print(" %-7s", cells[1].c_str());
-  text += print(" %9s %8s", cells[2].c_str(), cells[3].c_str());
+  text += print(" %*s %*s", shape.valid_width, cells[2].c_str(), shape.nan_width, cells[3].c_str());
   for (std::size_t i = 4; i < 8; ++i) text += print(" %8s", cells[i].c_str());
   return text + (cells[8] == "1" ? "" : " " + cells[8]) + "\n";
 }
@@ -216,7 +231,7 @@ std::string statistics_lines(const OrderedJson& e, const TableShape& shape) {
   std::string text = statistics_row(
       shape, {"  " + e["name"].get<std::string>(), type, integer(e["count"]), integer(e["nan_count"]),
               value_text(e["min"], type), value_text(e["max"], type), number(e["mean"]), number(e["std"]),
-              cut(e["unit"].get<std::string>(), kUnitWidth)});
+              shortened(e["unit"].get<std::string>(), kUnitWidth)});
   if (e.contains("not_read"))
     text += print("  %-*s   not read: ", shape.name_width, "") + e["not_read"].get<std::string>() + "\n";
   else if (e["infinite_count"] != 0)
@@ -230,9 +245,9 @@ std::string dataset_lines(const std::string& group, const OrderedJson& entries) 
   std::string title = group == "layers" ? "layer" : "/" + group;
   if (group != "layers" && entries[0]["shape"].size() == 1)
     title += " (" + integer(entries[0]["shape"][0]) + ")";
-  title = cut(title, 40);
+  title = shortened(title, 40);
   if (!entries[0].contains("count")) return list_lines(title, entries);
-  const TableShape shape = shape_of(entries);
+  const TableShape shape = shape_of(title, entries);
   std::string text = "\n" + statistics_row(shape, {title, "type", "valid", "NaN", "min", "max", "mean", "std",
                                                    shape.has_unit_title ? "unit" : "1"});
   for (const OrderedJson& entry : entries) text += statistics_lines(entry, shape);
@@ -248,14 +263,14 @@ std::string schema_of(const std::string& tool) {
   return found == kSchemas.end() ? "" : found->second;
 }
 
-std::string config_lines(const OrderedJson& d, bool whole) {
+std::string config_lines(const OrderedJson& d) {
   const std::string schema = schema_of(d.value("tool", ""));
   if (!d["config"].is_object()) return "";
-  if (whole || schema.empty()) return "\nconfiguration\n" + d["config"].dump(2) + "\n";
+  if (schema.empty()) return "\nconfiguration\n" + d["config"].dump(2) + "\n";
   std::string text = "\nconfiguration, where it differs from the defaults\n";
   const std::vector<ConfigChange> changes = config_changes(d["config"], schema);
   for (const ConfigChange& change : changes)
-    text += cut("  " + shown_text(change.key) + " = " + change.value.dump(), page_width()) + "\n";
+    text += fitted("  " + shown_text(change.key) + " = " + change.value.dump()) + "\n";
   return text + (changes.empty() ? "  (nowhere)\n" : "");
 }
 
@@ -273,10 +288,9 @@ std::string step_line(const OrderedJson& step) {
   const auto text_of = [&](const char* key) {
     return step.contains(key) && step[key].is_string() ? step[key].get<std::string>() : std::string();
   };
-  return cut(print("  %-12s %-6s %.12s", cut(text_of("tool"), 40).c_str(),
-                   cut(text_of("version"), 20).c_str(), text_of("file_id").c_str()) +
-                 (step.contains("inputs") ? inputs_text(step["inputs"]) : ""),
-             page_width()) +
+  return fitted(print("  %-12s %-6s %.12s", shortened(text_of("tool"), 40).c_str(),
+                      shortened(text_of("version"), 20).c_str(), text_of("file_id").c_str()) +
+                (step.contains("inputs") ? inputs_text(step["inputs"]) : "")) +
          "\n";
 }
 
@@ -293,7 +307,7 @@ std::string assumed_lines(const OrderedJson& step) {
 
 std::string provenance_lines(const OrderedJson& d) {
   std::string text;
-  if (!d["options"].is_null()) text += "\n" + cut("options " + d["options"].dump(), page_width()) + "\n";
+  if (!d["options"].is_null()) text += "\n" + fitted("options " + d["options"].dump()) + "\n";
   text += "\nprovenance, oldest step first\n";
   for (const OrderedJson& step : d["chain"]) text += step_line(step) + assumed_lines(step);
   if (d["environment"].is_object())
@@ -357,7 +371,7 @@ OrderedJson printable(const OrderedJson& value) {
   return result;
 }
 
-std::string text_of(const OrderedJson& d, bool whole_config) {
+std::string text_of(const OrderedJson& d) {
   std::string text = head(d) + extent(d);
   if (d.contains("scan")) text += scan_lines(d["scan"]);
   if (d.contains("features")) text += feature_lines(d["features"]);
@@ -371,13 +385,20 @@ std::string text_of(const OrderedJson& d, bool whole_config) {
                                              : "metrics") +
                       "_json is not what this version writes");
   }
-  return text + config_lines(d, whole_config) + provenance_lines(d);
+  return text + config_lines(d) + provenance_lines(d);
 }
 
 }  // namespace
 
-std::string description_text(const OrderedJson& description, bool whole_config) {
-  return shown_lines(text_of(printable(description), whole_config));
+std::string description_text(const OrderedJson& description) {
+  return shown_lines(text_of(printable(description)));
+}
+
+std::string config_text(const OrderedJson& description) {
+  const OrderedJson& config = description.at("config");
+  if (!config.is_object())
+    throw FormatError(description.at("file").get<std::string>() + ": has no configuration");
+  return shown_lines(config.dump(2)) + "\n";
 }
 
 }  // namespace landfall::cli

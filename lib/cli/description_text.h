@@ -6,9 +6,13 @@
 
 namespace landfall::cli {
 
-/// The result of describe_file() as aligned lines of text, at most about 100 columns wide. `whole_config`
-/// prints the whole configuration as JSON, not only the values that differ from their defaults. Throws
-/// FormatError if metrics or plan of the file are incomplete.
-[[nodiscard]] std::string description_text(const nlohmann::ordered_json& description, bool whole_config);
+/// The result of describe_file() as aligned lines of text. On a terminal, lines of text are shortened to its
+/// columns; in a file or a pipe nothing is cut. Tables have at most 80 columns.
+/// Throws FormatError if metrics or plan of the file are incomplete.
+[[nodiscard]] std::string description_text(const nlohmann::ordered_json& description);
+
+/// The complete configuration of the result of describe_file(), JSON that the tool's -c reads. Throws
+/// FormatError if the file has none.
+[[nodiscard]] std::string config_text(const nlohmann::ordered_json& description);
 
 }  // namespace landfall::cli

@@ -23,16 +23,15 @@ const char* truth_text(Safety truth) {
 
 std::string site_lines(const HazardMap& map) {
   if (map.sites.empty()) return "\nno site: no safe place within the divert radius\n";
-  std::string text =
-      "\nsite     x, m     y, m     cost  p_touchdown  slope, deg  roughness, m  to hazard, m" +
-      std::string(map.truth ? "  truth\n" : "\n");
+  std::string text = "\nsite     x, m     y, m    cost p_touchdown  slope  roughness  to hazard" +
+                     std::string(map.truth ? "  truth\n" : "\n") + print("%49s %10s %10s\n", "deg", "m", "m");
   int rank = 0;
   for (const LandingSite& site : map.sites) {
     const std::string p = map.p_safe ? print("%.4f", static_cast<double>(site.p_touchdown)) : "-";
-    text += print("%4d %8.2f %8.2f %8.4f %12s %11.2f %13.3f", ++rank, site.x_m, site.y_m,
+    text += print("%4d %8.2f %8.2f %7.4f %11s %6.2f %10.3f", ++rank, site.x_m, site.y_m,
                   static_cast<double>(site.cost), p.c_str(), site.slope_deg, site.roughness_m);
-    text += site.distance_to_hazard_m ? print(" %13.2f", static_cast<double>(*site.distance_to_hazard_m))
-                                      : print(" %13s", "-");
+    text += site.distance_to_hazard_m ? print(" %10.2f", static_cast<double>(*site.distance_to_hazard_m))
+                                      : print(" %10s", "-");
     text += map.truth ? print("  %s\n", truth_text(site.truth)) : "\n";
   }
   if (!map.p_safe) text += std::string(kNoProbability) + "\n";
@@ -50,11 +49,11 @@ std::string rate_line(const char* name, const std::optional<double>& rate, std::
 std::string score_lines(const HazardScore::Counts& n, const HazardScore::Rates& rates) {
   return "\n" +
          rate_line("missed hazards", rates.missed_hazard_frac, n.safe_hazard, n.safe_hazard + n.hazard_hazard,
-                   "true hazards are judged safe") +
+                   "true hazards judged safe") +
          rate_line("false alarms", rates.false_alarm_frac, n.hazard_safe, n.hazard_safe + n.safe_safe,
-                   "truly safe places are judged hazards") +
+                   "truly safe places judged hazards") +
          print("%-16s%10s   ", "not compared", "") + grouped(n.unknown) +
-         " places are unknown in the map or in the truth\n";
+         " places unknown in the map or the truth\n";
 }
 
 std::string hazard_table(const HazardMap& map) {

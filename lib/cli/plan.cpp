@@ -100,7 +100,7 @@ std::string plan_table(const PlanMetrics& plan) {
   text += print("  uncovered: %ld bins, %.4f %%, in %ld holes; the largest has %ld bins\n",
                 coverage.invalid_count, 100 * coverage.invalid_frac, coverage.hole_count,
                 coverage.largest_hole_bins);
-  text += print("  returns: %ld, of which %ld in the region and %ld the first of their bin\n",
+  text += print("  returns: %ld, %ld in the region, %ld the first of their bin\n",
                 plan.returns.count, plan.returns.in_region, plan.returns.first_in_bin);
   text +=
       print("  seen by more than one frame: %.2f %% of the bins\n", 100 * plan.frames_per_bin.above_one_frac);

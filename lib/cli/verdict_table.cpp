@@ -60,7 +60,8 @@ std::string row(const VerdictText& text) {
 }  // namespace
 
 std::string verdict_table(const Metrics& metrics, const EvaluationLimits& limits) {
-  std::string text = row({"requirement", "measured", "limit", "verdict"});
+  // The heading of the last column begins one column earlier, to end at column 80.
+  std::string text = print("%-19s %-46s %-5s %s\n", "requirement", "measured", "limit", "verdict");
   for (const VerdictText& requirement : verdict_texts(metrics, limits)) text += row(requirement);
   text += row({"all", "", "", overall_verdict(metrics.requirements)});
   text += "\nRegion: " + grouped(metrics.region.bin_count) + " bins" + region_text(metrics.region) + "; " +

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <functional>
+#include <map>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
@@ -12,6 +13,9 @@ namespace landfall {
 struct JsonSource {
   std::string name;  ///< for messages: the file's name, "standard input" or "config"
   nlohmann::json value;
+  /// Remarks on keys, by their JSON pointers, of objects whose "type" a later one of several merged
+  /// configurations has changed: the new type may not know them.
+  std::map<std::string, std::string> leftovers = {};
 };
 
 /// Reads a JSON object. `path` "-" is standard input, "" the empty object. Throws UsageError if the file

@@ -36,6 +36,21 @@ JsonSource read_preset(const std::string& name, const std::string& schema) {
                                    : "did you mean " + std::string(kPrefix) + near + "?"));
 }
 
+/// Notes the keys of objects of `merged` that remain although `next` gives these objects another "type".
+void note_leftovers(JsonSource& merged, const JsonSource& next, const nlohmann::json& changes,
+                    const std::string& pointer) {
+  const nlohmann::json::json_pointer where(pointer);
+  if (!changes.is_object() || !merged.value.contains(where) || !merged.value.at(where).is_object()) return;
+  const nlohmann::json& earlier = merged.value.at(where);
+  if (changes.contains("type") && changes["type"] != earlier.value("type", nlohmann::json()))
+    for (const auto& [key, unused] : earlier.items())
+      merged.leftovers[(where / key).to_string()] = "it is left from " + merged.name + ": remove it in " +
+                                                    next.name + " with \"" + key +
+                                                    "\": null, or replace the whole object by --set";
+  for (const auto& [key, inner] : changes.items())
+    note_leftovers(merged, next, inner, (where / key).to_string());
+}
+
 JsonSource read_one(const std::string& name, const std::string& schema) {
   JsonSource source =
       name.starts_with(kPrefix) ? read_preset(name.substr(kPrefix.size()), schema) : read_json(name);
@@ -58,6 +73,7 @@ JsonSource read_config(const std::vector<std::string>& names, const std::string&
   JsonSource merged = read_one(names.front(), schema);
   for (std::size_t i = 1; i < names.size(); ++i) {
     const JsonSource next = read_one(names[i], schema);
+    note_leftovers(merged, next, next.value, "");
     merged.value.merge_patch(next.value);
     merged.name += " + " + next.name;
   }

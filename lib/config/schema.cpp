@@ -63,7 +63,7 @@ bool has_type(const Json& value, const std::string& type) {
 /// Walks a schema and a value together.
 class Resolver {
  public:
-  Resolver(const std::string& name, const Json& root) : name_(name), root_(root) {}
+  Resolver(const JsonSource& source, const Json& root) : source_(source), root_(root) {}
 
   void resolve(const Json& schema_or_ref, Json& value, const std::string& pointer) {
     const Json& schema = dereferenced(schema_or_ref);
@@ -86,7 +86,7 @@ class Resolver {
 
  private:
   [[noreturn]] void fail(const std::string& pointer, const std::string& what) const {
-    throw UsageError(name_ + ": " + (pointer.empty() ? "/" : pointer) + ": " + what);
+    throw UsageError(source_.name + ": " + (pointer.empty() ? "/" : pointer) + ": " + what);
   }
 
   const Json& dereferenced(const Json& node) const { return landfall::dereferenced(root_, node); }
@@ -261,10 +261,12 @@ class Resolver {
     std::string hint = near.empty() ? "; known: " : "; did you mean \"" + near + "\"?";
     if (near.empty())
       for (std::size_t i = 0; i < known.size(); ++i) hint += (i == 0 ? "" : ", ") + known[i];
+    const auto leftover = source_.leftovers.find(pointer + "/" + key);
+    if (leftover != source_.leftovers.end()) hint = "; " + leftover->second;
     fail(pointer + "/" + abbreviated(key), "unknown key" + hint);
   }
 
-  std::string name_;
+  const JsonSource& source_;
   const Json& root_;
 };
 
@@ -304,7 +306,7 @@ const Json& embedded_schema(const std::string& name) {
 
 Json resolve_config(const JsonSource& source, const Json& schema) {
   Json value = source.value;
-  Resolver(source.name, schema).resolve(schema, value, "");
+  Resolver(source, schema).resolve(schema, value, "");
   if (value.is_object())
     for (const char* const key : kIgnoredKeys) value.erase(key);
   return value;

@@ -1,19 +1,39 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""landfall from Python: opens its files and runs its tools (docs/user/python.md).
+"""landfall from Python: opens its files, runs its tools and draws its figures (docs/user/python.md).
 
     import landfall
     dem = landfall.open("dem.h5")                     # an xarray.Dataset
     scan = landfall.open("scan.h5")                   # a Table of 12.96 million returns, on disk
     plan = landfall.run("scan-sim", "flash-256", plan=True, output="plan.h5")
+    landfall.plot.dem(dem)                            # a matplotlib Figure
 
-Figures are commands: plot_dem.py, plot_eval.py, ... Importing the package loads no other package.
+Importing the package loads no other package.
 """
+from __future__ import annotations
+
+import importlib
+import os
+import typing
+
 from landfall.errors import DataError, Error, ToolError, UsageError
 
-__all__ = ["DataError", "Error", "ToolError", "UsageError", "open", "run"]
+if typing.TYPE_CHECKING:
+    from landfall import model, plot
+
+__all__ = ["DataError", "Error", "ToolError", "UsageError", "model", "open", "plot", "run"]
+
+Path = typing.Union[str, "os.PathLike[str]"]
+Config = typing.Union[typing.Mapping[str, typing.Any], Path]
 
 
-def open(path, group=None, check=True):  # pylint: disable=redefined-builtin
+def __getattr__(name: str) -> typing.Any:
+    """Imports landfall.plot and landfall.model when they are first used, because loading matplotlib and numpy takes time."""
+    if name in ("model", "plot"):
+        return importlib.import_module(f"landfall.{name}")
+    raise AttributeError(f"module 'landfall' has no attribute {name!r}")
+
+
+def open(path: Path, group: str | None = None, check: bool = True) -> typing.Any:  # pylint: disable=redefined-builtin
     """Opens a file that landfall made. Values are read on access.
 
     A terrain, DEM, evaluation, hazard map or plan is an xarray.Dataset: layers over y and x with units and long names, and the coordinate
@@ -32,21 +52,20 @@ def open(path, group=None, check=True):  # pylint: disable=redefined-builtin
     return opening.open_file(path, group, check)
 
 
-def run(tool, config=None, *inputs, output=None, **options):
+def run(tool: str, config: Config | typing.Sequence[Config] | None = None, *inputs: Path, output: Path | None = None,
+        **options: typing.Any) -> typing.Any:
     """Runs a tool: run("scan-sim", config, terrain="terrain.h5", output="scan.h5").
 
-    `config` is a dict, the path of a JSON file, or the name of a preset. `inputs` are files that the tool takes without an
-    option: scans of regrid, the DEM of dem-eval. Each option is one of the tool's, without dashes: keep_misses=True,
-    layers=["z_est", "count"], set={"noise.range_sigma_m": 0.02}, overwrite=True; None and False leave it out.
+    `config` is a dict, the path of a JSON file, or the name of a preset, or a list of these, which are merged in order as several -c are:
+    ["preset:paper", {"noise": {"range_sigma_m": 0.02}}]. `inputs` are files that the tool takes without an option: scans of regrid, the DEM of
+    dem-eval. Each option is one of the tool's, without dashes: keep_misses=True, layers=["z_est", "count"],
+    set={"noise.range_sigma_m": 0.02}, overwrite=True; None and False leave it out.
 
-    Returns the opened output; the path of an output in another program's format; without an output, what the tool printed. The
-    tool's warnings go to stderr. Throws ToolError with the tool's message and exit code if it fails.
+    Returns the opened output; the path of an output in another program's format. Without an output: the opened file of `metrics`, `sites` or
+    `score` (a dict), the metrics of metrics_only=True (a dict), or else what the tool printed. The tool's warnings go to stderr. Throws ToolError
+    with the tool's message and exit code if it fails.
     """
-    from landfall import tools
+    from landfall import opening, tools
 
-    result = tools.run(tool, config, inputs, output, options)
-    if output is None:
-        return result
-    from landfall import opening
-
-    return opening.open_file(result) if opening.h5py.is_hdf5(result) else result
+    path, printed = tools.run(tool, config, inputs, output, options)
+    return opening.result_of_run(path, printed, options)

@@ -7,18 +7,18 @@ import re
 _HIDDEN = re.compile("[\x00-\x1f\x7f-\x9f\xad\u061c\u180e\u200b-\u200f\u2028-\u202e\u2060-\u206f\ufeff\ufff9-\ufffb\ud800-\udfff]")
 
 
-def printable(text):
+def printable(text: object) -> str:
     """A text from anywhere as it may be printed, on one line: control characters, marks of bidirectional text and characters without
     width become their escapes, such as \\u001b. Everything that a command prints passes through here."""
     return _HIDDEN.sub(_escape, str(text))
 
 
-def printable_lines(text):
+def printable_lines(text: object) -> str:
     """printable() of each line."""
     return "\n".join(map(printable, str(text).split("\n")))
 
 
-def _escape(found):
+def _escape(found: re.Match[str]) -> str:
     code = ord(found.group())
     return f"\\x{code - 0xdc00:02x}" if 0xdc80 <= code <= 0xdcff else f"\\u{code:04x}"
 
@@ -28,7 +28,7 @@ class Error(Exception):
 
     exit_code = 1
 
-    def __init__(self, message):
+    def __init__(self, message: object) -> None:
         super().__init__(printable(message))
 
 
@@ -45,6 +45,6 @@ class UsageError(Error):
 class ToolError(Error):
     """A tool is missing or failed. The message is the tool's; `exit_code` is its exit code, or 1 if it did not start."""
 
-    def __init__(self, message, exit_code=1):
+    def __init__(self, message: object, exit_code: int = 1) -> None:
         super(Error, self).__init__(printable_lines(message))  # a tool may print several lines
         self.exit_code = exit_code

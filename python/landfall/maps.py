@@ -22,8 +22,9 @@ OUTLINE = [matplotlib.patheffects.withStroke(linewidth=2.6, foreground="white")]
 # Okabe and Ito's palette, whose colours are distinguishable with all common forms of colour blindness.
 BLUE, SKY_BLUE, VERMILION = "#0072b2", "#56b4e9", "#d55e00"
 
-plt.rcParams.update({"font.size": FONT_PT, "axes.titlesize": FONT_PT + 1, "figure.titlesize": FONT_PT + 3,
-                     "axes.linewidth": 0.8, "image.interpolation": "nearest", "image.origin": "lower"})
+STYLE = {"font.size": FONT_PT, "axes.titlesize": FONT_PT + 1, "figure.titlesize": FONT_PT + 3,
+         "axes.linewidth": 0.8, "image.interpolation": "nearest", "image.origin": "lower"}
+plt.rcParams.update(STYLE)
 
 
 # Panels

@@ -11,6 +11,7 @@
 # that a program registers itself (hdf5plugin) remain.
 """landfall.open: a file as an xarray.Dataset, a Table or a dict."""
 import contextlib
+import json
 import os
 
 import h5py
@@ -44,6 +45,16 @@ def _open_grid(path, file, check):
     from landfall import grids
 
     return grids.open_grid(grids.Source(path, GRIDS, check, file))
+
+
+def result_of_run(path, printed, options):
+    """See landfall.run: the output of a tool, or the first of its JSON files, or what it printed."""
+    if path is not None:
+        return open_file(path) if h5py.is_hdf5(path) else path
+    for name in ("metrics", "sites", "score"):
+        if options.get(name):
+            return read_tree(options[name])
+    return json.loads(printed) if options.get("metrics_only") and printed.startswith("{") else printed
 
 
 def read_tree(path):

@@ -87,9 +87,13 @@ def draw(grid, a, b, options):
     return figure
 
 
+def figure_of(options):
+    grid, a, b = read_both(options)
+    return draw(grid, a, b, options)
+
+
 def main(arguments):
     options = parse(arguments)
     maps.use_dpi(options.dpi)
     command.check_outputs([options.output], options.overwrite)
-    grid, a, b = read_both(options)
-    plots.save({options.output: draw(grid, a, b, options)}, options.dpi)
+    plots.save({options.output: figure_of(options)}, options.dpi)

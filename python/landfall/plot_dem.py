@@ -115,9 +115,13 @@ def draw(grid, layers, options):
     return figure
 
 
+def figure_of(options):
+    grid, layers = read(options.dem)
+    return draw(grid, layers, options)
+
+
 def main(arguments):
     options = parse(arguments)
     maps.use_dpi(options.dpi)
     command.check_outputs([options.output], options.overwrite)
-    grid, layers = read(options.dem)
-    plots.save({options.output: draw(grid, layers, options)}, options.dpi)
+    plots.save({options.output: figure_of(options)}, options.dpi)

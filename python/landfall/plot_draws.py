@@ -219,9 +219,12 @@ def draw(draws):
     return figure
 
 
+def figure_of(options):
+    return draw(Draws(options.draws))
+
+
 def main(arguments):
     options = parse(arguments)
     maps.use_dpi(options.dpi)
     command.check_outputs([options.output], options.overwrite)
-    draws = Draws(options.draws)
-    plots.save({options.output: draw(draws)}, options.dpi)
+    plots.save({options.output: figure_of(options)}, options.dpi)

@@ -260,10 +260,14 @@ def draw(hazards, z=None, data_only=False):
     return figure
 
 
+def figure_of(options):
+    hazards = Hazards(options.hazards)
+    z = None if options.dem is None else read_elevations(options.dem, hazards.grid)
+    return draw(hazards, z, options.data_only)
+
+
 def main(arguments):
     options = parse(arguments)
     maps.use_dpi(options.dpi)
     command.check_outputs([options.output], options.overwrite)
-    hazards = Hazards(options.hazards)
-    z = None if options.dem is None else read_elevations(options.dem, hazards.grid)
-    plots.save({options.output: draw(hazards, z, options.data_only)}, options.dpi)
+    plots.save({options.output: figure_of(options)}, options.dpi)

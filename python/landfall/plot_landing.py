@@ -116,10 +116,14 @@ def draw(draws):
     return figure
 
 
+def figure_of(options):
+    draws = Draws(options.draws)
+    require_landings(draws)
+    return draw(draws)
+
+
 def main(arguments):
     options = parse(arguments)
     maps.use_dpi(options.dpi)
     command.check_outputs([options.output], options.overwrite)
-    draws = Draws(options.draws)
-    require_landings(draws)
-    plots.save({options.output: draw(draws)}, options.dpi)
+    plots.save({options.output: figure_of(options)}, options.dpi)

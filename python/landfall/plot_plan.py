@@ -99,9 +99,13 @@ def draw(grid, layers, plan, options):
     return figure
 
 
+def figure_of(options):
+    grid, layers, plan = read(options.plan)
+    return draw(grid, layers, plan, options)
+
+
 def main(arguments):
     options = parse(arguments)
     maps.use_dpi(options.dpi)
     command.check_outputs([options.output], options.overwrite)
-    grid, layers, plan = read(options.plan)
-    plots.save({options.output: draw(grid, layers, plan, options)}, options.dpi)
+    plots.save({options.output: figure_of(options)}, options.dpi)

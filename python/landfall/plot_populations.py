@@ -222,9 +222,13 @@ def draw(samples, name):
     return figure
 
 
+def figure_of(options):
+    with files.open_landfall(options.terrain, "landfall.terrain") as file:
+        samples = read_samples(file)
+    return draw(samples, options.terrain.rsplit("/", 1)[-1])
+
+
 def main(arguments):
     options = parse(arguments)
     command.check_outputs([options.output], options.overwrite)
-    with files.open_landfall(options.terrain, "landfall.terrain") as file:
-        samples = read_samples(file)
-    plots.save({options.output: draw(samples, options.terrain.rsplit("/", 1)[-1])}, options.dpi)
+    plots.save({options.output: figure_of(options)}, options.dpi)

@@ -156,10 +156,14 @@ def draw(grid, layers, options):
     return figure
 
 
+def figure_of(options):
+    grid, layers = plot_dem.read(options.dem)
+    require_inside(options, grid)
+    return draw(grid, layers, options)
+
+
 def main(arguments):
     options = parse(arguments)
     maps.use_dpi(options.dpi)
     command.check_outputs([options.output], options.overwrite)
-    grid, layers = plot_dem.read(options.dem)
-    require_inside(options, grid)
-    plots.save({options.output: draw(grid, layers, options)}, options.dpi)
+    plots.save({options.output: figure_of(options)}, options.dpi)

@@ -241,9 +241,12 @@ def title(grid, relief, objects, options):
             + (f", {plots.counted(objects.count, 'object')}" if objects.count else ""))
 
 
+def figure_of(options):
+    with files.open_landfall(options.terrain, "landfall.terrain") as file:
+        return draw(file, options)
+
+
 def main(arguments):
     options = parse(arguments)
     command.check_outputs([options.output], options.overwrite)
-    with files.open_landfall(options.terrain, "landfall.terrain") as file:
-        figure = draw(file, options)
-    plots.save({options.output: figure}, options.dpi)
+    plots.save({options.output: figure_of(options)}, options.dpi)

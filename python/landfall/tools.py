@@ -5,11 +5,13 @@ import os
 import shutil
 import subprocess
 import sys
+import tempfile
 
-from landfall.errors import DataError, ToolError
+from landfall.errors import DataError, ToolError, UsageError
 
-# Holds python/, schemas/ and studies/: a clone, or PREFIX/share/landfall.
-SHARE = os.path.dirname(os.path.dirname(os.path.dirname(os.path.realpath(__file__))))
+# Holds schemas/ and studies/: the folder share of a package that pip installed; else the folder above python/, a clone or PREFIX/share/landfall.
+_HERE = os.path.dirname(os.path.realpath(__file__))
+SHARE = os.path.join(_HERE, "share") if os.path.isdir(os.path.join(_HERE, "share")) else os.path.dirname(os.path.dirname(_HERE))
 IS_CLONE = os.path.exists(os.path.join(SHARE, "CMakeLists.txt"))
 BIN = os.path.abspath(os.environ.get("LANDFALL_BIN") or os.path.join(SHARE, "build/release/bin" if IS_CLONE else "../../bin"))
 
@@ -60,22 +62,53 @@ def sound_files(paths):
 
 
 def run(tool, config, inputs, output, options):
-    """Runs a tool as landfall.run does. Returns the path of its output; without an output, what it printed."""
-    arguments = [*map(os.fspath, inputs)]
-    if config is not None:
-        arguments += ["-c", "-" if isinstance(config, dict) else _config_name(os.fspath(config))]
-    for name, value in options.items():
-        arguments += _option("--" + name.replace("_", "-"), value)
-    if output is not None:
-        arguments += ["-o", os.fspath(output)]
-    done = run_tool(find(tool), *arguments, input=_json(config) if isinstance(config, dict) else "")
+    """Runs a tool as landfall.run does. Returns (the path of its output or None, what it printed)."""
+    with tempfile.TemporaryDirectory(prefix="landfall-configs-") as folder:
+        arguments, standard_input = _configs(config, folder)
+        arguments = [*(_path(name, "an input") for name in inputs), *arguments]
+        for name, value in options.items():
+            arguments += _option("--" + name.replace("_", "-"), value)
+        if output is not None:
+            arguments += ["-o", _path(output, "output")]
+        try:
+            done = run_tool(find(tool), *arguments, input=standard_input)
+        except ToolError as error:
+            raise ToolError(str(error).replace(folder + os.sep, ""), error.exit_code) from error
     sys.stderr.write(done.stderr)
-    return done.stdout if output is None else os.fspath(output)
+    return None if output is None else os.fspath(output), done.stdout
+
+
+def _configs(config, folder):
+    """The -c arguments of one configuration or of several that are merged in order, and the text of standard input: the first dict.
+    Other dicts are written to files in `folder`."""
+    arguments, standard_input = [], ""
+    for number, one in enumerate(config if isinstance(config, (list, tuple)) else [] if config is None else [config], 1):
+        if not isinstance(one, dict):
+            name = _config_name(_path(one, "a configuration", "a dict, the path of a JSON file or the name of a preset"))
+        elif not standard_input:
+            name, standard_input = "-", _json(one)
+        else:
+            name = os.path.join(folder, f"configuration-{number}.json")
+            with open(name, "w", encoding="utf-8") as file:
+                file.write(_json(one))
+        arguments += ["-c", name]
+    return arguments, standard_input
+
+
+def _path(value, what, expected="a path"):
+    try:
+        return os.fsdecode(value)
+    except TypeError as error:
+        raise UsageError(f"{what} is {expected}, not of type {type(value).__name__}") from error
 
 
 def _json(value):
     """The JSON of a value that may hold numpy's numbers and arrays."""
-    return json.dumps(value, default=lambda inner: inner.tolist())
+    def plain(inner):
+        if not hasattr(inner, "tolist"):
+            raise UsageError(f"a configuration holds a value of type {type(inner).__name__}, which JSON does not have")
+        return inner.tolist()
+    return json.dumps(value, default=plain)
 
 
 def _config_name(name):

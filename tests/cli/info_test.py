@@ -12,7 +12,7 @@ import unittest
 import h5py
 import numpy as np
 
-from harness import TOOLS, ChainTest, attributes, run, set_text, tool
+from harness import TOOLS, ChainTest, attributes, read_bytes, run, set_text, tool
 
 TETRAHEDRON = "v 0 0 0\nv 2 0 0\nv 0 3 0\nv 0 0 -4\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 1 4 3\n"
 
@@ -185,8 +185,15 @@ class Contents(InfoTest):
         changes = self.info(path, "--no-statistics").split("differs from the defaults\n")[1].split("\n\n")[0]
         self.assertEqual(changes.split("\n"), ["  detector.columns = 4", "  detector.rows = 4",
                                                "  laser.scan_time_s = 0.001", '  scanner.type = "flash"'])
-        whole = self.info(path, "--no-statistics", "--config").split("\nconfiguration\n")[1].split("\n\n")[0]
-        self.assertEqual(json.loads(whole), self.describe(path)["config"])
+
+    def test_the_configuration_alone_makes_the_file_again(self):
+        config = self.info(self.chain.scan, "--config")
+        self.assertEqual(json.loads(config), self.describe(self.chain.scan)["config"])
+        path = self.path("again.h5")
+        self.succeed("scan-sim", "-c", "-", "--terrain", self.chain.terrain, "-o", path, stdin=config)
+        self.assertEqual(read_bytes(path), read_bytes(self.chain.scan))
+        self.refuse(2, "landfall-info", "--config", "--json", self.chain.scan, words=["--config prints JSON"])
+        self.refuse(2, "landfall-info", "--config", self.chain.scan, self.chain.dem, words=["--config needs one file"])
 
     def test_the_chain_in_text(self):
         text = self.info(self.chain.eval, "--no-statistics")
@@ -203,12 +210,12 @@ class Contents(InfoTest):
         self.assertIn(os.uname().nodename, self.info(path))
         self.assertIsNone(self.describe(self.chain.terrain)["environment"])
 
-    def test_text_is_at_most_100_columns_wide(self):
+    def test_tables_have_80_columns_and_no_text_is_cut_in_a_pipe(self):
         for name in TOOLS:
-            for option in ([], ["--no-statistics"]):
-                for line in self.info(self.chain.output(name), *option).split("\n"):
-                    # A name is never cut.
-                    self.assertLessEqual(len(line), 102 + max(0, len(line.split(maxsplit=1)[0]) - 40 if line.strip() else 0), line)
+            text = self.info(self.chain.output(name))
+            self.assertNotIn("...", text)
+            for line in text.split("\n\n", 1)[1].split("\nconfiguration,")[0].split("\n"):
+                self.assertLessEqual(len(line), 80, line)
 
     def test_threads_change_nothing(self):
         one = self.info("--json", "-t", 1, self.chain.scan)
@@ -341,7 +348,7 @@ class Refusals(InfoTest):
             config = json.loads(file["provenance/config_json"][()])
             set_text(file["provenance"], "config_json", json.dumps({**config, hostile: hostile}))
         path = self.changed(self.chain.dem, spoil)
-        for options in ([], ["--config"], ["--no-statistics"], ["--json"]):
+        for options in ([], ["--no-statistics"], ["--config"], ["--json"]):
             text = self.info(path, *options)
             self.assertEqual(sorted(set(re.findall("[\x00-\x1f\x7f-\x9f\u202e]", text))), ["\n"], options)
         self.assertIn(f"({shown})", self.info(path).split("\n")[0])

@@ -178,6 +178,15 @@ class Evaluation(ChainTest):
 
     def test_without_anything_to_write(self):
         self.refuse(2, "dem-eval", *self.chain.inputs("dem-eval"), words=["nothing to write; give -o, --metrics, --report"])
+        self.refuse(2, "hazard-map", *self.chain.inputs("hazard-map"), words=["nothing to write; give -o, --sites, --score, --report"])
+
+    def test_hazards_without_a_map_are_those_of_a_map(self):
+        alone, beside = self.path("alone.json"), self.path("beside.json")
+        self.succeed("hazard-map", *self.chain.inputs("hazard-map"), "--sites", alone)
+        self.succeed("hazard-map", *self.chain.inputs("hazard-map"), "--sites", beside, "-o", self.path("h.h5"))
+        self.assertEqual(read_bytes(alone), read_bytes(beside))
+        self.assertEqual(self.entries(), ["alone.json", "beside.json", "h.h5"])
+        self.refuse(2, "hazard-map", *self.chain.inputs("hazard-map"), "--table", "--view", self.path("v.png"), words=["--view shows the output"])
 
     def test_metrics_only_is_json_in_a_pipe(self):
         result = self.succeed("dem-eval", *self.chain.inputs("dem-eval"), "--metrics-only")

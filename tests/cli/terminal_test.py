@@ -1,9 +1,12 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The output of the tools on a terminal, here a pseudo-terminal, and what options suppress."""
+import fcntl
 import os
 import pty
+import struct
 import subprocess
+import termios
 import unittest
 
 from harness import TOOLS, ChainTest, read_bytes, tool
@@ -62,15 +65,35 @@ class Terminal(ChainTest):
             text = self.on_terminal(name, streams=["stderr"])
             self.assertRegex(text.splitlines()[-1], rf"{name}: .*(nodes|returns|bins are empty|FAIL|best site|draws pass)")
 
-    def test_metrics_only_prints_the_table(self):
+    def printed(self, *command, columns=80):
+        """What a command prints on the stdout of a terminal of so many columns."""
         ours, theirs = open_terminal()
-        command = [tool("dem-eval"), *self.chain.inputs("dem-eval"), "--metrics-only"]
-        with subprocess.Popen(command, stdin=subprocess.DEVNULL, stdout=theirs, stderr=subprocess.DEVNULL) as process:
+        fcntl.ioctl(theirs, termios.TIOCSWINSZ, struct.pack("HHHH", 50, columns, 0, 0))
+        with subprocess.Popen([tool(command[0]), *command[1:]], stdin=subprocess.DEVNULL, stdout=theirs, stderr=subprocess.DEVNULL) as process:
             os.close(theirs)
             text = read_all(ours)
         os.close(ours)
-        self.assertEqual(process.returncode, 0)
-        self.assertRegex(text, r"(?m)^requirement +measured +limit +verdict")
+        self.assertEqual(process.returncode, 0, text)
+        return text.replace("\r\n", "\n")
+
+    def test_a_judge_needs_no_option(self):
+        judged = self.printed("dem-eval", *self.chain.inputs("dem-eval"))
+        self.assertRegex(judged, r"(?m)^requirement +measured +limit +verdict")
+        self.assertEqual(self.printed("dem-eval", *self.chain.inputs("dem-eval"), "--metrics-only"), judged)
+        self.assertRegex(self.printed("hazard-map", *self.chain.inputs("hazard-map")), r"(?m)^site +x, m +y, m")
+        self.assertEqual(self.entries(), [])
+
+    def test_text_ends_at_the_last_column_and_before_a_number(self):
+        for name in TOOLS:
+            complete = subprocess.run([tool("landfall-info"), self.chain.output(name)], capture_output=True, text=True, check=True).stdout
+            for columns in (60, 67, 80, 200):
+                lines = self.printed("landfall-info", self.chain.output(name), columns=columns).splitlines()
+                self.assertEqual([], [line for line in lines if len(line) > columns and "..." in line])
+                for line in lines:
+                    if line.endswith("..."):
+                        [whole] = [text for text in complete.splitlines() if text.startswith(line[:-3])][:1]
+                        cut = len(line) - 3
+                        self.assertFalse(whole[cut - 1].isdigit() and whole[cut].isdigit() and " " in line[columns // 2:], line)
 
     def test_progress_can_be_forced_off_a_terminal(self):
         for name in TOOLS:

@@ -42,6 +42,12 @@ def python(text):
                           capture_output=True, text=True, check=True).stdout
 
 
+def pixels(path):
+    import matplotlib.image
+
+    return matplotlib.image.imread(path)
+
+
 class Chain(unittest.TestCase):
     """Base class with files of the four tools, made by run()."""
 
@@ -355,6 +361,34 @@ class Runs(Chain):
         with landfall.run("scan-sim", "flash-256", plan=True, output=self.path("flash.h5"), set={"laser.scan_time_s": 0.1}) as plan:
             self.assertEqual(plan.attrs["format_name"], "landfall.plan")
 
+    def test_several_configurations_are_merged_in_order(self):
+        words, text = self.passed_to_tool(["paper", {"seed": 2}, "mine.json"])
+        self.assertEqual((words, text), (["-c", "preset:paper", "-c", "-", "-c", "mine.json"], '{"seed": 2}'))
+        merged = landfall.run("scan-sim", ["paper", {"noise": {"range_sigma_m": 0.5}}, {"noise": {"range_sigma_m": 0.03}}, {"noise": {"dropout_frac": 0.1}}],
+                              print_config=True)
+        noise = json.loads(merged)["noise"]
+        self.assertEqual((noise["range_sigma_m"], noise["dropout_frac"]), (0.03, 0.1))
+        with self.assertRaises(landfall.ToolError) as context:
+            landfall.run("scan-sim", ["paper", {}, {"zzzzzzzz": 1}], check=True)
+        self.assertIn("scan-sim: preset:paper + standard input + configuration-3.json: /zzzzzzzz: unknown key", str(context.exception))
+
+    def test_every_error_is_of_the_package(self):
+        for words, call in [("a configuration is a dict, the path of a JSON file or the name of a preset, not of type int", lambda: landfall.run("scan-sim", 3)),
+                            ("an input is a path, not of type list", lambda: landfall.run("regrid", None, ["a.h5"], output="x.h5")),
+                            ("output is a path, not of type int", lambda: landfall.run("regrid", None, "a.h5", output=3)),
+                            ("a value of type set, which JSON does not have", lambda: landfall.run("scan-sim", {"seed": {1}}))]:
+            with self.assertRaisesRegex(landfall.UsageError, words):
+                call()
+
+    def test_the_numbers_of_a_judge_are_a_dict(self):
+        config, dem = {"region_radius_m": 1.5}, self.path("dem.h5")
+        printed = landfall.run("dem-eval", config, dem, metrics_only=True)
+        written = landfall.run("dem-eval", config, dem, metrics_only=True, metrics=self.path("again.json"))
+        self.assertEqual(printed, written)
+        self.assertEqual(printed["accuracy"], landfall.open(self.path("metrics.json"))["accuracy"])
+        sites = landfall.run("hazard-map", {"region_radius_m": 1.2, "sites": {"divert_radius_m": 1}}, dem, sites=self.path("sites.json"))
+        self.assertEqual(sites["format"], "landfall.sites")
+
     def test_the_result_is_opened(self):
         with landfall.open(self.path("scan.h5")) as scan:
             self.assertGreater(scan["z_est"].std(), 0.009)
@@ -390,6 +424,47 @@ class Runs(Chain):
                 self.assertEqual(tools.find("scan-sim"), os.path.join(elsewhere, "scan-sim"))
                 with self.assertRaisesRegex(landfall.ToolError, "/nowhere/regrid: no such program, and none on PATH"):
                     landfall.run("regrid")
+
+
+class Figures(Chain):
+    def test_a_file_its_path_and_the_command_have_one_figure(self):
+        path, png = self.path("dem.h5"), self.path("dem.png")
+        subprocess.run([os.path.join(ROOT, "python", "commands", "plot_dem.py"), path, "-o", png, "-O", "--dpi", "100", "--limit-m", "0.03"], check=True,
+                       capture_output=True)
+        expected = pixels(png)
+        with landfall.open(path) as dem:
+            for source in (path, pathlib.Path(path), dem):
+                figure = landfall.plot.dem(source, limit_m=0.03)
+                figure.savefig(self.path("again.png"), dpi=100)
+                np.testing.assert_array_equal(pixels(self.path("again.png")), expected)
+
+    def test_each_kind_of_file(self):
+        import matplotlib.pyplot as plt
+
+        path = self.path("dem.h5")
+        hazards = self.path("hazards.h5")
+        landfall.run("hazard-map", {"region_radius_m": 1.2, "sites": {"divert_radius_m": 1}}, path, output=hazards, overwrite=True)
+        before = dict(plt.rcParams)
+        figures = [landfall.plot.terrain(self.path("terrain.h5")), landfall.plot.profile(path, (0, 0), (1, 1)), landfall.plot.compare(path, path),
+                   landfall.plot.hazards(hazards, dem=path),
+                   *(landfall.plot.evaluation(self.path("eval.h5"), name) for name in ("verdict", "coverage", "elevation_error", "accuracy"))]
+        self.assertEqual({type(figure).__name__ for figure in figures}, {"Figure"})
+        self.assertEqual((dict(plt.rcParams), plt.get_fignums()), (before, []), "a figure leaves pyplot as it is")
+
+    def test_what_a_figure_would_not_show_is_refused(self):
+        with landfall.open(self.path("dem.h5")) as dem:
+            dem["z_est"] = dem.z_est + 1
+            with self.assertRaisesRegex(landfall.UsageError, "z_est was changed since .*dem.h5 was opened"):
+                landfall.plot.dem(dem)
+        with landfall.open(self.path("dem.h5")) as dem:
+            dem.z_est.load()
+            landfall.plot.dem(dem)
+            with self.assertRaisesRegex(landfall.UsageError, "was changed"):
+                landfall.plot.dem(dem.isel(x=slice(5, None)))
+        for words, call in [("not a dict", lambda: landfall.plot.dem({})), ("--limit-m: -1 is not a positive length", lambda: landfall.plot.dem("d.h5", limit_m=-1)),
+                            ("this evaluation has verdict, coverage", lambda: landfall.plot.evaluation(self.path("eval.h5"), "all"))]:
+            with self.assertRaisesRegex(landfall.UsageError, words):
+                call()
 
 
 class Outputs(unittest.TestCase):

@@ -43,8 +43,8 @@ void describe(const Path& path) {
   for (const bool statistics : {false, true}) {
     const nlohmann::ordered_json description = describe_file(path, {.statistics = statistics});
     static_cast<void>(description.dump(2));
-    for (const bool whole_config : {false, true})
-      static_cast<void>(cli::description_text(description, whole_config));
+    static_cast<void>(cli::description_text(description));
+    if (description.at("config").is_object()) static_cast<void>(cli::config_text(description));
   }
 }
 

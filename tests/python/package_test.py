@@ -1,0 +1,95 @@
+#!/usr/bin/python3
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The package as users get it: installed by pip without a network, its types, and the notebook of examples/."""
+import importlib.util
+import os
+import shutil
+import subprocess
+import tempfile
+import unittest
+
+ROOT = os.path.abspath(os.environ["LANDFALL_ROOT"])
+BIN = os.path.abspath(os.environ["LANDFALL_BIN"])
+NOTEBOOK = os.path.join(ROOT, "examples", "notebook", "two_lidars.ipynb")
+USE = """
+import landfall
+figure = landfall.plot.dem("dem.h5", limit_m=0.03)
+landfall.run("scan-sim", ["preset:paper", {"seed": 2}], terrain=3, output="a.h5")
+landfall.run("scan-sim", 3)
+landfall.plot.dem("dem.h5", limit="5")
+"""
+FAULTS = ["use.py:5: error: Argument 2 to \"run\" has incompatible type \"int\"", "use.py:6: error: Unexpected keyword argument \"limit\""]
+
+
+def needs(module, package):
+    return unittest.skipUnless(importlib.util.find_spec(module), f"{package} is not installed")
+
+
+class Package(unittest.TestCase):
+    def setUp(self):
+        folder = tempfile.TemporaryDirectory(prefix="landfall-package-")
+        self.addCleanup(folder.cleanup)
+        self.folder = folder.name
+
+    def run_in_folder(self, *command, environment=None, code=0):
+        done = subprocess.run([*command], cwd=self.folder, env=environment, capture_output=True, text=True, check=False)
+        self.assertEqual(done.returncode, code, done.stdout + done.stderr)
+        return done.stdout
+
+    @needs("ensurepip", "python3-venv")
+    @needs("wheel", "python3-wheel")
+    @needs("setuptools", "python3-setuptools")
+    def test_pip_installs_it_without_a_network(self):
+        clone = os.path.join(self.folder, "clone")
+        for name in ("python", "schemas", os.path.join("studies", "presets"), os.path.join("lib", "report", "web")):
+            shutil.copytree(os.path.join(ROOT, name), os.path.join(clone, name), ignore=shutil.ignore_patterns("__pycache__"))
+        shutil.copy(os.path.join(ROOT, "CMakeLists.txt"), clone)
+        before = sorted(os.listdir(os.path.join(clone, "python")))
+        environment = {**{name: value for name, value in os.environ.items() if not name.startswith(("PYTHON", "LANDFALL"))},
+                       "PATH": os.pathsep.join([BIN, "/usr/bin", "/bin"]), "PIP_INDEX_URL": "http://127.0.0.1:9/", "PIP_RETRIES": "0"}
+        self.run_in_folder("/usr/bin/python3", "-m", "venv", "--system-site-packages", "v")
+        self.run_in_folder("v/bin/pip", "install", "--no-build-isolation", "--no-deps", clone + "/python", environment=environment)
+        self.assertEqual(sorted(os.listdir(os.path.join(clone, "python"))), before, "the build left files in the clone")
+        shutil.rmtree(clone)
+        text = ("import landfall; t = landfall.run('terrain-gen', {'grid': {'half_width_m': 2, 'resolution_m': 0.5}}, output='t.h5'); print(dict(t.sizes));"
+                "print(type(landfall.plot.terrain(t)).__name__); from landfall.study import model, page; from landfall import web;"
+                "print(model.read_config('preset:paper', 'scan', '.')['detector']['roll_deg'])")
+        self.assertEqual(self.run_in_folder("v/bin/python", "-c", text, environment=environment), "{'y': 9, 'x': 9}\nFigure\n7.73\n")
+
+    @needs("mypy", "mypy")
+    def test_types_are_those_of_the_functions(self):
+        cache = os.path.join(self.folder, "cache")
+        done = subprocess.run(["mypy", "--cache-dir", cache], cwd=os.path.join(ROOT, "python"), capture_output=True, text=True, check=False)
+        self.assertEqual(done.returncode, 0, done.stdout)
+        with open(os.path.join(self.folder, "use.py"), "w", encoding="ascii") as file:
+            file.write(USE)
+        found = self.run_in_folder("mypy", "--cache-dir", cache, "--ignore-missing-imports", "--follow-imports", "silent", "use.py", code=1,
+                                   environment={**os.environ, "MYPYPATH": os.path.join(ROOT, "python")})
+        lines = [line for line in found.splitlines() if ": error: " in line]
+        self.assertEqual(len(lines), len(FAULTS), found)
+        for line, fault in zip(lines, FAULTS):
+            self.assertIn(fault, line)
+
+    @needs("nbformat", "python3-nbformat")
+    @needs("nbclient", "python3-nbclient")
+    @needs("ipykernel", "python3-ipykernel")
+    @needs("xarray", "python3-xarray")
+    def test_the_notebook_runs_and_shows_each_figure_once(self):
+        import nbclient
+        import nbformat
+
+        notebook = nbformat.read(NOTEBOOK, as_version=4)
+        paths = {"PYTHONPATH": os.path.join(ROOT, "python"), "LANDFALL_BIN": BIN, "HOME": self.folder, "IPYTHONDIR": self.folder}
+        environment = {**{name: value for name, value in os.environ.items() if name != "MPLBACKEND"}, **paths}
+        nbclient.NotebookClient(notebook, timeout=600, kernel_name="python3", resources={"metadata": {"path": self.folder}}).execute(env=environment)
+        outputs = {cell["id"]: cell.get("outputs", []) for cell in notebook.cells}
+        for name in ("dem", "compare"):
+            self.assertEqual([sorted(output.get("data", {})) for output in outputs[name]], [["image/png", "text/plain"]], name)
+        self.assertEqual(outputs["profile"], [])
+        self.assertTrue(os.path.exists(os.path.join(self.folder, "profile.png")))
+        errors = eval(outputs["scans"][-1]["data"]["text/plain"])  # pylint: disable=eval-used
+        self.assertLess(1.2 * errors["quiet"], errors["noisy"])
+
+
+if __name__ == "__main__":
+    unittest.main()
