@@ -13,6 +13,7 @@ namespace {
 constexpr const char* kExamples = R"(Examples:
   landfall-export scan.h5 -o scan.ply              CloudCompare, ParaView
   landfall-export scan.h5 -o scan.las --time gps
+  landfall-export scan.h5 -o scan.pcd              PCL, Open3D, ROS
   landfall-export scan.h5 -o scan.xmf              ParaView, meshio; no copy
   landfall-export scan.h5 -o - --format csv --columns x_est,y_est,z_est | head
   landfall-export dem.h5 -o dem.tif --layers z_est,count  GIS
@@ -26,7 +27,7 @@ void bind(CLI::App& app, ExportOptions& o) {
       ->type_name("FILE");
   app.add_option("--format", o.format,
                  "Output format; default: from the extension of the output; csv with -o -")
-      ->check(CLI::IsMember({"csv", "gpkg", "las", "ply", "png", "tif", "xmf"}));
+      ->check(CLI::IsMember(export_formats()));
   app.add_option(
          "--layers", o.layers,
          "Layers of a grid, comma-separated, or all; a .png shows one layer, or for a scan one column "

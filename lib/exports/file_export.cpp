@@ -17,6 +17,7 @@
 #include "exports/csv.h"
 #include "exports/grid_layers.h"
 #include "exports/las.h"
+#include "exports/pcd.h"
 #include "exports/ply.h"
 #include "exports/point_reader.h"
 #include "exports/quick_look.h"
@@ -33,6 +34,13 @@ bool has(std::string_view words, const std::string& format) {
   return words.find(format) != std::string_view::npos;
 }
 
+/// ".csv, .gpkg, ...".
+std::string listed_extensions() {
+  std::string text;
+  for (const std::string& format : export_formats()) text += (text.empty() ? "." : ", .") + format;
+  return text;
+}
+
 std::string format_of(const ExportOptions& o, const std::string& output) {
   if (output == "-") {
     if (o.format.empty()) throw UsageError("-o - needs --format csv");
@@ -44,8 +52,8 @@ std::string format_of(const ExportOptions& o, const std::string& output) {
   std::string named;
   if (extension == ".xdmf") named = "xmf";
   if (extension == ".tiff") named = "tif";
-  for (const char* const known : {"csv", "gpkg", "las", "ply", "png", "tif", "xmf"})
-    if (extension == std::string(".") + known) named = known;
+  for (const std::string& known : export_formats())
+    if (extension == "." + known) named = known;
   if (!named.empty() && !o.format.empty() && named != o.format)
     throw UsageError("output " + output + ": its extension contradicts --format " + o.format);
   if (!o.format.empty()) return o.format;
@@ -54,8 +62,8 @@ std::string format_of(const ExportOptions& o, const std::string& output) {
                      ": GeoJSON has longitude and latitude on WGS 84 only (RFC 7946); a .gpkg holds landing "
                      "sites in their own frame");
   if (named.empty())
-    throw UsageError("output " + output + ": extension '" + extension +
-                     "' is not one of .csv, .gpkg, .las, .ply, .png, .tif, .xmf; --format names one");
+    throw UsageError("output " + output + ": extension '" + extension + "' is not one of " +
+                     listed_extensions() + "; --format names one");
   return named;
 }
 
@@ -68,10 +76,13 @@ void require_possible(const LandfallFileReader& file, const std::string& format)
   const std::string kind = kind_of(file);
   const bool is_scan = kind == "scan";
   const bool has_sites = kind == "hazards";
-  if (has(is_scan ? "csv las ply png xmf" : has_sites ? "csv gpkg png tif xmf" : "csv png tif xmf", format))
+  if (has(is_scan     ? "csv las pcd ply png xmf"
+          : has_sites ? "csv gpkg png tif xmf"
+                      : "csv png tif xmf",
+          format))
     return;
   throw UsageError(input + " is a landfall." + kind + " file, which can become " +
-                   (is_scan     ? ".csv, .las, .ply, .png or .xmf"
+                   (is_scan     ? ".csv, .las, .pcd, .ply, .png or .xmf"
                     : has_sites ? ".csv, .gpkg, .png, .tif or .xmf"
                                 : ".csv, .png, .tif or .xmf") +
                    "; not ." + format);
@@ -86,9 +97,9 @@ void require_no_stray_option(const ExportOptions& o, bool is_scan) {
     std::string_view of_grid;
   };
   const Option options[] = {{!o.layers.empty(), "--layers", "png", "csv png tif xmf"},
-                            {!o.columns.empty(), "--columns", "csv ply", ""},
-                            {!o.position.empty(), "--position", "las ply xmf", ""},
-                            {o.every != 1, "--every", "csv las ply", "csv"},
+                            {!o.columns.empty(), "--columns", "csv pcd ply", ""},
+                            {!o.position.empty(), "--position", "las pcd ply xmf", ""},
+                            {o.every != 1, "--every", "csv las pcd ply", "csv"},
                             {o.keep_misses, "--keep-misses", "csv", ""},
                             {!o.time.empty(), "--time", "las", ""},
                             {o.sites, "--sites", "", "csv gpkg"}};
@@ -107,7 +118,7 @@ void require_sites(const ExportOptions& o, const std::string& kind) {
 }
 
 /// x, y and z first, then the other columns.
-PointReader::Pass ply_pass(const PointReader& points, const ExportOptions& o) {
+PointReader::Pass properties_pass(const PointReader& points, const ExportOptions& o) {
   PointReader::Pass pass{position_columns(o.position), {true, o.every}, 3};
   for (const std::string& name : points.choose(o.columns))
     if (std::find(pass.columns.begin(), pass.columns.begin() + 3, name) == pass.columns.begin() + 3)
@@ -144,14 +155,25 @@ std::string time_remark(const PointReader& points, const ExportOptions& o, const
   return "";
 }
 
-/// Returns a remark about the times, or nothing.
+/// A remark on positions that float32 rounds visibly; else empty.
+std::string rounding_remark(double rounding_m, const std::string& output) {
+  constexpr double kVisible_m = 1e-4;
+  if (rounding_m <= kVisible_m) return "";
+  return output + ": x, y and z are rounded to float32, by up to " + short_number(1000 * rounding_m) +
+         " mm; a .ply keeps them";
+}
+
+/// Returns a remark about the values in the file, or nothing.
 std::string export_scan(const ExportOptions& o, const OutputOptions& output, const std::string& tool,
                         ByteSink& sink, const ProgressCallback& progress) {
   const PointReader points(o.input);
+  if (o.format == "pcd")
+    return rounding_remark(write_points_pcd(points, properties_pass(points, o), sink, progress),
+                           output.path.string());
   if (o.format == "csv")
     write_points_csv(points, {points.choose(o.columns), {!o.keep_misses, o.every}}, sink, progress);
   else if (o.format == "ply")
-    write_points_ply(points, ply_pass(points, o), sink, progress);
+    write_points_ply(points, properties_pass(points, o), sink, progress);
   else if (o.format == "las")
     write_points_las(points,
                      {.position = o.position,
@@ -209,6 +231,11 @@ void export_picture(const ExportOptions& o, const OutputOptions& output, const P
 }
 
 }  // namespace
+
+const std::vector<std::string>& export_formats() {
+  static const std::vector<std::string> formats = {"csv", "gpkg", "las", "pcd", "ply", "png", "tif", "xmf"};
+  return formats;
+}
 
 FileExport::FileExport(ExportOptions options, const std::string& output)
     : options_(std::move(options)), output_(output) {

@@ -10,10 +10,13 @@
 
 namespace landfall {
 
+/// The names of the formats, which are their extensions without the dot.
+[[nodiscard]] const std::vector<std::string>& export_formats();
+
 /// The part of a landfall file to export, and the format. Empty members have defaults.
 struct ExportOptions {
   std::string input;
-  std::string format;                ///< "csv", "gpkg", "las", "ply", "png", "tif" or "xmf"
+  std::string format;                ///< one of export_formats()
   std::vector<std::string> layers;   ///< of a grid; of a scan, for an image, a column or "count"
   std::vector<std::string> columns;  ///< of a scan's points
   std::string position;              ///< of a scan's points: "est" or "true"
@@ -35,7 +38,7 @@ class FileExport {
   [[nodiscard]] std::string second_output() const;
 
   /// Writes `output`, whose path is that of the constructor; `tool` is the software name in the file. Returns
-  /// a remark about its times that the user should see, or nothing. Throws ClosedPipe (byte_sink.h), and as
+  /// a remark about its values that the user should see, or nothing. Throws ClosedPipe (byte_sink.h), and as
   /// the formats' writers do.
   [[nodiscard]] std::string write(const OutputOptions& output, const std::string& tool,
                                   const ProgressCallback& progress) const;

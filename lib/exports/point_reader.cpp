@@ -50,6 +50,11 @@ ColumnTarget resized(ColumnValues& values, std::size_t count) {
       values);
 }
 
+/// The column whose length the others must have.
+std::string first_of(const TableReader& points) {
+  return points.has(kStatus) ? kStatus : name_of(&PointColumns::x_est);
+}
+
 std::vector<double> stored_times(const LandfallFileReader& file) {
   const bool has_times =
       h5::exists(file.root(), "pulses") && TableReader(file.root(), "pulses", file.name()).has(kTime);
@@ -68,25 +73,34 @@ PointReader::PointReader(const std::filesystem::path& path)
       columns_(columns_of(points_)),
       stored_times_s_(stored_times(file_)),
       pulse_times_(stored_times_s_.empty() ? PulseTimes{} : read_pulse_times_since_first(file_)),
-      row_count_(points_.row_count(kStatus)) {
-  for (const auto member : kCoordinates) {
-    const std::string name = name_of(member);
-    const auto is_it = [&](const ContentInfo& column) { return column.name == name && is_real(column); };
-    if (std::none_of(columns_.begin(), columns_.end(), is_it))
-      file_.fail("no floating-point column /points/" + name);
-  }
+      row_count_(points_.row_count(first_of(points_))) {
+  require_positions();
+  const std::string first = first_of(points_);
   for (const ContentInfo& column : columns_)
     if (points_.row_count(column.name) != row_count_)
-      file_.fail("/points/" + column.name + " has another length than /points/status");
+      file_.fail("/points/" + column.name + " has another length than /points/" + first);
   if (!stored_times_s_.empty() && points_.has(kPulse) && !points_.has(kTime)) {
     const auto& time = std::get<0>(kPulseColumns);
     columns_.push_back({time.name, h5::Type::float64, time.units, time.long_name});
   }
 }
 
+void PointReader::require_positions() const {
+  for (const auto member : kCoordinates) {
+    const std::string name = name_of(member);
+    const auto found = std::ranges::find(columns_, name, &ContentInfo::name);
+    const bool is_optional = name.ends_with("_true");
+    if (found == columns_.end() ? !is_optional : !is_real(*found))
+      file_.fail("no floating-point column /points/" + name);
+  }
+}
+
+bool PointReader::has(const std::string& name) const {
+  return std::ranges::find(columns_, name, &ContentInfo::name) != columns_.end();
+}
+
 const ContentInfo& PointReader::column(const std::string& name) const {
-  const auto is_it = [&name](const ContentInfo& column) { return column.name == name; };
-  const auto found = std::find_if(columns_.begin(), columns_.end(), is_it);
+  const auto found = std::ranges::find(columns_, name, &ContentInfo::name);
   if (found == columns_.end())
     throw UsageError(file_.name() + ": no column '" + name + "'; it has " + listed(columns_));
   return *found;
@@ -106,7 +120,7 @@ std::vector<std::string> PointReader::choose(const std::vector<std::string>& nam
 
 std::size_t PointReader::count(const PointSelection& selection) const {
   std::size_t selected = row_count_;
-  if (selection.only_returns) {
+  if (selection.only_returns && has(kStatus)) {
     selected = 0;
     std::vector<std::int8_t> status(std::min(row_count_, kBatchRows));
     ColumnReader reader(points_, {kStatus});
@@ -125,7 +139,10 @@ std::size_t PointReader::count(const PointSelection& selection) const {
 class PointReader::BatchSource {
  public:
   BatchSource(const PointReader& reader, const Pass& pass)
-      : reader_(reader), pass_(pass), columns_(reader.points_, stored_columns(pass)) {}
+      : reader_(reader),
+        pass_(pass),
+        reads_status_(pass.selection.only_returns && reader.has(kStatus)),
+        columns_(reader.points_, stored_columns(pass)) {}
 
   void read(std::size_t begin, std::size_t count, PointBatch& batch) {
     batch.first_row = begin;
@@ -137,7 +154,7 @@ class PointReader::BatchSource {
       pulse_.resize(count);
       targets.emplace_back(std::span(pulse_));
     }
-    if (pass_.selection.only_returns) {
+    if (reads_status_) {
       status_.resize(count);
       targets.emplace_back(std::span(status_));
     }
@@ -163,14 +180,14 @@ class PointReader::BatchSource {
       else
         names.push_back(name);
     if (wants_time_) names.emplace_back(kPulse);
-    if (pass.selection.only_returns) names.emplace_back(kStatus);
+    if (reads_status_) names.emplace_back(kStatus);
     return names;
   }
 
   void select(std::size_t count, PointBatch& batch) {
     batch.selected.clear();
     for (std::size_t i = 0; i < count; ++i) {
-      if (pass_.selection.only_returns && !is_return(PointStatus{status_[i]})) continue;
+      if (reads_status_ && !is_return(PointStatus{status_[i]})) continue;
       if (seen_++ % pass_.selection.every == 0) batch.selected.push_back(static_cast<std::uint32_t>(i));
     }
   }
@@ -209,6 +226,7 @@ class PointReader::BatchSource {
   const PointReader& reader_;
   const Pass& pass_;
   bool wants_time_ = false;
+  bool reads_status_;
   ColumnReader columns_;
   std::size_t seen_ = 0;
   std::vector<std::int32_t> pulse_;

@@ -19,8 +19,9 @@ namespace landfall {
 
 /// Selects rows of a scan's /points.
 struct PointSelection {
-  bool only_returns = true;  ///< returns and false returns; else every row of the file
-  std::size_t every = 1;     ///< of those rows, the first and every N-th after it; >= 1
+  /// Returns and false returns, which are all rows of a file without the column status; else every row.
+  bool only_returns = true;
+  std::size_t every = 1;  ///< of those rows, the first and every N-th after it; >= 1
 };
 
 /// The rows of one column in a batch. Floating-point columns are read as double.
@@ -44,12 +45,14 @@ struct PointBatch {
 /// The points of a scan.h5, read batch by batch in bounded memory, in any number of passes.
 class PointReader {
  public:
-  /// Throws FormatError unless the file is a scan with the columns that a point cloud needs.
+  /// Throws FormatError unless the file is a scan with the columns that a point cloud needs: the estimated
+  /// positions. Imported scans have neither true positions nor /pulses, and not every other column.
   explicit PointReader(const std::filesystem::path& path);
 
   [[nodiscard]] const LandfallFileReader& file() const { return file_; }
   /// The file's columns, and `t`, the time of the point's pulse, if the file has the pulse times.
   [[nodiscard]] const std::vector<ContentInfo>& columns() const { return columns_; }
+  [[nodiscard]] bool has(const std::string& name) const;
   /// Throws UsageError, listing the existing columns, for an unknown column.
   [[nodiscard]] const ContentInfo& column(const std::string& name) const;
   /// The columns of these names, in their order; without names: those of the file. Throws UsageError for an
@@ -79,6 +82,7 @@ class PointReader {
 
  private:
   class BatchSource;
+  void require_positions() const;
 
   LandfallFileReader file_;
   TableReader points_;

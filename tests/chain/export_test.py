@@ -14,9 +14,10 @@ import subprocess
 import tempfile
 import unittest
 
+import h5py
 import numpy as np
 
-from harness import Chain, ToolTest, columns, read_bytes, returns_of, tool
+from harness import Chain, ToolTest, columns, read_bytes, returns_of, run, tool
 
 OUTSIDE = os.path.join(os.environ["LANDFALL_ROOT"], "tests", "chain", "outside")
 GRID = 5  # m, half width of the DEM
@@ -193,6 +194,43 @@ class PlyTest(ExportTest):
         table = np.frombuffer(body, kind)
         for name, column in [("x", "x_est"), ("z", "z_est"), ("pulse", "pulse")]:
             np.testing.assert_array_equal(table[name], points[column][::7])
+
+
+class PcdTest(ExportTest):
+    def cloud(self, path):
+        """The header's lines and the points of a binary PCD, as its specification describes it."""
+        header, body = read_bytes(path).split(b"DATA binary\n", 1)
+        lines = dict(line.split(" ", 1) for line in header.decode("ascii").splitlines() if not line.startswith("#"))
+        kinds = ["<" + {"F": "f", "I": "i", "U": "u"}[letter] + size
+                 for letter, size in zip(lines["TYPE"].split(), lines["SIZE"].split())]
+        self.assertEqual(set(lines["COUNT"].split()), {"1"})
+        table = np.frombuffer(body, np.dtype(list(zip(lines["FIELDS"].split(), kinds))))
+        self.assertEqual([int(lines[name]) for name in ("WIDTH", "HEIGHT", "POINTS")], [len(table), 1, len(table)])
+        return table
+
+    def test_every_value_reads_back(self):
+        points = returns_of(CHAIN.scan)
+        for position in ("est", "true"):
+            table = self.cloud(self.export(CHAIN.scan, position + ".pcd", "--position", position))
+            self.assertEqual(len(table), len(points["x_est"]))
+            self.assertEqual(len(table.dtype.names), len(points))
+            for name in table.dtype.names:
+                column = f"{name}_{position}" if len(name) == 1 else name.removeprefix("scalar_").replace("range_meas", "range_measured")
+                expected = points[column].astype(np.float32) if len(name) == 1 else points[column]
+                np.testing.assert_array_equal(table[name], expected, name)
+
+    def test_every_nth_point_of_one_column(self):
+        points = returns_of(CHAIN.scan)
+        table = self.cloud(self.export(CHAIN.scan, "some.pcd", "--every", 7, "--columns", "pulse"))
+        np.testing.assert_array_equal(table["scalar_pulse"], points["pulse"][::7])
+
+    def test_a_visible_rounding_is_told(self):
+        far = self.path("far.h5")
+        shutil.copy(CHAIN.scan, far)
+        with h5py.File(far, "r+") as file:
+            file["points/x_est"][...] += 1e6
+        result = run("landfall-export", far, "-o", self.path("far.pcd"))
+        self.assertIn("far.pcd: x, y and z are rounded to float32, by up to 31.", result.stderr)
 
 
 class LasTest(ExportTest):

@@ -71,6 +71,33 @@ TEST(PointReader, CountsWhatIsSelected) {
                                 "status, t"));
 }
 
+/// As landfall-import writes it: estimated positions alone.
+void write_imported(const std::filesystem::path& path) {
+  LandfallFileWriter file({path, true, 1}, "scan", {.tool = "landfall-import", .config = {{"a", 1}}});
+  const std::vector<double> x = {1, 2, 3};
+  const std::span<const double> rows(x);
+  write_table(file.root(), "points",
+              {{"x_est", h5::Type::float64, "m", "x"},
+               {"y_est", h5::Type::float64, "m", "y"},
+               {"z_est", h5::Type::float64, "m", "z"}},
+              std::array<ColumnRows, 3>{rows, rows, rows}, 1);
+  file.commit();
+}
+
+TEST(PointReader, ReadsAnImportedScan) {
+  const TemporaryFolder folder;
+  write_imported(folder / "scan.h5");
+  const PointReader points(folder / "scan.h5");
+  EXPECT_TRUE(points.has("z_est"));
+  EXPECT_FALSE(points.has("x_true"));
+  EXPECT_EQ(points.count({true, 1}), 3U);
+  MemorySink sink;
+  write_points_csv(points, {position_columns("est"), {true, 2}, 3}, sink);
+  EXPECT_EQ(sink.bytes(), "x_est_m,y_est_m,z_est_m\n1,1,1\n3,3,3\n");
+  EXPECT_EQ(refusal([&] { static_cast<void>(points.column("x_true")); }),
+            (folder / "scan.h5").string() + ": no column 'x_true'; it has x_est, y_est, z_est");
+}
+
 TEST(LayersCsv, TellsBinsFromTheSouthRowByRow) {
   const GridSpec spec{0.5, -1, 0, 2, 3};
   Grid<float> z(spec, 0.1F);
