@@ -125,6 +125,7 @@ ExitCode run(cli::Session& session, const Options& o) {
     if (const auto maps = read_uncertainty(o.dem))
       evaluation.metrics.uncertainty =
           assess_uncertainty(*maps, evaluation.region, footprint_of(parameters, grid.resolution_m));
+    judge_own_requirements(evaluation.metrics, parameters.own_requirements);
   });
   const nlohmann::ordered_json numbers = metrics_json(evaluation.metrics);
   session.phase("write", [&](const ProgressCallback&) {

@@ -11,6 +11,7 @@
 #include "cli/hazard_table.h"
 #include "cli/outcomes.h"
 #include "cli/tool.h"
+#include "cli/verdict_table.h"
 #include "config/hazard_config.h"
 #include "files/hazard_file.h"
 #include "report/hazard_page.h"
@@ -26,7 +27,7 @@ constexpr const char* kExamples = R"(Examples:
   hazard-map terrain.h5 -c preset:jpl-2015 -o hazards.h5
   hazard-map dem.h5 -o hazards.h5 --set limits.slope_deg=15 --require-safe
 Exit status 3: --require-safe is given, and no site has a p_touchdown of
-sites.min_p or more.
+sites.min_p or more, or the score misses one of the requirements.
 Configuration: --print-schema, man hazard-map, docs/user/hazard-map.md.)";
 
 constexpr const char* kDescription =
@@ -56,7 +57,8 @@ void bind(CLI::App& app, Options& o) {
       ->type_name("TEXT");
   app.add_flag("--table", o.table, "Print places, sites and score; default on a terminal");
   app.add_flag("--require-safe", o.require_safe,
-               "Exit with 3 unless a site has a p_touchdown of at least sites.min_p");
+               "Exit with 3 unless a site has a p_touchdown of at least sites.min_p and the score meets "
+               "every requirement of the configuration");
 }
 
 /// On a terminal the table is printed without --table.
@@ -89,7 +91,7 @@ void check(const cli::CommonOptions& common, const Options& o) {
 
 ExitCode run(cli::Session& session, const Options& o) {
   check(session.options(), o);
-  const HazardParameters parameters = hazard_config(session.config());
+  const HazardParameters parameters = hazard_config(session.config(), session.config_name());
   // The outputs are refused before the map is read, and appear together or not at all.
   const std::vector<std::string> inputs = {o.map, o.terrain};
   std::optional<OutputOptions> output;
@@ -110,6 +112,7 @@ ExitCode run(cli::Session& session, const Options& o) {
   if (output) file.emplace(*output, "hazards", provenance);
   HazardMap map;
   session.with_file_names(o.map, [&] { map = map_hazards(input, parameters, session.phases()); });
+  const OwnVerdicts own = own_verdicts(map, parameters);
   session.phase("write", [&](const ProgressCallback&) {
     if (sites_file) write_text(*sites_file, sites_json(map).dump(2) + "\n");
     if (score_file) write_text(*score_file, score_json(map.truth->score).dump(2) + "\n");
@@ -120,10 +123,11 @@ ExitCode run(cli::Session& session, const Options& o) {
     if (score_file) score_file->commit();
     if (report_file) report_file->commit();
   });
-  if (o.table || is_table_default(session.options())) std::cout << cli::hazard_table(map);
+  if (o.table || is_table_default(session.options()))
+    std::cout << cli::hazard_table(map) << cli::own_table(own);
   std::optional<double> required;
   if (o.require_safe) required = parameters.sites.min_p;
-  return cli::report_hazards(session, o.map, map, required);
+  return cli::report_hazards(session, o.map, map, own, required);
 }
 
 }  // namespace
@@ -137,7 +141,7 @@ int hazard_map(int argc, const char* const* argv, cli::Invocation* invocation) {
   tool.examples = kExamples;
   tool.schema = "hazard";
   tool.bind = [&](CLI::App& app) { bind(app, options); };
-  tool.check = [](const cli::Session& s) { static_cast<void>(hazard_config(s.config())); };
+  tool.check = [](const cli::Session& s) { static_cast<void>(hazard_config(s.config(), s.config_name())); };
   tool.run = [&](cli::Session& session) { return run(session, options); };
   return cli::tool_main(argc, argv, tool, invocation);
 }

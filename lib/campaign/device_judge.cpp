@@ -57,7 +57,7 @@ std::optional<DecisiveMetrics> DeviceJudge::judge(const Simulation& simulation, 
   });
   if (!is_judged) return std::nullopt;
   Grid<std::int8_t> fail(region_.spec());  // the device has added its flags to the maps
-  return decisive_metrics(footprints_of(verdict), valid_, region_, parameters.limits, fail);
+  return decisive_metrics(footprints_of(verdict), valid_, region_, parameters, fail);
 }
 
 DeviceJudged DeviceJudge::judged() const {

@@ -133,6 +133,7 @@ DrawResult DrawRunner::run(DrawSetup setup, const DrawGround& ground, MetricsKin
   Evaluation evaluation = evaluate(std::exchange(dem.layers, {}), setup.evaluation);
   if (maps != nullptr) maps->add_verdicts(evaluation.fail);
   evaluation.metrics.uncertainty = std::move(assessed);
+  judge_own_requirements(evaluation.metrics, setup.evaluation.own_requirements);
   return {std::move(evaluation.metrics), std::move(hazards), landings};
 }
 

@@ -4,6 +4,9 @@
 #include <algorithm>
 #include <cassert>
 #include <stdexcept>
+#include <string_view>
+
+#include "dictionary/tables/requirements.h"
 
 namespace landfall {
 namespace {
@@ -27,6 +30,27 @@ void append(DrawTable& table, const DrawTable& next) {
 const DrawColumn* find_metric(const DrawTable& table, const std::string& name) {
   const auto found = std::ranges::find(table.metrics, name, &DrawColumn::name);
   return found == table.metrics.end() ? nullptr : &*found;
+}
+
+std::vector<OwnColumn> own_columns(const DrawTable& table) {
+  constexpr std::string_view kEnd = ".pass";
+  std::vector<OwnColumn> own;
+  for (const DrawColumn& column : table.metrics)
+    for (const std::string_view begin : {"own_requirements.", "score.own_requirements."})
+      if (column.name.starts_with(begin) && column.name.ends_with(kEnd))
+        own.push_back({column.name.substr(begin.size(), column.name.size() - begin.size() - kEnd.size()),
+                       column.name.substr(0, column.name.size() - kEnd.size()), &column});
+  return own;
+}
+
+std::vector<std::int8_t> six_passed(const DrawTable& table) {
+  std::vector<std::int8_t> passed(table.pass.size(), 1);
+  for (const dictionary::Requirement& words : dictionary::kRequirements) {
+    const std::vector<double>& passes = pass_column(table, words.name).values;
+    for (std::size_t i = 0; i < passed.size(); ++i)
+      if (passes[i] != 1) passed[i] = 0;
+  }
+  return passed;
 }
 
 const DrawColumn& pass_column(const DrawTable& table, const std::string& requirement) {

@@ -21,7 +21,7 @@ struct DrawTable {
   std::vector<std::int64_t> seeds;
   std::vector<DrawColumn> varied;
   std::vector<DrawColumn> metrics;  ///< NaN for a number that metrics.json has as null
-  std::vector<std::int8_t> pass;    ///< 1: all six requirements passed
+  std::vector<std::int8_t> pass;    ///< 1: all requirements passed, the user's own too
 
   [[nodiscard]] std::int64_t size() const { return static_cast<std::int64_t>(seeds.size()); }
   /// Number after the last draw.
@@ -41,6 +41,18 @@ void append(DrawTable& table, const DrawTable& next);
 
 /// The metric of this name; null if the table has none.
 [[nodiscard]] const DrawColumn* find_metric(const DrawTable& table, const std::string& name);
+
+/// A requirement of the user's own.
+struct OwnColumn {
+  std::string name;
+  std::string
+      path;  ///< of its columns: "own_requirements.NAME", of a hazard map "score.own_requirements.NAME"
+  const DrawColumn* passes;
+};
+[[nodiscard]] std::vector<OwnColumn> own_columns(const DrawTable& table);
+
+/// Whether each draw passed all six requirements: without the user's own.
+[[nodiscard]] std::vector<std::int8_t> six_passed(const DrawTable& table);
 
 /// The metric "requirements.NAME.pass"; throws std::out_of_range if the table has none.
 [[nodiscard]] const DrawColumn& pass_column(const DrawTable& table, const std::string& requirement);

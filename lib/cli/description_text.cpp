@@ -338,7 +338,8 @@ std::string score_text(const OrderedJson& d) {
   };
   std::string text = score_lines({count("safe_safe"), count("safe_hazard"), count("hazard_safe"),
                                   count("hazard_hazard"), count("unknown")},
-                                 {rate("missed_hazard_frac"), rate("false_alarm_frac")});
+                                 {rate("missed_hazard_frac"), rate("false_alarm_frac")}) +
+                     own_table(own_verdicts_from(score));
   if (d.contains("best_site") && d["best_site"].at("true_safe").is_boolean())
     text += print("%-16s%10s   on the true ground\n", "best site",
                   d["best_site"]["true_safe"].get<bool>() ? "safe" : "hazard");

@@ -172,7 +172,8 @@ std::string exit_section(const Tool& tool) {
   if (tool.name == "dem-eval")
     text += ".TP\n.B 3\nWith " + bold("--require-pass") + ": a requirement is missed or cannot be judged.\n";
   if (tool.name == "hazard-map")
-    text += ".TP\n.B 3\nWith " + bold("--require-safe") + ": no site is safe enough.\n";
+    text += ".TP\n.B 3\nWith " + bold("--require-safe") +
+            ": no site is safe enough, or the score misses a requirement of the configuration.\n";
   if (tool.name == "monte-carlo")
     text += ".TP\n.B 3\nWith " + bold("--require-pass") +
             ": a draw fails, or the sequential test does not accept.\n";

@@ -116,15 +116,14 @@ ExitCode report_evaluation(Session& session, const std::string& dem, const Evalu
   const Metrics& metrics = evaluation.metrics;
   const std::string missed = missed_requirements(metrics);
   const bool refused = require_pass && !metrics.pass.value_or(false);
-  session.conclude(
-      refused ? dem + ": missed or not judged: " + missed
-              : dem + ": " + overall_verdict(metrics.requirements) + (missed.empty() ? "" : ": " + missed),
-      refused);
+  session.conclude(refused ? dem + ": missed or not judged: " + missed
+                           : dem + ": " + overall_verdict(metrics) + (missed.empty() ? "" : ": " + missed),
+                   refused);
   return refused ? ExitCode::requirement_missed : ExitCode::done;
 }
 
 ExitCode report_hazards(Session& session, const std::string& name, const HazardMap& map,
-                        std::optional<double> min_p) {
+                        const OwnVerdicts& own, std::optional<double> min_p) {
   const PlaceCounts counts = count_places(map.safe, map.region);
   session.count("places", {{"safe", counts.safe}, {"hazard", counts.hazard}, {"unknown", counts.unknown}});
   session.count("sites", sites_json(map)["sites"]);
@@ -137,11 +136,12 @@ ExitCode report_hazards(Session& session, const std::string& name, const HazardM
     session.warn(name + ": --require-safe: " + kNoProbability +
                  "; p_touchdown counts safe places as certain");
   const auto is_enough = [&](const LandingSite& site) { return site.p_touchdown >= *min_p; };
-  const bool refused = min_p && std::ranges::none_of(map.sites, is_enough);
-  session.conclude(name + ": " +
-                       (refused ? "no site has a p_touchdown of " + number_text(*min_p) + ": " : "") +
-                       hazard_summary(map),
-                   refused);
+  const bool lacks_site = min_p && std::ranges::none_of(map.sites, is_enough);
+  const bool refused = lacks_site || (min_p && !all_pass(own));
+  std::string text = name + ": ";
+  if (lacks_site) text += "no site has a p_touchdown of " + number_text(*min_p) + ": ";
+  if (!all_pass(own)) text += "missed: " + missed_requirements(own) + "; ";
+  session.conclude(text + hazard_summary(map), refused);
   return refused ? ExitCode::requirement_missed : ExitCode::done;
 }
 

@@ -39,9 +39,9 @@ void report_dem(Session& session, const BinnedReturns& returns, const GridSpec& 
                                          bool require_pass);
 
 /// Also passes on the numbers of places, sites and score. Warns if every place is unknown on the true ground.
-/// With `min_p`, a site of that p_touchdown is required: returns requirement_missed, and always says why,
-/// without one. `name` begins the messages.
+/// With `min_p`, a site of that p_touchdown and the user's own requirements are required: returns
+/// requirement_missed, and always says why, without. `name` begins the messages.
 [[nodiscard]] ExitCode report_hazards(Session& session, const std::string& name, const HazardMap& map,
-                                      std::optional<double> min_p);
+                                      const OwnVerdicts& own, std::optional<double> min_p);
 
 }  // namespace landfall::cli

@@ -3,6 +3,7 @@
 
 #include <array>
 #include <optional>
+#include <vector>
 
 #include "base/number_text.h"
 #include "cli/print.h"
@@ -53,8 +54,18 @@ std::string region_text(const RegionMetrics& region) {
   return " of the mask";
 }
 
+/// The names, then those of the own requirements that are missed.
+std::string listed(std::vector<std::string> names, const OwnVerdicts& own) {
+  for (const OwnVerdict& verdict : own.all)
+    if (!verdict.pass) names.push_back(verdict.requirement.name);
+  std::string text;
+  for (const std::string& name : names) text += (text.empty() ? "" : ", ") + name;
+  return text;
+}
+
 std::string row(const VerdictText& text) {
-  return print("%-19s %-46s %-7s %s\n", text.name, text.value.c_str(), text.limit.c_str(), text.verdict);
+  return print("%-19s %-46s %-7s %s\n", text.name.c_str(), text.value.c_str(), text.limit.c_str(),
+               text.verdict);
 }
 
 }  // namespace
@@ -63,7 +74,7 @@ std::string verdict_table(const Metrics& metrics, const EvaluationLimits& limits
   // The heading of the last column begins one column earlier, to end at column 80.
   std::string text = print("%-19s %-46s %-5s %s\n", "requirement", "measured", "limit", "verdict");
   for (const VerdictText& requirement : verdict_texts(metrics, limits)) text += row(requirement);
-  text += row({"all", "", "", overall_verdict(metrics.requirements)});
+  text += row({"all", "", "", overall_verdict(metrics)});
   text += "\nRegion: " + grouped(metrics.region.bin_count) + " bins" + region_text(metrics.region) + "; " +
           grouped(metrics.coverage.invalid_count) + " invalid in " + grouped(metrics.coverage.hole_count) +
           " holes\n";
@@ -73,11 +84,19 @@ std::string verdict_table(const Metrics& metrics, const EvaluationLimits& limits
 }
 
 std::string missed_requirements(const Metrics& metrics) {
-  std::string names;
+  std::vector<std::string> names;
   for (const RequirementInfo& info : kRequirementInfo)
-    if (!(metrics.requirements.*info.requirement).pass.value_or(false))
-      names += (names.empty() ? "" : ", ") + std::string(info.name);
-  return names;
+    if (!(metrics.requirements.*info.requirement).pass.value_or(false)) names.emplace_back(info.name);
+  return listed(names, metrics.own_requirements);
 }
+
+std::string own_table(const OwnVerdicts& own) {
+  if (own.all.empty()) return "";
+  std::string text = "\n" + row({"requirement", "measured", "limit", "verdict"});
+  for (const VerdictText& requirement : own_texts(own)) text += row(requirement);
+  return text;
+}
+
+std::string missed_requirements(const OwnVerdicts& own) { return listed({}, own); }
 
 }  // namespace landfall::cli

@@ -4,6 +4,8 @@
 #include <map>
 
 #include "config/config_path.h"
+#include "config/own_requirement_config.h"
+#include "evaluation/metrics.h"
 
 namespace landfall {
 
@@ -73,6 +75,7 @@ EvaluationParameters evaluation_config(const nlohmann::json& resolved, const std
   const nlohmann::json& limits = resolved.at("limits");
   FieldWalk walk{[&](const std::string& key, auto& limit) { limits.at(key).get_to(limit); }};
   EvaluationLimits::fields(walk, parameters.limits);
+  parameters.own_requirements = own_requirements(resolved, name + ": ", {"metrics.json", metrics_fields()});
   at_path(name + ": /", [&] { check(parameters); });
   return parameters;
 }

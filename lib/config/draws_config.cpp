@@ -13,6 +13,8 @@
 #include "base/abbreviated.h"
 #include "base/error.h"
 #include "config/config_path.h"
+#include "config/dem_config.h"
+#include "config/hazard_config.h"
 #include "config/key_effects.h"
 #include "config/presets.h"
 #include "config/resolved_config.h"
@@ -235,6 +237,7 @@ DrawsConfig::DrawsConfig(const Json& resolved, std::string name, const Json& sca
   if (has_uncertainty_ && stages_.regrid.at("method") != "bilinear_nearest")
     throw UsageError(name_ + ": /uncertainty: needs the method bilinear_nearest, not " +
                      stages_.regrid.at("method").get<std::string>());
+  check_requirements();
   if (samples != nullptr) take_samples(*samples);
   json_["draws"] = draw_count_;
   for (const auto& [key, json] : resolved.at("vary").items())
@@ -252,6 +255,22 @@ void DrawsConfig::require_scanned(const Json& resolved) const {
   refuse_if(!resolved.at("terrain").is_null(), "terrain");
   refuse_if(has_terrain_seeds_, "terrain_seed");
   refuse_if(has_uncertainty_, "uncertainty");
+}
+
+void DrawsConfig::check_requirements() const {
+  const std::string where = name_ + ": /eval";
+  std::vector<OwnRequirement> all = evaluation_config(stages_.eval, where).own_requirements;
+  const std::vector<ResultField> decisive = decisive_fields();
+  for (std::size_t i = 0; metrics_ == MetricsKind::verdict && i < all.size(); ++i)
+    if (std::ranges::find(decisive, all[i].metric, &ResultField::path) == decisive.end())
+      throw UsageError(where + ": /requirements/" + std::to_string(i) +
+                       "/metric: \"metrics\": \"verdict\" does not compute " + all[i].metric +
+                       "; set /metrics to \"full\"");
+  if (!has_hazards()) return;
+  for (const OwnRequirement& own : hazard_config(stages_.hazard, name_ + ": /hazard").own_requirements)
+    if (std::ranges::find(all, own.name, &OwnRequirement::name) != all.end())
+      throw UsageError(name_ + ": /hazard/requirements: \"" + own.name +
+                       "\" is the name of a requirement of /eval too");
 }
 
 void DrawsConfig::predict() {

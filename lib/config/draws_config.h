@@ -83,6 +83,7 @@ class DrawsConfig {
   void take_samples(const NumberTable& samples);
   /// Refuses what only draws that trace have.
   void require_scanned(const nlohmann::json& resolved) const;
+  void check_requirements() const;
   void predict();
 
   std::string name_;

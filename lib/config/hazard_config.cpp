@@ -3,6 +3,8 @@
 
 #include <string>
 
+#include "config/own_requirement_config.h"
+
 namespace landfall {
 namespace {
 
@@ -31,7 +33,7 @@ SiteParameters sites_of(const nlohmann::json& json) {
 
 }  // namespace
 
-HazardParameters hazard_config(const nlohmann::json& resolved) {
+HazardParameters hazard_config(const nlohmann::json& resolved, const std::string& name) {
   HazardParameters parameters;
   parameters.lander = lander_of(resolved.at("lander"));
   parameters.method = hazard_method(resolved.at("method"));
@@ -42,6 +44,8 @@ HazardParameters hazard_config(const nlohmann::json& resolved) {
   parameters.touchdown_sigma_m = resolved.at("touchdown_sigma_m");
   parameters.sites = sites_of(resolved.at("sites"));
   parameters.seed = resolved.at("seed");
+  parameters.own_requirements =
+      own_requirements(resolved, name + ": ", {"score.json", result_fields(HazardScore{})});
   return parameters;
 }
 

@@ -191,7 +191,7 @@ Evaluation evaluate(DemLayers dem, const EvaluationParameters& parameters, const
   if (accuracy) accuracy->run(std::move(errors), progress);
   for (LayerSink* const sink : sinks) sink->take(result.fail);
   metrics.requirements = judge(metrics.coverage, metrics.accuracy, parameters.limits);
-  metrics.pass = overall_pass(metrics.requirements);
+  judge_own_requirements(metrics, parameters.own_requirements);
   report(progress, 1);
   return result;
 }

@@ -63,4 +63,18 @@ std::optional<bool> overall_pass(const RequirementMetrics& requirements) {
   return all;
 }
 
+std::optional<bool> with_own(std::optional<bool> pass, const OwnVerdicts& own) {
+  return all_pass(own) ? pass : std::optional(false);
+}
+
+std::vector<ResultField> metrics_fields() {
+  Metrics all;
+  AccuracyMetrics& accuracy = all.accuracy.emplace();
+  accuracy.absolute.z_corrected.emplace();
+  accuracy.relative.z_corrected.emplace();
+  all.statistics.z_corrected.emplace();
+  all.uncertainty.emplace();
+  return result_fields(all);
+}
+
 }  // namespace landfall

@@ -6,9 +6,11 @@
 #include <cstdint>
 #include <optional>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "base/fields.h"
+#include "dictionary/own_requirements.h"
 #include "dictionary/tables/requirements.h"
 #include "evaluation/parameters.h"
 
@@ -212,14 +214,15 @@ struct UncertaintyMetrics {
 };
 
 struct Metrics {
-  std::optional<bool> pass;  ///< all requirements; null if one is null
+  std::optional<bool> pass;  ///< with_own()
   RegionMetrics region;
   CoverageMetrics coverage;
   std::optional<AccuracyMetrics> accuracy;  ///< null without truth
   StatisticsMetrics statistics;
   RequirementMetrics requirements;
+  OwnVerdicts own_requirements;
   std::optional<UncertaintyMetrics> uncertainty;  ///< for a DEM with 1-sigma maps
-  LANDFALL_FIELDS(pass, region, coverage, accuracy, requirements, statistics, uncertainty)
+  LANDFALL_FIELDS(pass, region, coverage, accuracy, requirements, own_requirements, statistics, uncertainty)
 };
 
 /// Judges coverage and accuracy against Table 1. `accuracy` is empty without truth.
@@ -239,5 +242,20 @@ struct AccuracyValues {
 
 /// Whether all requirements pass; null if one is null, even if another fails.
 [[nodiscard]] std::optional<bool> overall_pass(const RequirementMetrics& requirements);
+
+/// The verdict on Table 1 and on the user's own requirements: false if one of these is missed.
+[[nodiscard]] std::optional<bool> with_own(std::optional<bool> pass, const OwnVerdicts& own);
+
+/// The fields of metrics.json on which a user can set requirements. Some of them have no value for some DEMs.
+[[nodiscard]] std::vector<ResultField> metrics_fields();
+
+/// Judges the user's own requirements by all other numbers, and sets `pass`. Called again where numbers were
+/// added.
+template <class M>
+void judge_own_requirements(M& metrics, const std::vector<OwnRequirement>& requirements) {
+  metrics.own_requirements = {};
+  metrics.own_requirements = judge_own(&std::as_const(metrics), requirements);
+  metrics.pass = with_own(overall_pass(metrics.requirements), metrics.own_requirements);
+}
 
 }  // namespace landfall

@@ -4,8 +4,10 @@
 #include <cstdint>
 #include <optional>
 #include <string_view>
+#include <vector>
 
 #include "base/fields.h"
+#include "dictionary/own_requirements.h"
 #include "raster/footprint.h"
 #include "raster/region.h"
 
@@ -40,6 +42,7 @@ struct EvaluationParameters {
   FootprintShape footprint_shape = FootprintShape::square;
   double quantile = 0.95;  ///< of |e - mean| in a footprint (Eq. 12)
   EvaluationLimits limits;
+  std::vector<OwnRequirement> own_requirements = {};  ///< on numbers of Metrics
   friend bool operator==(const EvaluationParameters&, const EvaluationParameters&) = default;
 };
 

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 
 #include "base/number_text.h"
 
@@ -18,6 +19,14 @@ std::string violations(std::int64_t count, std::int64_t all, double worst_m) {
   const double share = all > 0 ? static_cast<double>(count) / static_cast<double>(all) : 0;
   return grouped(count) + " of " + grouped(all) + ", " + percent_text(share) + ", worst " +
          centimetres(worst_m);
+}
+
+/// A number of metrics.json with its unit: lengths in cm, fractions in per cent.
+std::string measure(const std::string& metric, double value) {
+  if (metric.ends_with("_m")) return centimetres(value);
+  if (metric.ends_with("_frac")) return percent_text(value);
+  if (metric.ends_with("_bins")) return bins(value);
+  return short_number(value);
 }
 
 const char* verdict(const Requirement& requirement) {
@@ -45,19 +54,29 @@ std::string absolute_horizontal(const Metrics& m, double limit_m) {
 
 }  // namespace
 
-const char* overall_verdict(const RequirementMetrics& requirements) {
+const char* overall_verdict(const Metrics& m) {
   const auto any = [&](std::optional<bool> pass) {
     return std::ranges::any_of(kRequirementInfo, [&](const RequirementInfo& info) {
-      return (requirements.*info.requirement).pass == pass;
+      return (m.requirements.*info.requirement).pass == pass;
     });
   };
-  return any(false) ? "FAIL" : any(std::nullopt) ? "not judged" : "pass";
+  if (any(false) || !all_pass(m.own_requirements)) return "FAIL";
+  return any(std::nullopt) ? "not judged" : "pass";
 }
 
-std::array<VerdictText, kRequirementInfo.size()> verdict_texts(const Metrics& m,
-                                                               const EvaluationLimits& limits) {
+std::vector<VerdictText> own_texts(const OwnVerdicts& verdicts) {
+  std::vector<VerdictText> texts;
+  for (const OwnVerdict& own : verdicts.all) {
+    const OwnRequirement& r = own.requirement;
+    texts.push_back({r.name, r.metric + (own.value ? " " + measure(r.metric, *own.value) : ": no value"),
+                     (r.at_least ? ">= " : "") + measure(r.metric, r.limit), own.pass ? "pass" : "FAIL"});
+  }
+  return texts;
+}
+
+std::vector<VerdictText> verdict_texts(const Metrics& m, const EvaluationLimits& limits) {
   const RequirementMetrics& r = m.requirements;
-  std::array<VerdictText, kRequirementInfo.size()> texts = {
+  std::vector<VerdictText> texts = {
       {{"",
         grouped(m.coverage.invalid_count) + " of " + grouped(m.region.bin_count) + " bins invalid, " +
             percent_text(m.coverage.invalid_frac),
@@ -75,7 +94,7 @@ std::array<VerdictText, kRequirementInfo.size()> verdict_texts(const Metrics& m,
         centimetres(limits.relative_horizontal_m), ""},
        {"", r.absolute_horizontal.value ? absolute_horizontal(m, limits.absolute_horizontal_m) : "",
         percent_text(limits.absolute_horizontal_frac), ""}}};
-  for (std::size_t i = 0; i < texts.size(); ++i) {
+  for (std::size_t i = 0; i < kRequirementInfo.size(); ++i) {
     const RequirementInfo& info = kRequirementInfo[i];
     texts[i].name = info.name;
     texts[i].verdict = verdict(r.*info.requirement);
@@ -83,6 +102,7 @@ std::array<VerdictText, kRequirementInfo.size()> verdict_texts(const Metrics& m,
       texts[i].value = m.accuracy ? "no footprint to judge" : "no truth to compare with";
     if (info.at_least) texts[i].limit.insert(0, ">= ");
   }
+  std::ranges::move(own_texts(m.own_requirements), std::back_inserter(texts));
   return texts;
 }
 

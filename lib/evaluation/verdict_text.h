@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include <array>
 #include <string>
+#include <vector>
 
 #include "evaluation/metrics.h"
 
@@ -10,17 +10,19 @@ namespace landfall {
 
 /// A requirement as a person reads it: counts with their denominator and share, lengths beside their limit.
 struct VerdictText {
-  const char* name;     ///< as in metrics.json
+  std::string name;     ///< as in metrics.json
   std::string value;    ///< "87,348 of 785,321, 11.1 %, worst 5.79 cm"; empty if there is none
   std::string limit;    ///< "5 cm", ">= 95 %"
   const char* verdict;  ///< "pass", "FAIL" or "not judged"
 };
 
-/// One per requirement, in the order of kRequirementInfo.
-[[nodiscard]] std::array<VerdictText, kRequirementInfo.size()> verdict_texts(const Metrics& metrics,
-                                                                             const EvaluationLimits& limits);
+/// One per requirement, in the order of kRequirementInfo; then the user's own.
+[[nodiscard]] std::vector<VerdictText> verdict_texts(const Metrics& metrics, const EvaluationLimits& limits);
+
+/// The user's own requirements: "statistics.z.le90_m 1.23 cm".
+[[nodiscard]] std::vector<VerdictText> own_texts(const OwnVerdicts& verdicts);
 
 /// "FAIL" if a requirement is missed, else "not judged" if one is not judged (no truth), else "pass".
-[[nodiscard]] const char* overall_verdict(const RequirementMetrics& requirements);
+[[nodiscard]] const char* overall_verdict(const Metrics& metrics);
 
 }  // namespace landfall

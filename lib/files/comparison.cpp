@@ -218,6 +218,7 @@ std::vector<std::pair<std::string, std::vector<double>>> outcomes(const DrawTabl
   std::vector<std::pair<std::string, std::vector<double>>> all;
   for (const RequirementInfo& info : kRequirementInfo)
     all.emplace_back(info.name, pass_column(table, info.name).values);
+  for (const OwnColumn& own : own_columns(table)) all.emplace_back(own.name, own.passes->values);
   all.emplace_back("all", std::vector<double>(table.pass.begin(), table.pass.end()));
   for (const char* const name : {"site.true_safe", "landing.safe", "blind.safe"})
     if (const DrawColumn* const column = find_metric(table, name)) all.emplace_back(name, column->values);

@@ -172,7 +172,9 @@ void write_rows(const LandfallFileWriter& file, const DrawTable& table) {
                        "metric of metrics.json, score.json, of the best site or of a landing"});
     rows.emplace_back(std::span(column.values));
   }
-  columns.push_back({"pass", int8, "1", "whether all six requirements passed", {0, 1}, "no yes"});
+  const std::string of =
+      own_columns(table).empty() ? "all six requirements" : "all six requirements and the user's own";
+  columns.push_back({"pass", int8, "1", "whether " + of + " passed", {0, 1}, "no yes"});
   rows.emplace_back(std::span(table.pass));
   write_table(file.root(), "draws", std::move(columns), rows, file.compression());
   h5::write_attribute(h5::open_group(file.root(), "draws").get(), kFirstDraw, table.first);
@@ -291,7 +293,12 @@ Json result_json(const DrawTable& table, bool is_valid) {
     const std::vector<double>& passes = pass_column(table, info.name).values;
     rates.push_back(rate_json(info.name, {std::ranges::count(passes, 1.0), table.size()}));
   }
-  rates.push_back(rate_json("all", {std::ranges::count(table.pass, 1), table.size()}));
+  rates.push_back(rate_json("all", {std::ranges::count(six_passed(table), 1), table.size()}));
+  const std::vector<OwnColumn> own = own_columns(table);
+  for (const OwnColumn& column : own)
+    rates.push_back(rate_json(column.name, {std::ranges::count(column.passes->values, 1.0), table.size()}));
+  if (!own.empty())
+    rates.push_back(rate_json("all_and_own", {std::ranges::count(table.pass, 1), table.size()}));
   Json result = {{"rates", std::move(rates)}};
   const DrawColumn* const chosen_safe = find_metric(table, "site.true_safe");
   const DrawColumn* const site_x = find_metric(table, "site.x_m");
@@ -445,14 +452,17 @@ void check_rows(const LandfallFileReader& file, const DrawTable& table) {
   const auto is_flag = [](double value) { return value == 0 || value == 1; };
   for (const RequirementInfo& info : kRequirementInfo)
     check_metric(file, table, std::string("requirements.") + info.name + ".pass", "0 or 1", is_flag);
+  const std::vector<OwnColumn> own = own_columns(table);
+  for (const OwnColumn& column : own) check_metric(file, table, column.passes->name, "0 or 1", is_flag);
   check_metric(file, table, "site.true_safe", "0 or 1", is_flag);
   check_landings(file, table);
   check_metric(file, table, "score.missed_hazard_frac", "in [0, 1]",
                [](double value) { return value >= 0 && value <= 1; });
+  const std::vector<std::int8_t> six = six_passed(table);
   for (std::size_t i = 0; i < table.pass.size(); ++i) {
-    const bool all = std::ranges::all_of(kRequirementInfo, [&](const RequirementInfo& info) {
-      return pass_column(table, info.name).values[i] == 1;
-    });
+    const bool all = six[i] == 1 && std::ranges::all_of(own, [&](const OwnColumn& column) {
+                       return column.passes->values[i] == 1;
+                     });
     if (table.pass[i] != (all ? 1 : 0))
       fail_at(file, "pass", i, table.pass[i], std::string(all ? "1" : "0") + ", which its requirements give");
   }

@@ -35,7 +35,8 @@ using NamedNumber = std::pair<std::string, double>;
 /// site.KEY, NaN where there is no site, and landing.KEY and blind.KEY of a draw that lands.
 [[nodiscard]] std::vector<NamedNumber> flat_metrics(const DrawResult& result);
 
-/// How many draws passed each requirement and all six, with Wilson's 95 % interval and the exact one-sided
+/// How many draws passed each requirement and all six ("all"), then each of the user's own and these and the
+/// six together ("all_and_own"), with Wilson's 95 % interval and the exact one-sided
 /// lower bound; of a campaign that judges hazards also in how many the chosen place is safe in truth, and of
 /// one whose draws land in how many they land safely, with the lidar and without, with exact McNemar test and
 /// the interval of the difference (Newcombe). Over

@@ -190,21 +190,17 @@ Json score_json(const HazardScore& score) {
     reliability["count"].push_back(bin.count);
     reliability["safe_frac"].push_back(or_null(bin.safe_frac));
   }
-  const HazardScore::Counts& counts = score.counts;
-  return {{"format", "landfall.hazard_score"},
-          {"version", 1},
-          {"counts",
-           {{"safe_safe", counts.safe_safe},
-            {"safe_hazard", counts.safe_hazard},
-            {"hazard_safe", counts.hazard_safe},
-            {"hazard_hazard", counts.hazard_hazard},
-            {"unknown", counts.unknown}}},
-          {"filled_truth_bins", score.filled_truth_bins},
-          {"missed_hazard_frac", or_null(score.rates.missed_hazard_frac)},
-          {"false_alarm_frac", or_null(score.rates.false_alarm_frac)},
-          {"roc", std::move(roc)},
-          {"brier", or_null(score.brier)},
-          {"reliability", std::move(reliability)}};
+  const Json numbers = fields_json(score);
+  const bool has_own = !score.own_requirements.all.empty();
+  Json json = {{"format", "landfall.hazard_score"}, {"version", 1}};
+  if (has_own) json["pass"] = all_pass(score.own_requirements);
+  for (const char* const key : {"counts", "filled_truth_bins", "missed_hazard_frac", "false_alarm_frac"})
+    json[key] = numbers.at(key);
+  json["roc"] = std::move(roc);
+  json["brier"] = numbers.at("brier");
+  json["reliability"] = std::move(reliability);
+  if (has_own) json["own_requirements"] = fields_json(score.own_requirements);
+  return json;
 }
 
 }  // namespace landfall

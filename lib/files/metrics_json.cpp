@@ -27,9 +27,20 @@ nlohmann::ordered_json verdict_json(const Metrics& metrics, const EvaluationLimi
   return rows;
 }
 
+OwnVerdicts own_verdicts_from(const nlohmann::ordered_json& result) {
+  OwnVerdicts own;
+  if (!result.contains("own_requirements")) return own;
+  for (const auto& [name, verdict] : result.at("own_requirements").items()) {
+    own.all.push_back(fields_from<OwnVerdict>(verdict));
+    own.all.back().requirement.name = name;
+  }
+  return own;
+}
+
 Metrics metrics_from(const nlohmann::ordered_json& json) {
   auto metrics = fields_from<Metrics>(json);
   metrics.requirements.hole_distance.value = metrics.coverage.max_distance_bins;  // JSON has no infinity
+  metrics.own_requirements = own_verdicts_from(json);
   return metrics;
 }
 

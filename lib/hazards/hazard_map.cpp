@@ -271,6 +271,11 @@ PlaceCounts count_places(const Grid<std::int8_t>& safe, const BinMask& region) {
   return counts;
 }
 
+OwnVerdicts own_verdicts(const HazardMap& map, const HazardParameters& parameters) {
+  return map.truth ? map.truth->score.own_requirements
+                   : judge_own<HazardScore>(nullptr, parameters.own_requirements);
+}
+
 HazardMap map_hazards(HazardInput& input, const HazardParameters& parameters, const PhaseRunner& phase) {
   const GridSpec& spec = input.z.spec();
   require_fits(parameters, spec);
@@ -295,6 +300,7 @@ HazardMap map_hazards(HazardInput& input, const HazardParameters& parameters, co
                                   map.p_safe ? &*map.p_safe : nullptr);
       for (std::size_t i = 0; i < spec.size(); ++i)
         truth.score.filled_truth_bins += map.region.values()[i] & input.filled_truth.values()[i];
+      truth.score.own_requirements = judge_own(&truth.score, parameters.own_requirements);
     });
   phase("sites", [&](const ProgressCallback&) {
     map.p_touchdown =

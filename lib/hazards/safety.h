@@ -6,6 +6,8 @@
 #include <optional>
 #include <vector>
 
+#include "base/fields.h"
+#include "dictionary/own_requirements.h"
 #include "hazards/measures.h"
 #include "raster/region.h"
 
@@ -38,10 +40,12 @@ enum class HazardOutcome : std::int8_t {
 struct HazardScore {
   struct Counts {  ///< places, named by the judgement of the map and the truth
     std::int64_t safe_safe = 0, safe_hazard = 0, hazard_safe = 0, hazard_hazard = 0, unknown = 0;
+    LANDFALL_FIELDS(safe_safe, safe_hazard, hazard_safe, hazard_hazard, unknown)
   };
   struct Rates {
     std::optional<double> missed_hazard_frac;  ///< judged safe, of the true hazards
     std::optional<double> false_alarm_frac;    ///< judged a hazard, of the truly safe
+    LANDFALL_FIELDS(missed_hazard_frac, false_alarm_frac)
   };
   struct RocPoint {
     double roughness_limit_m = 0;
@@ -59,6 +63,15 @@ struct HazardScore {
   std::vector<RocPoint> roc;    ///< 21 limits of the judged map from 0 to twice its own; the truth's stay
   std::optional<double> brier;  ///< mean of (p_safe - [truly safe])^2
   std::vector<ReliabilityBin> reliability;  ///< ten, or none without p_safe
+  OwnVerdicts own_requirements = {};
+
+  /// The numbers on which a user can set requirements.
+  static void fields(auto& walk, auto& m) {
+    walk("counts", m.counts);
+    walk("filled_truth_bins", m.filled_truth_bins);
+    Rates::fields(walk, m.rates);
+    walk("brier", m.brier);
+  }
 };
 
 /// Compares the judged places of the region with the true ones. `p_safe` may be null.

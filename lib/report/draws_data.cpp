@@ -6,6 +6,7 @@
 #include "report/draws_data.h"
 
 #include <algorithm>
+#include <stdexcept>
 #include <utility>
 
 #include "campaign/draw_layers.h"
@@ -74,24 +75,54 @@ const char* unit_name(RequirementUnit unit) {
   return unit == RequirementUnit::fraction ? "frac" : unit == RequirementUnit::bins ? "bins" : "footprints";
 }
 
-Json requirements_json(const DrawTable& table, std::int64_t shown) {
+/// A requirement whose columns begin with `path`.
+Json requirement_json(const DrawTable& table, const std::string& path, const std::string& name,
+                      std::int64_t shown) {
+  Json requirement = values_json(*find_metric(table, path + ".value"), shown);
+  requirement["name"] = name;
+  requirement["limits"] = values_json(*find_metric(table, path + ".limit"), shown)["values"];
+  requirement["pass"] = values_json(*find_metric(table, path + ".pass"), shown)["values"];
+  return requirement;
+}
+
+/// The metric of one of the user's own requirements, in the configuration of the campaign.
+std::string own_metric(const OwnColumn& own, const nlohmann::json& config) {
+  const char* const stage = own.path.starts_with("score.") ? "hazard" : "eval";
+  for (const nlohmann::json& each : config.at(stage).at("requirements"))
+    if (each.at("name") == own.name) return each.at("metric");
+  throw std::out_of_range(own.path);
+}
+
+/// "m", "frac", "bins" or, for other numbers, "".
+std::string unit_of_metric(const std::string& metric) {
+  for (const char* const unit : {"m", "frac", "bins"})
+    if (metric.ends_with(std::string("_") + unit)) return unit;
+  return "";
+}
+
+Json requirements_json(const DrawTable& table, const nlohmann::json& config, std::int64_t shown) {
   Json list = Json::array();
   for (const RequirementInfo& info : kRequirementInfo) {
-    const std::string path = "requirements." + std::string(info.name) + ".";
-    Json requirement = values_json(*find_metric(table, path + "value"), shown);
-    requirement["name"] = info.name;
+    Json requirement = requirement_json(table, "requirements." + std::string(info.name), info.name, shown);
     requirement["measured"] = info.measured;
     requirement["unit"] = unit_name(info.unit);
     requirement["at_least"] = info.at_least;
-    requirement["limits"] = values_json(*find_metric(table, path + "limit"), shown)["values"];
-    requirement["pass"] = values_json(*find_metric(table, path + "pass"), shown)["values"];
+    list.push_back(std::move(requirement));
+  }
+  for (const OwnColumn& own : own_columns(table)) {
+    Json requirement = requirement_json(table, own.path, own.name, shown);
+    const std::string metric = own_metric(own, config);
+    requirement["measured"] = metric;
+    requirement["unit"] = unit_of_metric(metric);
+    requirement["at_least"] = find_metric(table, own.path + ".at_least")->values.front() == 1;
     list.push_back(std::move(requirement));
   }
   return list;
 }
 
 bool is_shown(const DrawColumn& column) {
-  if (column.name.starts_with("requirements.")) return false;
+  for (const char* const begin : {"requirements.", "own_requirements.", "score.own_requirements."})
+    if (column.name.starts_with(begin)) return false;
   return std::ranges::any_of(column.values, [&](double value) { return value != column.values.front(); });
 }
 
@@ -158,7 +189,7 @@ ReportData draws_data(const DrawsReport& content, const nlohmann::json& config, 
                  {"first_draw", table.first},
                  {"seeds", seeds_json(table, shown)},
                  {"pass", std::vector<int>(table.pass.begin(), table.pass.begin() + shown)},
-                 {"requirements", requirements_json(table, shown)},
+                 {"requirements", requirements_json(table, config, shown)},
                  {"varied", columns_json(table.varied, shown, [](const DrawColumn&) { return true; })},
                  {"metrics", columns_json(table.metrics, shown, is_shown)},
                  {"stages", stages_json(config)},

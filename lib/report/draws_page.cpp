@@ -29,6 +29,7 @@ std::string rate_row_html(const std::string& name, const Json& rate, bool is_sto
   const std::string note = is_stopped ? "<span class=\"note\"> not valid after stopping</span>" : "";
   return "<tr data-requirement=\"" + name + "\"><th scope=\"row\">" +
          (name == "all"                 ? "all six"
+          : name == "all_and_own"       ? "all six and own"
           : name == "chosen_place_safe" ? "chosen place truly safe"
           : name == "landing_safe"      ? "safe landing with the lidar"
           : name == "blind_safe"        ? "safe landing without a lidar"

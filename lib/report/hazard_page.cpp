@@ -9,6 +9,7 @@
 #include "report/escape.h"
 #include "report/heading.h"
 #include "report/page_parts.h"
+#include "report/verdicts.h"
 
 namespace landfall::html_report {
 namespace {
@@ -76,15 +77,17 @@ std::string place_text(const LandingSite& site, bool has_probability) {
                           : std::string("; ") + kNoProbability);
 }
 
-/// Whether there is a site that --require-safe accepts.
-std::string banner_html(const HazardMap& map, double min_p) {
+/// Whether --require-safe accepts the map.
+std::string banner_html(const HazardMap& map, const OwnVerdicts& own, double min_p) {
   const std::vector<LandingSite>& sites = map.sites;
   const auto best = std::ranges::max_element(sites, {}, &LandingSite::p_touchdown);
-  const bool accepted = best != sites.end() && best->p_touchdown >= min_p;
+  const bool has_site = best != sites.end() && best->p_touchdown >= min_p;
+  const bool accepted = has_site && all_pass(own);
   std::string text = "no landing site: no safe place within the divert radius";
   if (!sites.empty())
-    text = (accepted ? "" : "no site has a p_touchdown of " + number_text(min_p) + " or more: ") +
+    text = (has_site ? "" : "no site has a p_touchdown of " + number_text(min_p) + " or more: ") +
            std::string("the best site ") + place_text(sites.front(), map.p_safe.has_value());
+  if (!all_pass(own)) text += "; " + own_missed_text(own);
   return std::string("<div class=\"banner ") + (accepted ? "pass" : "fail") + "\" id=\"verdict\">" + text +
          "</div>";
 }
@@ -99,10 +102,12 @@ std::string hazard_page(const HazardReport& content, const Provenance& provenanc
   const PlaceCounts counts = count_places(map.safe, map.region);
   std::string tables = places_html(counts);
   if (map.truth) tables += outcomes_html(map.truth->score.counts, counts.all());
+  const OwnVerdicts own = own_verdicts(map, content.parameters);
+  tables += own_table_html(own);
   return page_html("hazards.html",
                    {{"title", html_text(title.empty() ? title_of(steps, "Landing sites") : title)},
                     {"subtitle", subtitle_html(steps, "hazard map", kind == "dem" ? "DEM" : "terrain", kind)},
-                    {"banner", banner_html(map, content.parameters.sites.min_p)},
+                    {"banner", banner_html(map, own, content.parameters.sites.min_p)},
                     {"places", tables},
                     {"lander", lander_text(content.parameters, text_of(provenance.config, "method"))},
                     {"provenance", provenance_html(steps)},

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "report/verdicts.h"
 
+#include <algorithm>
 #include <optional>
+#include <vector>
 
 #include "evaluation/verdict_text.h"
 #include "report/escape.h"
@@ -13,27 +15,47 @@ const char* verdict_class(const std::optional<bool>& pass) {
   return !pass ? "unjudged" : *pass ? "pass" : "fail";
 }
 
+/// By the word of the table.
+const char* verdict_class(const std::string& verdict) {
+  return verdict == "not judged" ? "unjudged" : verdict == "pass" ? "pass" : "fail";
+}
+
 const char* verdict_word(const std::optional<bool>& pass) {
   return !pass ? "not judged" : *pass ? "pass" : "FAIL";
 }
 
-std::string row_html(const VerdictText& text, const Requirement& r) {
-  return std::string("<tr data-requirement=\"") + text.name + "\"><th scope=\"row\">" + text.name +
-         "</th><td>" + html_text(text.value) + "</td><td class=\"number\">" + html_text(text.limit) +
-         "</td><td><span class=\"verdict " + verdict_class(r.pass) + "\">" + text.verdict +
+std::string row_html(const VerdictText& text) {
+  const std::string name = html_text(text.name);
+  return "<tr data-requirement=\"" + name + "\"><th scope=\"row\">" + name + "</th><td>" +
+         html_text(text.value) + "</td><td class=\"number\">" + html_text(text.limit) +
+         "</td><td><span class=\"verdict " + verdict_class(std::string(text.verdict)) + "\">" + text.verdict +
          "</span></td></tr>\n";
+}
+
+/// `id` is that of the table.
+std::string table_html(const std::string& id, const std::vector<VerdictText>& rows) {
+  std::string text = "<table id=\"" + id +
+                     "\"><thead><tr><th>requirement</th><th>measured</th><th class=\"number\">limit</th>"
+                     "<th>verdict</th></tr></thead><tbody>\n";
+  for (const VerdictText& row : rows) text += row_html(row);
+  return text + "</tbody></table>";
 }
 
 }  // namespace
 
 std::string verdict_table_html(const Metrics& metrics, const EvaluationLimits& limits) {
-  std::string text =
-      "<table id=\"verdicts\"><thead><tr><th>requirement</th><th>measured</th><th class=\"number\">limit</th>"
-      "<th>verdict</th></tr></thead><tbody>\n";
-  const auto rows = verdict_texts(metrics, limits);
-  for (std::size_t i = 0; i < rows.size(); ++i)
-    text += row_html(rows[i], metrics.requirements.*kRequirementInfo[i].requirement);
-  return text + "</tbody></table>";
+  return table_html("verdicts", verdict_texts(metrics, limits));
+}
+
+std::string own_table_html(const OwnVerdicts& own) {
+  return own.all.empty() ? "" : table_html("own-requirements", own_texts(own));
+}
+
+std::string own_missed_text(const OwnVerdicts& own) {
+  const auto missed = std::ranges::count(own.all, false, &OwnVerdict::pass);
+  return missed == 0
+             ? ""
+             : std::to_string(missed) + " of " + std::to_string(own.all.size()) + " own requirements missed";
 }
 
 std::string verdict_banner_html(const Metrics& metrics) {
@@ -49,6 +71,11 @@ std::string verdict_banner_html(const Metrics& metrics) {
   if (unjudged > 0)
     text += (text.empty() ? "" : ", ") + std::to_string(unjudged) + " of 6 not judged: the DEM has no truth";
   if (text.empty()) text = "all 6 requirements met";
+  const OwnVerdicts& own = metrics.own_requirements;
+  if (!all_pass(own))
+    text += ", " + own_missed_text(own);
+  else if (!own.all.empty())
+    text += ", all " + std::to_string(own.all.size()) + " own requirements met";
   const std::optional<bool> pass = missed > 0 ? std::optional(false) : metrics.pass;
   return std::string("<div class=\"banner ") + verdict_class(pass) + "\" id=\"verdict\">" +
          verdict_word(pass) + ": " + text + "</div>";

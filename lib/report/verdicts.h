@@ -11,6 +11,12 @@ namespace landfall::html_report {
 /// what was measured, limit, verdict.
 [[nodiscard]] std::string verdict_table_html(const Metrics& metrics, const EvaluationLimits& limits);
 
+/// The same table of the user's own requirements on a hazard map; empty without any.
+[[nodiscard]] std::string own_table_html(const OwnVerdicts& own);
+
+/// "1 of 2 own requirements missed"; empty if none is.
+[[nodiscard]] std::string own_missed_text(const OwnVerdicts& own);
+
 /// The verdict on all requirements, as an element of class "banner".
 [[nodiscard]] std::string verdict_banner_html(const Metrics& metrics);
 

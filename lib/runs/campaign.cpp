@@ -292,7 +292,8 @@ void Campaign::run_next(Draws& draws) {
   const std::optional<bool> pass = std::visit([](const auto& kind) { return kind.pass; }, result.metrics);
   add_to(table.metrics, flat_metrics(result));
   for (std::size_t i = 0; i < values.size(); ++i) table.varied[i].values.push_back(values[i]);
-  table.pass.push_back(pass.value_or(false) ? 1 : 0);
+  const bool hazards_pass = !result.hazards || all_pass(result.hazards->score.own_requirements);
+  table.pass.push_back(pass.value_or(false) && hazards_pass ? 1 : 0);
   table.seeds.push_back(config_.seed(draw));
 }
 

@@ -18,6 +18,7 @@ from landfall.errors import ToolError, UsageError
 ALL_REQUIREMENTS = "all six"
 CHOSEN_PLACE_SAFE = "chosen place safe"
 ACCEPTED_PLACE_SAFE = "accepted place safe"
+ALL_AND_OWN = "all and own"
 COSTS = ("ranges", "pulses", "pixels", "scan_time_s", "pulse_rate_hz")
 # Methods that put a return into the one bin whose centre is nearest.
 NEAREST = ("bilinear_nearest", "mean", "min", "max", "median")
@@ -32,7 +33,8 @@ class Problem:
         self.base = runs.read_base(self.tree["base"], os.path.dirname(os.path.abspath(path)), path)
         self.title = self.tree.get("title", os.path.basename(path).removesuffix(".json"))
         self.variables, self.terrains = self.tree["variables"], self.tree.get("terrains", [{}])
-        self.requirement, self.probability = self.tree.get("requirement", ALL_REQUIREMENTS), self.tree["probability"]
+        self.requirement = self.tree.get("requirement", ALL_AND_OWN if self._own() else ALL_REQUIREMENTS)
+        self.probability = self.tree["probability"]
         self.proof_draws = self.tree.get("proof_draws", 473)
         search = self.tree.get("search", {})
         self.candidates, self.seed, self.start = search.get("candidates", 60), search.get("seed", 1), search.get("start", [])
@@ -41,8 +43,19 @@ class Problem:
         self._check()
         self.reference_cost = self.cost(self.base)
 
+    def _own(self):
+        """{path of its columns: requirement} of the user's own requirements."""
+        sections = {"own_requirements": "eval", "score.own_requirements": "hazard"}
+        return {f"{path}.{own['name']}": own for path, stage in sections.items() for own in self.base.get(stage, {}).get("requirements", [])}
+
+    def judges_map(self):
+        """Whether the requirements on the DEM count; else the best site counts."""
+        return self.requirement in (ALL_REQUIREMENTS, ALL_AND_OWN)
+
     def _check(self):
-        if self.requirement != ALL_REQUIREMENTS and "hazard" not in self.base:
+        if self.requirement == ALL_AND_OWN and not self._own():
+            raise UsageError(f"{self.path}: /requirement: \"{ALL_AND_OWN}\" needs requirements of your own in eval or hazard")
+        if not self.judges_map() and "hazard" not in self.base:
             raise UsageError(f"{self.path}: /base: the requirement \"{self.requirement}\" needs a configuration of hazard-map: hazard")
         for name, variable in self.variables.items():
             where = f"{self.path}: /variables/{name}"
@@ -105,13 +118,15 @@ class Problem:
 
     def passes(self, row):
         """Whether a draw meets the requirement. An accepted place is one that hazard-map --require-safe accepts."""
-        if self.requirement == ALL_REQUIREMENTS:
+        if self.requirement == ALL_AND_OWN:
             return bool(row["pass"])
+        if self.requirement == ALL_REQUIREMENTS:
+            return all(row[f"requirements.{name}.pass"] == 1 for name in dictionary.requirements())
         return bool(row["site.true_safe"]) and (self.requirement == CHOSEN_PLACE_SAFE or row["site.p_touchdown"] >= self.base["hazard"]["sites"]["min_p"])
 
     def why_not(self, row, margins):
         """Why a draw, with its margins, does not meet the requirement."""
-        if self.requirement != ALL_REQUIREMENTS:
+        if not self.judges_map():
             if row["site.p_touchdown"] is None:
                 return "no place is safe"
             if not row["site.true_safe"]:
@@ -122,7 +137,7 @@ class Problem:
 
     def margins(self, row):
         """{requirement: ln(value/limit)} of a draw: below 0 it is met."""
-        if self.requirement != ALL_REQUIREMENTS:
+        if not self.judges_map():
             risk = 1 if not row["site.true_safe"] else 1 - row["site.p_touchdown"]
             return {self.requirement: model.margin(risk, 1 - self.base["hazard"]["sites"]["min_p"])}
         limits = self.base["eval"]["limits"]
@@ -131,6 +146,9 @@ class Problem:
             values = [row[number] for number in requirement.worst]
             limit = limits[requirement.worst_limit]
             found[requirement.words] = NO_NUMBER if None in values else max(model.margin(value, limit) for value in values)
+        for path, own in self._own().items() if self.requirement == ALL_AND_OWN else ():
+            value = row[path + ".value"]
+            found[own["name"]] = NO_NUMBER if value is None else model.margin(value, own["max"]) if "max" in own else model.margin(own["min"], value)
         return found
 
 
@@ -201,7 +219,7 @@ class Look:
         """{"values", "cost", "stage" that refused or "draw", "reason", "violation" (above 0: refused), "margins", "passes"}."""
         configs = self.problem.configs(values)
         result = {"values": values, "cost": self.problem.cost(configs), "margins": {}, "passes": False}
-        if self.problem.requirement == ALL_REQUIREMENTS:
+        if self.problem.judges_map():
             gap = frame_gap_bins(configs)
             widest = 2 * configs["eval"]["limits"]["distance_bins"] + 2  # a bin holds returns up to a bin away
             if gap is not None and gap > widest:
@@ -214,7 +232,7 @@ class Look:
 
     def _run(self, configs):
         try:
-            if self.problem.requirement == ALL_REQUIREMENTS:
+            if self.problem.judges_map():
                 refused = self._plan(configs)
                 if refused:
                     return refused

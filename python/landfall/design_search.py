@@ -10,7 +10,7 @@ import os
 import warnings
 
 from landfall import model, runs, schema
-from landfall.design_problem import ALL_REQUIREMENTS, Look, failures_allowed, rate_of
+from landfall.design_problem import ALL_AND_OWN, ALL_REQUIREMENTS, Look, failures_allowed, rate_of
 from landfall.errors import DataError
 
 TOGETHER = 4  # candidates that are proposed together, whatever the number of workers
@@ -177,7 +177,8 @@ class Design:
         self.runner.run("monte-carlo", "merge", *parts, "-o", os.path.join(self.runner.scratch, "merged.h5"), "-O", "--verdict", verdict)
         tree = schema.read_json(verdict)
         rates = {rate["requirement"]: rate for rate in tree["rates"]}
-        return {**(rates["all"] if self.problem.requirement == ALL_REQUIREMENTS else rate_of(self.problem.requirement, passes)), "rates": tree["rates"]}
+        of_map = {ALL_REQUIREMENTS: "all", ALL_AND_OWN: "all_and_own"}.get(self.problem.requirement)
+        return {**(rates[of_map] if of_map else rate_of(self.problem.requirement, passes)), "rates": tree["rates"]}
 
     def improve(self, accepted, raced):
         """The cheapest neighbour that is accepted too, and so on until none is; with the neighbours of the last one."""

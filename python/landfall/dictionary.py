@@ -2,11 +2,25 @@
 """The words of requirements, layers and maps that all tools share (schemas/dictionary)."""
 import functools
 import os
+import re
 from dataclasses import dataclass
 
 from landfall import schema, tools
 
 UNITS = {"fraction": ("%", 100), "bins": ("bins", 1), "footprints": ("footprints", 1)}
+
+
+# Results of the user's own requirements, in metrics.json and score.json: the columns of each begin with its path.
+_OWN = r"((?:score\.)?own_requirements\.([^.]+))"
+OWN_PASS, OWN_METRIC, OWN_NUMBER = (re.compile(_OWN + end) for end in (r"\.pass", r"\.metric", r"\.(?:value|limit)"))
+
+
+def own_paths(columns):
+    """{name: path of its columns} of the user's own requirements; of one name that both files have, the score's has the path as name."""
+    paths = {}
+    for found in filter(None, map(OWN_PASS.fullmatch, columns)):
+        paths[found[1] if found[2] in paths else found[2]] = found[1]
+    return paths
 
 
 @functools.cache

@@ -25,7 +25,7 @@ from landfall.study.model import assign, plain_numbers
 SEED = "scan.seed"
 LARGEST_SEED = 2**31 - 1
 # The outputs that monte-carlo has without percentiles ("metrics": "verdict"), several times faster, with the same values.
-VERDICT_NUMBERS = re.compile(r"coverage\..*|requirements\..*|pass|score\..*|site\..*|accuracy\.absolute\.horizontal\.within_limit_frac|"
+VERDICT_NUMBERS = re.compile(r"coverage\..*|requirements\..*|own_requirements\..*|pass|score\..*|site\..*|accuracy\.absolute\.horizontal\.within_limit_frac|"
                              r"accuracy\.relative\.[xyz]\.violation_count")
 
 
@@ -174,7 +174,8 @@ class _Campaign(_Task):
 
     def __init__(self, of, numbers, scan, samples, seed):
         self.numbers, self.runner, self.progress, self.scan, self.samples, self.seed = numbers, of.runner, of.progress, scan, samples, seed
-        self.metrics = "verdict" if all(VERDICT_NUMBERS.fullmatch(name) for name in of.outputs) else "full"
+        needed = [*of.outputs, *(own["metric"] for own in scan.configs["eval"].get("requirements", []))]
+        self.metrics = "verdict" if all(VERDICT_NUMBERS.fullmatch(name) for name in needed) else "full"
         self.kind, self.depends = "rows", [scan.configs, samples, seed, self.metrics]
 
     def make(self):

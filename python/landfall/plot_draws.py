@@ -5,6 +5,7 @@ against the observed spread where the file has both, and the distribution of wha
 A file without maps gives the distributions only.
 """
 import json
+import math
 import os
 
 import numpy as np
@@ -158,22 +159,32 @@ def edges_of(values, limit, is_whole):
     return (low + high - count * width) / 2 + width * np.arange(count + 1)
 
 
-def draw_distribution(ax, draws, name):
+def words_of(draws, name):
+    """(what its columns begin with, what is measured, bound, factor of its numbers, whether they are whole) of a requirement."""
+    path = dictionary.own_paths(draws.columns).get(name)
+    if path:
+        bound = "at least" if draws.columns[path + ".at_least"][0] == 1 else "at most"
+        own = draws.config.get(("hazard" if path.startswith("score.") else "eval") + "/requirements")
+        return path, next(each["metric"] for each in own if each["name"] == path.rpartition(".")[2]), bound, 1, False
     requirement = dictionary.requirements()[name]
-    factor = requirement.factor
-    value, limit, passed = (draws.columns[f"requirements.{name}.{key}"] for key in ("value", "limit", "pass"))
+    return f"requirements.{name}", requirement.measured_in, requirement.bound, requirement.factor, requirement.factor == 1
+
+
+def draw_distribution(ax, draws, name):
+    path, measured, bound, factor, is_whole = words_of(draws, name)
+    value, limit, passed = (draws.columns[f"{path}.{key}"] for key in ("value", "limit", "pass"))
     known = ~np.isnan(value)
-    ax.set(title=name, xlabel=requirement.measured_in, ylabel="draws")
+    ax.set(title=name, xlabel=measured, ylabel="draws")
     if not known.any():
-        maps.notice(ax, "not judged: the draws have no truth")
+        maps.notice(ax, "not judged: the draws have no truth" if name in dictionary.requirements() else "no draw has this number")
         return
     value, limit, passed = factor * value[known], factor * limit[0], passed[known] == 1
-    edges = edges_of(value, limit, factor == 1)
+    edges = edges_of(value, limit, is_whole)
     _, _, bars = ax.hist([value[passed], value[~passed]], edges, stacked=True, color=[maps.BLUE, maps.VERMILION], label=["passed", "failed"])
     if len(edges) == 2:  # equal values, whose only bar would fill the axes
         width = edges[1] - edges[0]
         ax.set_xlim(min(edges[0], limit) - width, max(edges[1], limit) + width)
-    ax.axvline(limit, color="black", linestyle="--", label=f"limit: {requirement.bound} {limit:g}", gid="limit")
+    ax.axvline(limit, color="black", linestyle="--", label=f"limit: {bound} {limit:g}", gid="limit")
     ax.yaxis.get_major_locator().set_params(integer=True)
     maps.note(ax, rate_text(draws, name))
     ax.legend(fontsize=maps.NOTE_PT)
@@ -191,8 +202,10 @@ def rate_text(draws, name):
 
 def draw(draws):
     """The figure: up to three rows of maps, and two of distributions."""
-    rows = 2 if draws.grid is None else 5 if draws.has_hazards() else 4
-    title = f"{draws.name}: {plots.counted(draws.count(), 'draw')}; {rate_text(draws, 'all')}"
+    names = [*dictionary.requirements(), *dictionary.own_paths(draws.columns)]
+    histograms = math.ceil(len(names) / 3)
+    rows = histograms + (0 if draws.grid is None else 3 if draws.has_hazards() else 2)
+    title = f"{draws.name}: {plots.counted(draws.count(), 'draw')}; {rate_text(draws, 'all' if len(names) == 6 else 'all_and_own')}"
     figure, axes = maps.new_figure((rows, 3), (19, 5.2 * rows), title)
     if draws.grid is not None:
         layers, share = draws.layers, "share of the draws"
@@ -214,8 +227,11 @@ def draw(draws):
             draw_chance(axes[2, 0], draws, layers["p_missed_hazard"], "missed hazard", share)
             draw_chance(axes[2, 1], draws, layers["p_judged_safe"], "judged safe", share)
             draw_chosen(axes[2, 2], draws)
-    for name, ax in zip(dictionary.requirements(), axes[rows - 2:].flat):
+    places = list(axes[rows - histograms:].flat)
+    for name, ax in zip(names, places):
         draw_distribution(ax, draws, name)
+    for ax in places[len(names):]:
+        ax.axis("off")
     return figure
 
 

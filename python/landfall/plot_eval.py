@@ -303,7 +303,8 @@ def old_verdict(metrics):
 def draw_verdict(evaluation):
     passed = evaluation.metrics.get("pass")
     text = "not judged, the DEM has no truth" if passed is None else VERDICT[passed]
-    figure, axes = maps.new_figure((1, 1), (11, 3.4), f"{evaluation.name}: {text}")
+    height = 3.4 + 0.33 * (len(evaluation.verdict) - len(dictionary.requirements()))  # more rows are the user's own requirements
+    figure, axes = maps.new_figure((1, 1), (11, height), f"{evaluation.name}: {text}")
     ax = axes[0, 0]
     ax.axis("off")
     table = ax.table([list(row.values()) for row in evaluation.verdict], colLabels=list(evaluation.verdict[0]),

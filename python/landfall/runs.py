@@ -212,7 +212,7 @@ class Runner:
             if "hazard" in configs:
                 self.run("hazard-map", dem, "--terrain", terrain, "--score", score, "--sites", sites, "-o", hazards, config=configs["hazard"])
                 found |= results.read_result(folder, "score/s.json")
-            return found
+            return results.with_own_of_score(found)
 
 
 class Scan:

@@ -48,6 +48,35 @@ def check(value, schema, path):
     _Checker(schema, path).check(value, schema, "")
 
 
+def default_at(root, config, path):
+    """The default that a schema gives at a path of names in a configuration; None without one. Where objects have a "type", that of the
+    configuration, or of the default, decides."""
+    schema, default = root, config
+    for name in path:
+        choice = _chosen(root, schema, default)
+        schema = choice.get("properties", {}).get(name)
+        if schema is None:
+            return None
+        known = isinstance(default, dict) and name in default
+        default = default[name] if known else schema.get("default", _dereferenced(root, schema).get("default"))
+    return default
+
+
+def _dereferenced(root, schema):
+    return _dereferenced(root, root["definitions"][schema["$ref"].rsplit("/", 1)[1]]) if "$ref" in schema else schema
+
+
+def _chosen(root, schema, value):
+    """The alternative of `oneOf` for a value."""
+    owner = _dereferenced(root, schema)
+    kind = (value or {}).get("type") or (owner.get("default") or {}).get("type") if isinstance(value, (dict, type(None))) else None
+    for option in owner.get("oneOf", []):
+        choice = _dereferenced(root, option)
+        if "oneOf" in choice or choice.get("properties", {}).get("type", {}).get("const") == kind:
+            return _chosen(root, choice, value) if "oneOf" in choice else choice
+    return owner
+
+
 def shown(value):
     """A value as a message shows it."""
     text = json.dumps(value)

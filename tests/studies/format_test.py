@@ -74,6 +74,17 @@ class Cases(StudyTest):
         self.assertEqual(self.config(tree, "eval", 1)["quantile"], 0.9)
         self.assertEqual(self.config(tree, "scan", 1)["trajectory"], BASE["scan"]["trajectory"])
 
+    def test_elements_of_arrays_that_are_defaults(self):
+        """As --set does: the rest of the array is the default, here of the trajectory that a scan has by default."""
+        tree = study({"key": "scan.trajectory.position_m.2", "list": [300, 400]})
+        tree["base"]["scan"] = {key: value for key, value in BASE["scan"].items() if key != "trajectory"}
+        self.assertEqual(self.config(tree, "scan", 0)["trajectory"], {"position_m": [0, 0, 300]})
+        tree["axes"] = [{"key": "scan.navigation_error.velocity_mps.0", "list": [0.1]}]
+        self.assertEqual(self.config(tree, "scan", 0)["navigation_error"], {"velocity_mps": [0.1, 0, 0]})
+        tree["axes"][0]["key"] = "scan.trajectory.velocity_mps.3"
+        with self.assertRaisesRegex(UsageError, r'"3" is not an index into \[0, 0, -23\]'):
+            self.config(tree, "scan", 0)
+
     def test_objects_are_named_by_labels(self):
         tree = study({"key": "scan.scanner", "list": [BASE["scan"]["scanner"], {"type": "flash"}], "labels": ["FSM", "flash"]})
         self.assertEqual(self.values(tree), [["FSM"], ["flash"]])

@@ -153,6 +153,40 @@ class Results(StudyTest):
                                  json.loads(read(self.out("score", name[:-3] + ".json", study_name="few"))))
 
 
+class OwnRequirements(StudyTest):
+    """Requirements of the user's own, on a DEM and on its hazards."""
+
+    LE90 = {"name": "le90", "metric": "statistics.z.le90_m", "max": 0.03}
+    SAFE = {"name": "safe", "metric": "counts.safe_safe", "min": 1e6}
+
+    def test_columns_figures_and_report(self):
+        tree = hazard_study(SIGMAS, hazard={**HAZARD, "requirements": [self.SAFE]})
+        tree["base"]["eval"]["requirements"] = [self.LE90]
+        self.write(tree)
+        self.make("study", "-j2")
+        rows = self.rows()
+        for row in rows:
+            self.assertEqual(row["own_requirements.le90.value"], row["statistics.z.le90_m"])
+            self.assertEqual(int(row["own_requirements.le90.pass"]), float(row["statistics.z.le90_m"]) <= 0.03)
+            self.assertEqual((row["score.own_requirements.safe.pass"], row["pass"]), ("0", "0"))
+        self.assertEqual({row["own_requirements.le90.pass"] for row in rows}, {"0", "1"})
+        with h5py.File(self.out("results.h5")) as file:
+            self.assertEqual(file["own_requirements.le90.limit"].attrs["units"], "m")
+            found = table.Results(file)
+        self.assertEqual(found.requirements()[6:], ["le90", "safe"])
+        self.assertEqual((found.limit("statistics.z.le90_m"), found.bound("statistics.z.le90_m")), (0.03, "at most"))
+        self.assertEqual((found.limit("score.counts.safe_safe"), found.bound("score.counts.safe_safe")), (1e6, "at least"))
+        point = found.points[0]
+        self.assertAlmostEqual(found.share_of_limit(point, "le90", 0.5), float(rows[0]["statistics.z.le90_m"]) / 0.03, places=12)
+        self.assertAlmostEqual(found.share_of_limit(point, "safe", 0.5), 1e6 / int(rows[0]["score.counts.safe_safe"]), places=9)
+        rates = read(self.out("figures", "pass_rates.csv")).decode()
+        self.assertRegex(rates, r"0\.01,le90,1,1,")
+        self.assertRegex(rates, r"0\.01,safe,0,1,")
+        page = read(self.out("report.html")).decode()
+        self.assertIn('"requirements":["coverage"', page.replace(" ", ""))
+        self.assertRegex(page, r"relative elevation, safe|\"safe\"")
+
+
 class Repeats(StudyTest):
     """The stages that are made again."""
 

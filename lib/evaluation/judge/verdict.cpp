@@ -22,7 +22,7 @@ Verdict decide_by_evaluation(const DemLayers& dem, const BinMask& region,
   const Metrics& full = evaluation.metrics;
   Verdict result;
   result.fail = std::move(evaluation.fail);
-  result.metrics = {full.pass, full.coverage, {}, full.requirements};
+  result.metrics = {full.pass, full.coverage, {}, full.requirements, full.own_requirements};
   if (!full.accuracy) return result;
   DecisiveMetrics::Accuracy& accuracy = result.metrics.accuracy.emplace();
   accuracy.absolute.horizontal.within_limit_frac = full.accuracy->absolute.horizontal.within_limit_frac;
@@ -75,8 +75,14 @@ AccuracyValues accuracy_of(const TileVerdict& verdict) {
 
 }  // namespace
 
+std::vector<ResultField> decisive_fields() {
+  DecisiveMetrics all;
+  all.accuracy.emplace();
+  return result_fields(all);
+}
+
 DecisiveMetrics decisive_metrics(const std::optional<TileVerdict>& footprints, const BinMask& valid,
-                                 const BinMask& region, const EvaluationLimits& limits,
+                                 const BinMask& region, const EvaluationParameters& parameters,
                                  Grid<std::int8_t>& fail) {
   DecisiveMetrics metrics;
   std::optional<AccuracyValues> values;
@@ -86,9 +92,9 @@ DecisiveMetrics decisive_metrics(const std::optional<TileVerdict>& footprints, c
     accuracy.absolute.horizontal.within_limit_frac = values->absolute_horizontal;
     accuracy.relative = {{footprints->x.violations}, {footprints->y.violations}, {footprints->z.violations}};
   }
-  metrics.coverage = judge_coverage(valid, region, limits, fail).metrics;
-  metrics.requirements = judge_values(metrics.coverage, values, limits);
-  metrics.pass = overall_pass(metrics.requirements);
+  metrics.coverage = judge_coverage(valid, region, parameters.limits, fail).metrics;
+  metrics.requirements = judge_values(metrics.coverage, values, parameters.limits);
+  judge_own_requirements(metrics, parameters.own_requirements);
   return metrics;
 }
 
@@ -103,8 +109,7 @@ Verdict decide(const DemLayers& dem, const BinMask& region, const EvaluationPara
     footprints = judge_tiles(dem, region, parameters, footprint, result.fail);
     if (footprints->has_unusual) return decide_by_evaluation(dem, region, parameters);
   }
-  result.metrics =
-      decisive_metrics(footprints, valid_bins(dem.z_est), region, parameters.limits, result.fail);
+  result.metrics = decisive_metrics(footprints, valid_bins(dem.z_est), region, parameters, result.fail);
   return result;
 }
 

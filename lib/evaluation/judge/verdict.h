@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <optional>
+#include <vector>
 
 #include "evaluation/dem_layers.h"
 #include "evaluation/fail_flag.h"
@@ -41,8 +42,12 @@ struct DecisiveMetrics {
   CoverageMetrics coverage;
   std::optional<Accuracy> accuracy;  ///< null without truth
   RequirementMetrics requirements;
-  LANDFALL_FIELDS(pass, coverage, accuracy, requirements)
+  OwnVerdicts own_requirements;
+  LANDFALL_FIELDS(pass, coverage, accuracy, requirements, own_requirements)
 };
+
+/// The fields on which a user can set requirements, of those of metrics_fields().
+[[nodiscard]] std::vector<ResultField> decisive_fields();
 
 struct Verdict {
   DecisiveMetrics metrics;
@@ -53,7 +58,8 @@ struct Verdict {
 /// that have an elevation. Sets the flags of judge_coverage() in `fail`.
 [[nodiscard]] DecisiveMetrics decisive_metrics(const std::optional<TileVerdict>& footprints,
                                                const BinMask& valid, const BinMask& region,
-                                               const EvaluationLimits& limits, Grid<std::int8_t>& fail);
+                                               const EvaluationParameters& parameters,
+                                               Grid<std::int8_t>& fail);
 
 /// Judges a DEM as evaluate() does, to the last bit, but computes only what decides the requirements and the
 /// layer `fail`: no quantile of a footprint whose verdict follows from counts. Several times faster, and the

@@ -16,7 +16,7 @@ import {report} from "./report_data.js";
 const CLASSES = 30;       // of a distribution
 const MAX_FAILURES = 200;  // in the table
 const SUPERSCRIPTS = "\u2070\u00b9\u00b2\u00b3\u2074\u2075\u2076\u2077\u2078\u2079";
-const UNITS = {frac: ["%", 100], bins: ["bins", 1], footprints: ["footprints", 1]};
+const UNITS = {frac: ["%", 100], bins: ["bins", 1], footprints: ["footprints", 1], m: ["cm", 100], "": ["", 1]};
 
 const shownDraws = report.seeds.length;
 
@@ -27,7 +27,8 @@ function shownNote() {
 }
 
 function unitText(unit, value) {
-  return unit === "frac" ? `${Number((100 * value).toPrecision(4))} %` : value.toLocaleString("en");
+  const [text, factor] = UNITS[unit];
+  return factor === 1 ? value.toLocaleString("en") : `${Number((factor * value).toPrecision(4))} ${text}`;
 }
 
 // Distributions
@@ -51,7 +52,7 @@ function barsOf({low, width, count}, values) {
 
 function requirementAxis({unit, measured}) {
   const [text, factor] = UNITS[unit];
-  return [`${measured}${unit === "footprints" ? "" : ` (${text})`}`, factor];
+  return [unit === "footprints" || text === "" ? measured : `${measured} (${text})`, factor];
 }
 
 /** How often each value occurred, passed and failed draws in their colours, and the limit. */
@@ -60,7 +61,7 @@ function distributionChart(requirement) {
   const known = requirement.values.map((value, i) => ({value: value * factor, pass: requirement.pass[i] === 1})).filter((_, i) => requirement.values[i] !== null);
   if (known.length === 0) return null;
   const values = known.map(({value}) => value), limit = requirement.limits[0] * factor;
-  const classes = classesOf(values, requirement.unit !== "frac");
+  const classes = classesOf(values, ["bins", "footprints"].includes(requirement.unit));
   const all = barsOf(classes, values), passed = barsOf(classes, known.filter(({pass}) => pass).map(({value}) => value));
   const least = Math.min(classes.low, limit), most = Math.max(classes.low + classes.count * classes.width, limit);
   const room = 0.04 * (most - least);

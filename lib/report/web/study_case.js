@@ -53,9 +53,9 @@ function smallTable(heads, rows) {
 
 function requirementRows(row) {
   return report.columns.filter((column) => column.role === "pass" && valueAt(column, row) !== null).map((column) => {
-    const name = column.name.split(".")[1];
-    const of = (part) => columnOf.has(`requirements.${name}.${part}`) ? valueAt(columnOf.get(`requirements.${name}.${part}`), row) : null;
-    return [name.replaceAll("_", " "), of("value"), of("limit"), verdictMark(of("pass") ? "pass" : "fail")];
+    const path = column.name.slice(0, -".pass".length);
+    const of = (part) => columnOf.has(`${path}.${part}`) ? valueAt(columnOf.get(`${path}.${part}`), row) : null;
+    return [path.split(".").slice(-1)[0].replaceAll("_", " "), of("value"), of("limit"), verdictMark(of("pass") ? "pass" : "fail")];
   });
 }
 

@@ -10,7 +10,7 @@ import numpy as np
 
 from landfall.colors import color_map
 from landfall.study.names import digits_of, number, with_unit
-from landfall.study.table import error_sign, is_probability, metric_label, REQUIREMENTS
+from landfall.study.table import error_sign, is_probability, metric_label
 
 # Okabe and Ito's colours, which colour-blind readers tell apart; markers tell the series apart in print.
 COLORS = ["#0072B2", "#D55E00", "#009E73", "#CC79A7", "#56B4E9", "#E69F00", "#000000", "#999933"]
@@ -36,7 +36,7 @@ class Scale:
 
     def __init__(self, results, metric):
         self.unit, self.factor = results.units[metric], 1
-        self.name = metric_label(metric, self.unit)
+        self.name, self.bound = metric_label(metric, self.unit), results.bound(metric)
         largest = largest_value(results, metric)
         if self.unit == "m" and 0 < largest < 0.5:
             self.unit, self.factor = ("cm", 100) if largest >= 0.01 else ("mm", 1000)
@@ -45,18 +45,11 @@ class Scale:
         return f"{self.name} [{self.unit}]" if self.unit not in ("", "1") else self.name
 
     def requirement(self, metric, limit):
-        bound = bound_of(metric)
         of_all = " of every footprint" if metric.startswith("accuracy.relative.") and metric.endswith("p95_m") else ""
         value, unit = limit * self.factor, self.unit
         if unit in ("cm", "mm") and limit >= 1:
             value, unit = limit, "m"
-        return f"required{of_all}: {bound} {with_unit(value, unit)}"
-
-
-def bound_of(metric):
-    """Whether a metric must be at least or at most its limit."""
-    found = [r.bound for name, r in REQUIREMENTS.items() if metric in (r.value, f"requirements.{name}.value")]
-    return found[0] if found else "at most"
+        return f"required{of_all}: {self.bound} {with_unit(value, unit)}"
 
 
 def largest_value(results, metric):

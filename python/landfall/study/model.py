@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 
 from landfall import tools
 from landfall.errors import UsageError
-from landfall.schema import read_json, shown, type_of
+from landfall.schema import default_at, read_json, shown, type_of
 
 STAGES = ("terrain", "scan", "regrid", "eval", "hazard", "draws")
 # Stages that a study has only if its base names them.
@@ -110,13 +110,18 @@ def path_of(key):
 
 
 def assign(config, key, value):
-    """The configuration with the value at the key "stage.a.b.0". Throws KeyError, with the reason, if the configuration has no such key."""
+    """The configuration with the value at the key "stage.a.b.0"; an array that only a default of the stage gives becomes a part of it.
+
+    Throws KeyError, with the reason, if the configuration has no such key.
+    """
     path = path_of(key)
     if not path:
         return copy.deepcopy(value)
     *folders, last = path
     node = config
-    for folder in folders:
+    for depth, (folder, inner) in enumerate(zip(folders, path[1:])):
+        if inner.isdigit() and isinstance(node, dict) and folder not in node:
+            node[folder] = _default_array(stage_of(key), config, folders[:depth + 1])
         node = _child(node, folder)
     if isinstance(node, list):
         node[_index(node, last)] = copy.deepcopy(value)
@@ -125,6 +130,11 @@ def assign(config, key, value):
     else:
         raise KeyError(f"\"{last}\" cannot be set in {shown(node)}")
     return config
+
+
+def _default_array(stage, config, path):
+    default = default_at(read_json(os.path.join(tools.SHARE, "schemas", f"{stage}.schema.json")), config, path)
+    return copy.deepcopy(default) if isinstance(default, list) else {}
 
 
 def _child(node, name):

@@ -9,7 +9,7 @@ from landfall import tools, web
 from landfall.errors import DataError
 from landfall.study.model import label_of
 from landfall.study.names import counted, number, with_unit
-from landfall.study.table import error_sign, metric_label, REQUIREMENTS
+from landfall.study.table import error_sign, metric_label
 
 MAX_VALUES = 12  # of an axis that are all named
 MAX_NAMED = 20  # cases of one failure
@@ -160,7 +160,7 @@ def points(tree):
     axes = [axis for axis in tree["axes"] if axis["role"] == "axis"]
     units = {column["name"]: column["unit"] for column in tree["columns"]}
     heads = [head(escaped(titled(axis["label"], axis["unit"])).replace("_", "_<wbr>"), axis["numeric"]) for axis in axes]
-    heads += [head("done", True), *(head(f"{name} met", True) for name in ("all requirements", *map(plain, REQUIREMENTS)))]
+    heads += [head("done", True), *(head(f"{escaped(name)} met", True) for name in ("all requirements", *map(plain, tree["requirements"])))]
     heads += [head(escaped(titled(metric_label(metric, units[metric]), units[metric])), True) for metric in tree["metrics"]]
     rows = [[*(value_cell(axis, value) for axis, value in zip(axes, point["values"])),
              cell(point["done"], f"{point['done']} of {len(point['cases'])}"), *map(rate_cell, point["rates"]),

@@ -15,12 +15,12 @@ import os
 from landfall import command, files, plots
 from landfall.errors import UsageError, printable
 from landfall.study import crossing, figures, verdicts
-from landfall.study.table import REQUIREMENTS, Results
+from landfall.study.table import Results
 
 DEFAULT_METRICS = ["coverage.invalid_frac", "coverage.largest_hole_bins", "accuracy.relative.z.max_m",
                    "requirements.relative_elevation.value", "accuracy.absolute.horizontal.p95_m"]
 HAZARD_METRICS = ["score.missed_hazard_frac", "score.false_alarm_frac"]
-CAMPAIGN_METRICS = ["draws.all.passed_frac"]
+CAMPAIGN_METRICS = ["draws.all.passed_frac", "draws.all_and_own.passed_frac"]
 
 
 def parse(arguments):
@@ -76,7 +76,7 @@ def chosen_crossing(options, results):
 def pass_rate_rows(results):
     rows = []
     for point in results.points:
-        for requirement in [*REQUIREMENTS, "all"]:
+        for requirement in [*results.requirements(), "all"]:
             passed, count, low, high = results.pass_rate(point, requirement)
             if count:
                 rows.append([*point.values, requirement, passed, count, passed / count, low, high])

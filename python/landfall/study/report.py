@@ -9,7 +9,7 @@ from landfall import files, tools
 from landfall.errors import DataError
 from landfall.study import chain, configs, names, results, session
 from landfall.study.model import STAGES
-from landfall.study.table import metric_label, REQUIREMENTS, Results
+from landfall.study.table import metric_label, Results
 
 # With more cases the page shows the first ones, and their number.
 MAX_CASES = 20_000
@@ -84,6 +84,7 @@ def report(folder, figures):
         "tools": study.tools, "axes": axes(study), "limits": study.cases["limits"], "count": len(study.rows), "stale": study.stale,
         "verdicts": count(verdicts.values()), "columns": columns(study, shown, verdicts, seconds, numbers.metrics),
         "points": points(study, numbers), "quantile": numbers.quantile, "metrics": numbers.metrics,
+        "requirements": study.results.requirements(),
         "metricLimits": metric_limits(study),
         "configs": config_table.tree(), "caseConfigs": case_configs, "runs": run_table.rows, "caseRuns": case_runs,
         "options": list(dict.fromkeys(option for run in chains[0] for option in run.options)),
@@ -131,8 +132,10 @@ def columns(study, shown, verdicts, seconds, metrics):
         made.append({**column, "digits": axis["digits"]})
     made.append(_column("missed", "requirements missed", "", "text", [missed(study, case) for case in shown], True))
     known = {column["name"] for column in made}
-    others = [name for name in study.results.columns if name not in known and name != "pass" and name not in metrics]
-    requirements = [name for name in others if name.startswith("requirements.")]
+    others = [name for name in study.results.columns if name not in known and name not in ("pass", "score.pass") and name not in metrics
+              and not name.endswith((".metric", ".at_least"))]
+    paths = tuple(study.results.path_of(name) + "." for name in study.results.requirements())
+    requirements = [name for name in others if name.startswith(paths)]
     for name in [*metrics, *study.results.by_use(name for name in others if name not in requirements), *requirements]:
         values = [_rounded(study.value(case, name)) for case in shown]
         role = "pass" if name.endswith(".pass") else "metric"
@@ -153,7 +156,7 @@ def missed(study, case):
     """Names of the requirements that a case fails; None where it is not known."""
     if case not in study.row_of:
         return None
-    names = [name.replace("_", " ") for name in REQUIREMENTS if study.value(case, f"requirements.{name}.pass") == 0]
+    names = [name.replace("_", " ") for name in study.results.requirements() if study.value(case, study.results.path_of(name) + ".pass") == 0]
     return ", ".join(names)
 
 
@@ -202,7 +205,7 @@ def points(study, numbers):
         point = next((done[case] for case in numbers_of if case in done), None)
         name = tuple(map(str, point.values)) if point else None
         made.append({"values": json.loads(key), "cases": numbers_of, "done": sum(case in done for case in numbers_of),
-                     "rates": [numbers.rates.get((name, requirement)) for requirement in ["all", *REQUIREMENTS]],
+                     "rates": [numbers.rates.get((name, requirement)) for requirement in ["all", *study.results.requirements()]],
                      "estimates": [numbers.estimates.get((name, metric)) for metric in numbers.metrics]})
     return made
 

@@ -38,7 +38,8 @@ def results_of(cases, row):
 
 
 def flatten(tree, prefix=""):
-    """{"a.b": number} of all numbers and truth values (as 1 and 0) in nested objects; lists and texts are left out."""
+    """{"a.b": number} of all numbers and truth values (as 1 and 0) in nested objects; lists and texts are left out, but for the metrics
+    of the user's own requirements."""
     flat = {}
     for key, value in tree.items():
         name = prefix + key
@@ -46,7 +47,7 @@ def flatten(tree, prefix=""):
             flat.update(flatten(value, name + "."))
         elif isinstance(value, bool):
             flat[name] = int(value)
-        elif value is None or isinstance(value, (int, float)):
+        elif value is None or isinstance(value, (int, float)) or dictionary.OWN_METRIC.fullmatch(name):
             flat[name] = value
     return flat
 
@@ -115,10 +116,15 @@ def rows_of(folder, cases, partial):
         for name in names:
             if name not in seen:
                 seen[name] = read_result(folder, name)
-        rows.append((number, row[:len(cases["axes"])], {key: value for name in names for key, value in seen[name].items()}))
+        rows.append((number, row[:len(cases["axes"])], with_own_of_score({key: value for name in names for key, value in seen[name].items()})))
     if not rows:
         raise DataError(f"{folder}: no case is done")
     return rows
+
+
+def with_own_of_score(numbers):
+    """A case passes where its score also meets the user's own requirements."""
+    return {**numbers, "pass": 0} if numbers.get("score.pass") == 0 and "pass" in numbers else numbers
 
 
 def unit_of_metric(name):
@@ -144,7 +150,14 @@ class Table:
             column = [metrics.get(name) for _, _, metrics in rows]
             if name == "pass" or any(value is not None for value in column):
                 self.columns[name] = column
-                self.units[name] = unit_of_metric(name)
+                self.units[name] = unit_of_metric(self._measured(name, rows))
+
+    @staticmethod
+    def _measured(name, rows):
+        """The metric whose unit a column has: that of one of the user's own requirements where all cases agree."""
+        own = dictionary.OWN_NUMBER.fullmatch(name)
+        metrics = {numbers.get(own[1] + ".metric") for _, _, numbers in rows} - {None} if own else set()
+        return metrics.pop() if len(metrics) == 1 else name
 
     def csv(self):
         text = io.StringIO()

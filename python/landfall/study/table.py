@@ -51,6 +51,7 @@ METRIC_NAMES = {
     "score.unknown_frac": "unknown places, share of the region",
     **{f"draws.{name}.passed_frac": f"probability of meeting the requirement on {r.words}" for name, r in REQUIREMENTS.items()},
     "draws.all.passed_frac": "probability of meeting all requirements",
+    "draws.all_and_own.passed_frac": "probability of meeting all requirements, the study's own too",
     "draws.hazard.chosen_place_safe.passed_frac": "probability that the chosen place is safe",
     "site.p_touchdown": "probability of a safe touchdown at the best site",
     "site.distance_to_hazard_m": "distance of the best site to a hazard",
@@ -63,6 +64,9 @@ SIZES = ("max_m", "p95_m", "le90_m")
 
 def metric_label(metric, unit):
     """The name of a metric in a figure or a report, without the unit, which it gives beside it."""
+    own = dictionary.OWN_NUMBER.fullmatch(metric)
+    if own:
+        return f"own requirement {own[2]}, {metric.rpartition('.')[2]}"
     return METRIC_NAMES.get(metric) or model.without_unit(metric, unit)
 
 
@@ -113,6 +117,7 @@ class Results:
             self.units = {name: file[name].attrs["units"] for name in names}
             self.title, self.plot, self.limits = head["title"], head["plot"], head["limits"]
             self.axes = [self._axis(axis) for axis in head["axes"] if axis["role"] == "axis"]
+            self.own = dictionary.own_paths(self.columns)
             self._axis_names = {axis["name"] for axis in head["axes"]} | {"case"}
         except (KeyError, ValueError, TypeError) as error:
             raise DataError(f"{file.filename}: no table of a study ({error})") from error
@@ -156,9 +161,17 @@ class Results:
             return passed / count, low, high
         return (float(np.quantile(values, quantile)), *bootstrap(values, quantile))
 
+    def requirements(self):
+        """The names of all requirements: those of every evaluation, then the user's own."""
+        return [*REQUIREMENTS, *self.own]
+
+    def path_of(self, requirement):
+        """The path with which the columns of a requirement begin."""
+        return self.own.get(requirement) or f"requirements.{requirement}"
+
     def pass_rate(self, point, requirement):
         """(passed, judged, low, high); `all` are all requirements."""
-        values = self.values(point, "pass" if requirement == "all" else f"requirements.{requirement}.pass")
+        values = self.values(point, "pass" if requirement == "all" else self.path_of(requirement) + ".pass")
         passed = int(values.sum())
         return (passed, len(values), *wilson(passed, len(values)))
 
@@ -173,6 +186,8 @@ class Results:
         A quantile over the repeats of the largest metric that the requirement bounds. Where absolute_horizontal_frac is 0.95, a
         requirement is met by a case whose share is at most 1.
         """
+        if requirement in self.own:
+            return self._own_share(point, self.own[requirement], quantile)
         metrics = [metric for metric in REQUIREMENTS[requirement].worst if metric in self.columns]
         limits = [self.limit(metric) for metric in metrics]
         if not metrics or not all(limits):
@@ -180,6 +195,14 @@ class Results:
         shares = [[self.columns[metric][row] / limit for row in point.rows] for metric, limit in zip(metrics, limits)]
         largest = np.max(np.array(shares, float), axis=0)
         return float(np.nanquantile(largest, quantile)) if np.isfinite(largest).any() else math.nan
+
+    def _own_share(self, point, path, quantile):
+        """The value over its limit; of a smallest value that passes the limit over the value."""
+        value, limit, at_least = (self.columns.get(f"{path}.{key}") for key in ("value", "limit", "at_least"))
+        rows = [row for row in point.rows if value and value[row] is not None and math.isfinite(value[row])]
+        parts = [(limit[row], value[row]) if at_least[row] else (value[row], limit[row]) for row in rows]
+        shares = [part / whole for part, whole in parts if whole > 0]
+        return float(np.quantile(shares, quantile)) if shares and len(shares) == len(rows) else math.nan
 
     def by_use(self, metrics):
         """The metrics by how much of their limits they use at most: the largest first, then those without a limit, then constant ones."""
@@ -214,9 +237,23 @@ class Results:
         parent, _, last = metric.rpartition(".")
         if parent in LENGTH_LIMITS and last in ("p95_m", "max_m"):
             return self.limits.get(LENGTH_LIMITS[parent])
-        requirement = requirement_of(metric)
-        column = self.columns.get(f"requirements.{requirement}.limit", [])
+        requirement = self.own_of(metric) or requirement_of(metric)
+        column = self.columns.get(f"{self.path_of(requirement)}.limit", [])
         return column[0] if len(set(column)) == 1 else None
+
+    def own_of(self, metric):
+        """The name of the user's own requirement on a metric; None without one."""
+        def is_on(path):
+            whole = "score." if path.startswith("score.") else ""
+            return metric == path + ".value" or {whole + text for text in self.columns.get(path + ".metric", [])} == {metric}
+        return next((name for name, path in self.own.items() if is_on(path)), None)
+
+    def bound(self, metric):
+        """Whether a metric must be at least or at most its limit."""
+        own = self.own_of(metric)
+        if own:
+            return "at least" if self.columns[self.own[own] + ".at_least"][0] else "at most"
+        return next((r.bound for name, r in REQUIREMENTS.items() if metric in (r.value, f"requirements.{name}.value")), "at most")
 
 
 def requirement_of(metric):

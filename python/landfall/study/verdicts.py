@@ -3,6 +3,7 @@
 # of the errors that it counts: its own limit is 0.
 """The tables of plot_study.py: which requirements each point of a study meets, and how much of their limits it uses."""
 import math
+import textwrap
 
 import matplotlib
 import matplotlib.pyplot as plt
@@ -10,7 +11,7 @@ import numpy as np
 
 from landfall.study import figures
 from landfall.study.names import number
-from landfall.study.table import PASSED, REQUIREMENTS
+from landfall.study.table import is_probability, PASSED, REQUIREMENTS
 
 MAX_ROWS = 60
 REQUIREMENT_NAMES = {**{name: "\n".join(name.split("_")) for name in REQUIREMENTS}, "all": "all"}
@@ -25,7 +26,7 @@ def requirements_figure(results):
     """Pass rates."""
     note = "requirements met" if results.repeats() == 1 else \
         "share of repeats that meet each requirement, 95 % interval (Wilson)"
-    return table_figure(results, [*REQUIREMENTS, "all"], note,
+    return table_figure(results, [*results.requirements(), "all"], note,
                         lambda axes, row, column, point, name: draw_rate(axes, row, column, *results.pass_rate(point, name)))
 
 
@@ -33,13 +34,13 @@ def shares_figure(results, quantile):
     """How much of each limit is used; of an error budget, each term's share."""
     repeats = results.repeats()
     note = "share of each requirement's limit that is used" + (f", {figures.estimate_name(results, quantile).split(',')[0]}" if repeats > 1 else "")
-    return table_figure(results, REQUIREMENTS, note, lambda axes, row, column, point, name: draw_share(
+    return table_figure(results, results.requirements(), note, lambda axes, row, column, point, name: draw_share(
         axes, row, column, results.share_of_limit(point, name, quantile)))
 
 
 def campaigns_figure(results):
     """How many draws of each point's campaign meet each requirement; None for a study without campaigns."""
-    names = [name for name in CAMPAIGN_NAMES if f"draws.{name}{PASSED}" in results.columns]
+    names = [column.removeprefix("draws.").removesuffix(PASSED) for column in results.columns if is_probability(column)]
     if not names:
         return None
     interval = ", 95 % interval (Wilson)" if "draws.all.wilson_low" in results.columns else ""
@@ -67,13 +68,13 @@ def table_figure(results, names, note, draw_cell):
     labels = [figures.point_name(results.axes, point.values) or "all cases" for point in points]
     left = 0.4 + 0.075 * max(len(label) for label in labels)
     height = 1.3 + 0.36 * len(points)
-    figure, axes = plt.subplots(figsize=(left + 7.6, height), constrained_layout=True)
+    figure, axes = plt.subplots(figsize=(left + max(7.6, 1.08 * len(names)), height), constrained_layout=True)
     for row, point in enumerate(points):
         for column, name in enumerate(names):
             draw_cell(axes, row, column, point, name)
     axes.set_xlim(-0.5, len(names) - 0.5)
     axes.set_ylim(len(points) - 0.5, -0.5)
-    axes.set_xticks(range(len(names)), [{**CAMPAIGN_NAMES, **HAZARD_NAMES}[name] for name in names], fontsize=9)
+    axes.set_xticks(range(len(names)), [{**CAMPAIGN_NAMES, **HAZARD_NAMES}.get(name) or broken(name) for name in names], fontsize=9)
     axes.set_yticks(range(len(points)), labels, fontsize=8)
     axes.tick_params(length=0, labeltop=True, labelbottom=False)
     for side in axes.spines.values():
@@ -82,6 +83,11 @@ def table_figure(results, names, note, draw_cell):
         note += f"; {len(points)} of {len(results.points)} points"
     axes.set_title(f"{results.title}\n{note}", fontsize=10)
     return figure
+
+
+def broken(name):
+    """The name of a requirement of the user's own, on short lines."""
+    return textwrap.fill(name.replace("_", " "), 12)
 
 
 def draw_rate(axes, row, column, passed, count, low, high):

@@ -44,22 +44,22 @@ TEST(VerdictText, CountsHaveTheirDenominatorAndLengthsTheirLimit) {
 
 TEST(VerdictText, AMissedRequirementOutweighsOneThatIsNotJudged) {
   Metrics m = tutorial();
-  EXPECT_EQ(overall_verdict(m.requirements), std::string("FAIL"));
+  EXPECT_EQ(overall_verdict(m), std::string("FAIL"));
   m.accuracy.reset();
   m.requirements = judge(m.coverage, m.accuracy, {});
-  EXPECT_EQ(overall_verdict(m.requirements), std::string("not judged"));
+  EXPECT_EQ(overall_verdict(m), std::string("not judged"));
   EXPECT_EQ(verdict_texts(m, {})[3].value, "no truth to compare with");
   EXPECT_EQ(verdict_texts(m, {})[3].verdict, std::string("not judged"));
   m.coverage.invalid_frac = 0.5;
   m.requirements = judge(m.coverage, m.accuracy, {});
-  EXPECT_EQ(overall_verdict(m.requirements), std::string("FAIL"));
+  EXPECT_EQ(overall_verdict(m), std::string("FAIL"));
 }
 
 TEST(VerdictText, AllPass) {
   Metrics m = tutorial();
   m.accuracy->relative.z.violation_count = 0;
   m.requirements = judge(m.coverage, m.accuracy, {});
-  EXPECT_EQ(overall_verdict(m.requirements), std::string("pass"));
+  EXPECT_EQ(overall_verdict(m), std::string("pass"));
 }
 
 TEST(VerdictText, NoFootprintToJudge) {

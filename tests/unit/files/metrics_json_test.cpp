@@ -50,6 +50,19 @@ TEST(MetricsJson, WhatIsNotFiniteIsNull) {
   EXPECT_EQ(json.at("requirements").at("hole_distance").at("pass"), false);
 }
 
+TEST(MetricsJson, OwnRequirementsAreReadAgain) {
+  Metrics metrics;
+  judge_own_requirements(metrics,
+                         {{"x y", "coverage.hole_count", 2, false}, {"z", "statistics.x.le90_m", 1, true}});
+  const auto json = metrics_json(metrics);
+  EXPECT_EQ(json.at("own_requirements").dump(),
+            R"({"x y":{"metric":"coverage.hole_count","value":0.0,"limit":2.0,"at_least":false,"pass":true},)"
+            R"("z":{"metric":"statistics.x.le90_m","value":null,"limit":1.0,"at_least":true,"pass":false}})");
+  EXPECT_EQ(json.at("pass"), false);
+  EXPECT_EQ(metrics_from(json).own_requirements, metrics.own_requirements);
+  EXPECT_FALSE(metrics_json(Metrics{}).contains("own_requirements"));
+}
+
 TEST(MetricsJson, NumbersKeepTheirPlaceAndOrder) {
   Metrics metrics;
   metrics.pass = true;
