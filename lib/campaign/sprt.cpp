@@ -3,9 +3,9 @@
 #include "campaign/sprt.h"
 
 #include <cassert>
-#include <cmath>
 
 #include "base/parameter_check.h"
+#include "base/portable_math.h"
 
 namespace landfall {
 namespace {
@@ -25,10 +25,10 @@ void check(const SprtParameters& parameters) {
 }
 
 Sprt::Sprt(const SprtParameters& parameters)
-    : pass_(std::log(parameters.p1 / parameters.p0)),
-      fail_(std::log((1 - parameters.p1) / (1 - parameters.p0))),
-      accept_(std::log(parameters.beta / (1 - parameters.alpha)) + kTolerance),
-      reject_(std::log((1 - parameters.beta) / parameters.alpha) - kTolerance) {
+    : pass_(portable::log(parameters.p1 / parameters.p0)),
+      fail_(portable::log((1 - parameters.p1) / (1 - parameters.p0))),
+      accept_(portable::log(parameters.beta / (1 - parameters.alpha)) + kTolerance),
+      reject_(portable::log((1 - parameters.beta) / parameters.alpha) - kTolerance) {
   check(parameters);
 }
 

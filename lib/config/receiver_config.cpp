@@ -5,11 +5,11 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <optional>
 
 #include "base/error.h"
 #include "base/number_text.h"
+#include "base/portable_math.h"
 #include "config/config_path.h"
 #include "config/json_values.h"
 #include "config/schema.h"
@@ -59,7 +59,7 @@ double pixel_sr(const Json& detector) {
   }
   const auto [x, y] = pair_of(detector.at("fov_deg"));
   const auto pitch = [](double fov_deg, const Json& pixels) {
-    return 2 * std::tan(kRadiansPerDegree * fov_deg / 2) / pixels.get<double>();
+    return 2 * portable::tan(kRadiansPerDegree * fov_deg / 2) / pixels.get<double>();
   };
   return fill * pitch(x, detector.at("columns")) * pitch(y, detector.at("rows"));
 }

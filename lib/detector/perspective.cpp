@@ -9,6 +9,7 @@
 
 #include "base/error.h"
 #include "base/number_text.h"
+#include "base/portable_math.h"
 #include "geometry/vector_check.h"
 
 namespace landfall {
@@ -31,7 +32,7 @@ double pitch_of(double ifov_rad) {
 
 double pitch_of(double fov_rad, int pixels) {
   require_angle(fov_rad > 0 && fov_rad < std::numbers::pi, {"", "fov_deg"}, fov_rad, "between 0 and 180");
-  return 2 * std::tan(fov_rad / 2) / pixels;
+  return 2 * portable::tan(fov_rad / 2) / pixels;
 }
 
 Pitch pitch_of(const PerspectiveParameters& p) {
@@ -99,7 +100,7 @@ class PixelGrid {
 class Optics {
  public:
   Optics(const RadialDistortion& distortion, double roll_rad)
-      : distortion_(distortion), cos_(std::cos(roll_rad)), sin_(std::sin(roll_rad)) {}
+      : distortion_(distortion), cos_(portable::cos(roll_rad)), sin_(portable::sin(roll_rad)) {}
 
   [[nodiscard]] Direction<LidarFrame> look(const Spot& spot) const {
     const double factor = distortion_.factor(spot.right * spot.right + spot.down * spot.down);
@@ -127,7 +128,7 @@ double outer_radius(const PerspectiveParameters& parameters, const PixelGrid& gr
     for (const double right : {-0.5, 0.5})
       for (const double down : {-0.5, 0.5}) {
         const Spot corner = grid.at(pixel, right, down);
-        radius = std::max(radius, std::hypot(corner.right, corner.down));
+        radius = std::max(radius, portable::hypot(corner.right, corner.down));
       }
   });
   return radius;

@@ -4,6 +4,8 @@
 
 #include <cmath>
 
+#include "base/portable_math.h"
+
 namespace landfall {
 namespace {
 
@@ -15,10 +17,10 @@ PulseProcess::PulseProcess(double share) {
   const int most = static_cast<int>(middle_.size());
   while (levels_ < most && std::ldexp(share, levels_) <= kIndependentExponent) ++levels_;
   const double block = std::ldexp(share, levels_);
-  across_ = {std::exp(-block), std::sqrt(-std::expm1(-2 * block))};
+  across_ = {portable::exp(-block), std::sqrt(-portable::expm1(-2 * block))};
   for (int n = 0; n < levels_; ++n) {
     const double half = std::ldexp(share, n);
-    middle_[static_cast<std::size_t>(n)] = {0.5 / std::cosh(half), std::sqrt(std::tanh(half))};
+    middle_[static_cast<std::size_t>(n)] = {0.5 / portable::cosh(half), std::sqrt(portable::tanh(half))};
   }
 }
 

@@ -9,6 +9,7 @@
 
 #include "base/number_text.h"
 #include "base/parameter_check.h"
+#include "base/portable_math.h"
 
 namespace landfall {
 namespace {
@@ -65,9 +66,9 @@ SampledPath random_walk(const TimeGrid& grid, const Eigen::Vector3d& density, co
 }
 
 SampledPath gauss_markov(const TimeGrid& grid, const GaussMarkov& process, const PathDraws& draws) {
-  const double kept = std::exp(-grid.interval_s / process.time_s);
+  const double kept = portable::exp(-grid.interval_s / process.time_s);
   // 1 - f^2, computed without cancellation for short intervals.
-  const double renewed = std::sqrt(-std::expm1(-2 * grid.interval_s / process.time_s));
+  const double renewed = std::sqrt(-portable::expm1(-2 * grid.interval_s / process.time_s));
   std::vector<Eigen::Vector3d> values(grid.steps + 1);
   values[0] = process.sigma.cwiseProduct(draws.at(0));
   for (std::size_t n = 1; n < values.size(); ++n)

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "base/parallel.h"
+#include "base/portable_math.h"
 #include "evaluation/piecewise.h"
 #include "evaluation/quantile/order_statistics.h"
 
@@ -101,7 +102,8 @@ HorizontalMetrics summarise_horizontal(const Grid<double>& horizontal, double li
 
 Grid<double> horizontal_error(Grid<double> x, const Grid<double>& y) {
   const std::span<double> values = x.values();
-  for_each_index(values.size(), [&](std::size_t i) { values[i] = std::hypot(values[i], y.values()[i]); });
+  for_each_index(values.size(),
+                 [&](std::size_t i) { values[i] = portable::hypot(values[i], y.values()[i]); });
   return x;
 }
 

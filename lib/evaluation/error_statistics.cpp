@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "base/portable_math.h"
 #include "evaluation/piecewise.h"
 #include "evaluation/quantile/order_statistics.h"
 
@@ -108,7 +109,7 @@ ErrorStatistics error_statistics(const Grid<double>& error, const BinMask& regio
   const auto deviation = [=](double e) { return std::abs(e - median); };
   result.mean_m = mean;
   result.std_m = std;
-  result.rmse_m = std::hypot(mean, std);
+  result.rmse_m = portable::hypot(mean, std);
   result.median_m = median;
   result.nmad_m = kNormalPerDeviation * *quantile_of(bins, in_region(error, region, deviation), 0.5);
   result.le90_m = value_at_rank(second.le90, ranges.le90.rank);

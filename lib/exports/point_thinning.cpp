@@ -27,8 +27,9 @@ PointThinning::PointThinning(const PointPlace& low, const PointPlace& high, doub
     : low_(low), most_(most) {
   double extent_m = 0;
   for (std::size_t axis = 0; axis < 3; ++axis) extent_m = std::max(extent_m, high[axis] - low[axis]);
-  unit_m_ = extent_m > 0 ? extent_m / (std::exp2(kFineBits) - 1) : 1;
-  const double edge = std::clamp(cell_m / unit_m_, std::exp2(kFineBits - kBits), std::exp2(kFineBits));
+  unit_m_ = extent_m > 0 ? extent_m / (std::ldexp(1.0, kFineBits) - 1) : 1;
+  const double edge =
+      std::clamp(cell_m / unit_m_, std::ldexp(1.0, kFineBits - kBits), std::ldexp(1.0, kFineBits));
   edge_ = static_cast<std::uint64_t>(edge);
 }
 

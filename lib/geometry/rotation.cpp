@@ -5,6 +5,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "base/portable_math.h"
+
 namespace landfall {
 namespace {
 
@@ -16,7 +18,8 @@ struct SinCos {
 SinCos sin_cos(double angle_rad) {
   const double quarters = angle_rad / (std::numbers::pi / 2);
   const double nearest = std::nearbyint(quarters);
-  if (quarters != nearest || std::abs(nearest) > 8) return {std::sin(angle_rad), std::cos(angle_rad)};
+  if (quarters != nearest || std::abs(nearest) > 8)
+    return {portable::sin(angle_rad), portable::cos(angle_rad)};
   constexpr double kSin[] = {0, 1, 0, -1};
   const auto quarter = static_cast<unsigned>((static_cast<int>(nearest) % 4 + 4) % 4);
   return {kSin[quarter], kSin[(quarter + 1) % 4]};

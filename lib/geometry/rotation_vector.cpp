@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "geometry/rotation_vector.h"
 
-#include <cmath>
+#include "base/portable_math.h"
 
 namespace landfall {
 namespace {
@@ -9,7 +9,7 @@ namespace {
 /// (1 - a/2 cot(a/2)) / a^2; below 0.02 rad by its series, because the difference would cancel.
 double bortz_factor(double a) {
   if (a < 0.02) return 1.0 / 12 + a * a / 720;
-  return (1 - a / 2 / std::tan(a / 2)) / (a * a);
+  return (1 - a / 2 / portable::tan(a / 2)) / (a * a);
 }
 
 }  // namespace
@@ -18,8 +18,8 @@ Eigen::Quaterniond quaternion_of(const Eigen::Vector3d& phi) {
   const double angle = phi.norm();
   if (angle == 0) return Eigen::Quaterniond::Identity();
   Eigen::Quaterniond q;
-  q.w() = std::cos(angle / 2);
-  q.vec() = std::sin(angle / 2) / angle * phi;
+  q.w() = portable::cos(angle / 2);
+  q.vec() = portable::sin(angle / 2) / angle * phi;
   return q;
 }
 
@@ -27,7 +27,7 @@ Eigen::Vector3d rotation_vector(const Eigen::Quaterniond& q) {
   const double sine = q.vec().norm();
   if (sine == 0) return Eigen::Vector3d::Zero();
   const double sign = q.w() < 0 ? -1 : 1;
-  return sign * 2 * std::atan2(sine, sign * q.w()) / sine * q.vec();
+  return sign * 2 * portable::atan2(sine, sign * q.w()) / sine * q.vec();
 }
 
 Eigen::Vector3d rotation_vector_rate(const Eigen::Vector3d& phi, const Eigen::Vector3d& omega) {

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "base/parallel.h"
+#include "base/portable_math.h"
 
 namespace landfall {
 namespace {
@@ -73,7 +74,7 @@ Plane fit(const PlaneSums& s) {
   const double determinant = xx * yy - xy * xy;
   const double gx = (yy * xz - xy * yz) / determinant;
   const double gy = (xx * yz - xy * xz) / determinant;
-  return {gx, gy, (xx + yy) / 2 - std::hypot((xx - yy) / 2, xy), zz - gx * xz - gy * yz};
+  return {gx, gy, (xx + yy) / 2 - portable::hypot((xx - yy) / 2, xy), zz - gx * xz - gy * yz};
 }
 
 /// Calls set(bin, sums) for each bin that holds a return.

@@ -10,6 +10,7 @@
 #include "base/error.h"
 #include "base/number_text.h"
 #include "base/parallel.h"
+#include "base/portable_math.h"
 
 namespace landfall {
 namespace {
@@ -78,7 +79,7 @@ double quantisation_factor(double count) {
 
 double misfit_factor(double count) { return 0.41 + 0.175 / count; }
 
-double crowding_factor(double relative_count) { return std::pow(std::max(0.6, relative_count), 1.2); }
+double crowding_factor(double relative_count) { return portable::pow(std::max(0.6, relative_count), 1.2); }
 
 double mean_square_ratio_p99(double freedom) {
   constexpr double kQuantile = 2.3263478740408408;  // of the standard normal distribution

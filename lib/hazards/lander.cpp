@@ -12,6 +12,7 @@
 
 #include "base/error.h"
 #include "base/number_text.h"
+#include "base/portable_math.h"
 
 namespace landfall {
 namespace {
@@ -57,7 +58,7 @@ PadOffsets pads(const Lander& lander, double resolution_m, double yaw_rad) {
       continue;
     }
     const double angle = yaw_rad + 2 * std::numbers::pi * leg / lander.legs;
-    pad = {nearest(radius * std::sin(angle)), nearest(radius * std::cos(angle))};
+    pad = {nearest(radius * portable::sin(angle)), nearest(radius * portable::cos(angle))};
   }
   return found;
 }

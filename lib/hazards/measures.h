@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include <cmath>
 #include <cstdint>
 #include <numbers>
 
+#include "base/portable_math.h"
 #include "base/progress.h"
 #include "hazards/lander.h"
 #include "raster/grid.h"
@@ -14,7 +14,7 @@ namespace landfall {
 
 /// The angle of a plane to the horizontal, from its gradient.
 [[nodiscard]] inline double slope_deg(double gradient) {
-  return std::atan(gradient) * (180 / std::numbers::pi);
+  return portable::atan(gradient) * (180 / std::numbers::pi);
 }
 
 /// Slope and roughness that a lander meets at each place of a map. A place is the bin under the lander's

@@ -8,6 +8,7 @@
 #include <limits>
 #include <numbers>
 
+#include "base/portable_math.h"
 #include "hazards/measures.h"
 
 namespace landfall {
@@ -68,7 +69,7 @@ void stand_on(const std::array<std::size_t, 3>& pads, const GridSpec& spec, BinI
 void measure(const Grid<double>& z, const Footprint& body, BinIndex place, bool either_side,
              LanderPose& pose) {
   const double s = z.spec().resolution_m;
-  const double gradient = std::hypot(pose.east, pose.north);
+  const double gradient = portable::hypot(pose.east, pose.north);
   pose.slope_deg = slope_deg(gradient);
   double most = -std::numeric_limits<double>::infinity();
   for_bins(body, place, [&](BinIndex bin, double rows, double cols) {

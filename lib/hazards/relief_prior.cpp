@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "base/parallel.h"
+#include "base/portable_math.h"
 #include "hazards/scale_filter.h"
 
 namespace landfall {
@@ -61,11 +62,11 @@ class RatioTable {
 Probabilities likelihoods(double energy) {
   std::array<double, kClasses> logs{};
   for (std::size_t k = 0; k < kClasses; ++k)
-    logs[k] = -0.5 * kFreedom * (std::log1p(kRatios[k]) + energy / (1 + kRatios[k]));
+    logs[k] = -0.5 * kFreedom * (portable::log1p(kRatios[k]) + energy / (1 + kRatios[k]));
   const double largest = *std::ranges::max_element(logs);
   Probabilities result{};
   for (std::size_t k = 0; k < kClasses; ++k)
-    result[k] = static_cast<float>(std::max(std::exp(logs[k] - largest), 1e-18));
+    result[k] = static_cast<float>(std::max(portable::exp(logs[k] - largest), 1e-18));
   return result;
 }
 
@@ -73,8 +74,8 @@ Probabilities likelihoods(double energy) {
 Probabilities redness(double coarser) {
   Probabilities result{};
   for (std::size_t k = 0; k < kClasses; ++k) {
-    const double excess = kRatios[k] > coarser ? std::log(kRatios[k] / coarser) / kRedness : 0;
-    result[k] = static_cast<float>(std::max(std::exp(-0.5 * excess * excess), 1e-12));
+    const double excess = kRatios[k] > coarser ? portable::log(kRatios[k] / coarser) / kRedness : 0;
+    result[k] = static_cast<float>(std::max(portable::exp(-0.5 * excess * excess), 1e-12));
   }
   return result;
 }

@@ -9,6 +9,7 @@
 #include <optional>
 #include <utility>
 
+#include "base/portable_math.h"
 #include "hazards/by_rows.h"
 #include "hazards/ground_posterior.h"
 #include "hazards/reach.h"
@@ -32,8 +33,8 @@ Grid<double> largest_sigma(const SigmaParts& sigma, std::int64_t half_bins) {
   const GridSpec& spec = sigma.noise_m.spec();
   auto total = Grid<double>::unset(spec);
   for (std::size_t i = 0; i < spec.size(); ++i) {
-    const double value = std::hypot(static_cast<double>(sigma.noise_m.values()[i]),
-                                    static_cast<double>(sigma.relief_m.values()[i]));
+    const double value = portable::hypot(static_cast<double>(sigma.noise_m.values()[i]),
+                                         static_cast<double>(sigma.relief_m.values()[i]));
     total.values()[i] = std::isnan(value) ? std::numeric_limits<double>::infinity() : value;
   }
   return window_max(total, half_bins);
@@ -117,7 +118,7 @@ class Moments {
 /// Student's distribution, within 0.0005 (Abramowitz and Stegun, 26.7.8).
 double student(double t, double freedom) {
   const double z = t * (1 - 1 / (4 * freedom)) / std::sqrt(1 + t * t / (2 * freedom));
-  return 0.5 * std::erfc(-z / std::numbers::sqrt2);
+  return 0.5 * portable::erfc(-z / std::numbers::sqrt2);
 }
 
 std::int64_t lander_half_bins(const LanderStencil& lander) {

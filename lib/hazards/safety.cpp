@@ -86,7 +86,8 @@ void compare_probabilities(const Grid<float>& p_safe, const Grid<std::int8_t>& j
     const auto bin = std::min(static_cast<std::size_t>(p * kReliabilityBins), kReliabilityBins - 1);
     ++counts[bin];
     safe[bin] += is_true == Safety::safe ? 1 : 0;
-    square += std::pow(p - (is_true == Safety::safe ? 1 : 0), 2);
+    const double off = p - (is_true == Safety::safe ? 1 : 0);
+    square += off * off;
     ++total;
   }
   if (total > 0) score.brier = square / static_cast<double>(total);

@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "base/parallel.h"
+#include "base/portable_math.h"
 #include "raster/distance_transform.h"
 
 namespace landfall {
@@ -25,7 +26,7 @@ std::vector<double> kernel(double sigma_m, double resolution_m) {
   double sum = 0;
   for (std::int64_t k = 0; static_cast<double>(k) * resolution_m <= 3 * sigma_m + kTolerance_m; ++k) {
     const double x = static_cast<double>(k) * resolution_m / sigma_m;
-    weights.push_back(k == 0 ? 1 : std::exp(-x * x / 2));
+    weights.push_back(k == 0 ? 1 : portable::exp(-x * x / 2));
     sum += k == 0 ? weights.back() : 2 * weights.back();
   }
   for (double& weight : weights) weight /= sum;
@@ -50,7 +51,7 @@ void add_neighbours(std::span<const double> values, std::int64_t offset, double 
 }
 
 double distance_to_origin(const GridSpec& spec, BinIndex bin) {
-  return std::hypot(spec.x(bin.col), spec.y(bin.row));
+  return portable::hypot(spec.x(bin.col), spec.y(bin.row));
 }
 
 std::int64_t squared_bins(const GridSpec& spec, BinIndex bin) {
@@ -124,7 +125,7 @@ std::vector<BinIndex> choose_sites(const Grid<float>& cost, const Grid<std::int8
                                    const SiteParameters& parameters) {
   const GridSpec& spec = cost.spec();
   const auto is_apart = [&](BinIndex a, BinIndex b) {
-    return a != b && std::hypot(spec.x(a.col) - spec.x(b.col), spec.y(a.row) - spec.y(b.row)) >=
+    return a != b && portable::hypot(spec.x(a.col) - spec.x(b.col), spec.y(a.row) - spec.y(b.row)) >=
                          parameters.separation_m - kTolerance_m;
   };
   std::vector<BinIndex> sites;

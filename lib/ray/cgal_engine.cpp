@@ -85,7 +85,7 @@ struct Query {
   /// scales the direction without rounding.
   Query(const Ray& r, double terrain_extent_m) : origin(r.origin.v), direction(r.direction.v) {
     const double largest = std::max(origin.cwiseAbs().maxCoeff(), terrain_extent_m);
-    second = origin + std::exp2(std::ceil(std::log2(std::max(largest, 1.0)))) * direction;
+    second = origin + std::ldexp(1.0, std::ilogb(std::max(largest, 1.0)) + 1) * direction;
     ray = Kernel::Ray_3(cgal_point<Kernel>(origin), cgal_point<Kernel>(second));
     inverse_step = (second - origin).array().inverse();
     step_m = (second - origin).norm();

@@ -7,6 +7,7 @@
 #include <numbers>
 
 #include "base/parameter_check.h"
+#include "base/portable_math.h"
 
 namespace landfall {
 
@@ -15,7 +16,7 @@ using std::numbers::pi;
 Illumination::Illumination(const IlluminationParameters& parameters)
     : parameters_(parameters),
       axis_(Direction<LidarFrame>::of(
-          {{std::tan(parameters.offset_x_rad), std::tan(parameters.offset_y_rad), 1}})) {
+          {{portable::tan(parameters.offset_x_rad), portable::tan(parameters.offset_y_rad), 1}})) {
   if (const auto divergence = parameters.divergence_rad)
     require(*divergence > 0 && *divergence < pi, {"", "divergence_rad"}, *divergence, "in (0, pi)");
   require(std::abs(parameters.offset_x_rad) < pi / 2, {"", "offset_rad/0"}, parameters.offset_x_rad,
@@ -26,10 +27,10 @@ Illumination::Illumination(const IlluminationParameters& parameters)
 
 double Illumination::relative(const Direction<LidarFrame>& direction) const {
   if (!parameters_.divergence_rad) return 1;
-  const double theta_rad = std::atan2(axis_.v.cross(direction.v).norm(), axis_.v.dot(direction.v));
+  const double theta_rad = portable::atan2(axis_.v.cross(direction.v).norm(), axis_.v.dot(direction.v));
   const double of_radius = 2 * theta_rad / *parameters_.divergence_rad;
   if (parameters_.profile == BeamProfile::top_hat) return of_radius <= 1 ? 1 : 0;
-  return std::exp(-2 * of_radius * of_radius);
+  return portable::exp(-2 * of_radius * of_radius);
 }
 
 std::optional<double> Illumination::peak_per_sr() const {

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <array>
-#include <boost/math/distributions/normal.hpp>
 #include <cassert>
 #include <cmath>
 #include <numbers>
@@ -14,6 +13,7 @@
 #include "base/light.h"
 #include "base/parameter_check.h"
 #include "base/poisson.h"
+#include "base/portable_math.h"
 
 namespace landfall {
 namespace {
@@ -200,7 +200,7 @@ void Receiver::receive_linear(PulsePixel where, std::span<const Echo> echoes,
 double Receiver::first_photon_m(const EchoRays& rays, std::size_t echo, const PulsePixel& where) const {
   // The first of a process of mean e lies at the quantile E/e of the pulse's shape, E exponentially
   // distributed.
-  static const boost::math::normal_distribution<double> kShape;
+  constexpr double kLeast = 1e-32;
   double first_m = std::numeric_limits<double>::infinity();
   for (std::size_t j = 0; j < rays.rays_per_echo(); ++j) {
     const std::size_t at = rays.index(echo, j);
@@ -210,7 +210,7 @@ double Receiver::first_photon_m(const EchoRays& rays, std::size_t echo, const Pu
     if (u >= mean) continue;  // -log(1 - u) >= u
     const double quantile = -natural_log(1 - u) / mean;
     if (quantile >= 1) continue;
-    const double from_center = quantile > 0 ? boost::math::quantile(kShape, quantile) : -8.3;
+    const double from_center = quantile > 0 ? portable::normal_quantile(std::max(quantile, kLeast)) : -8.3;
     first_m = std::min(first_m, rays.ranges_m()[at] + sigma_m_ * from_center);
   }
   return first_m;

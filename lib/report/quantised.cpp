@@ -14,7 +14,9 @@ namespace {
 
 /// The least number >= `least` that is 1, 2 or 5 times a power of ten.
 double round_step(double least) {
-  const double power = std::pow(10.0, std::floor(std::log10(least)));
+  double power = 1;
+  while (power > least) power /= 10;
+  while (10 * power <= least) power *= 10;
   for (const double digit : {1.0, 2.0, 5.0})
     if (digit * power >= least) return digit * power;
   return 10 * power;

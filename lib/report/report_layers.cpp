@@ -6,6 +6,7 @@
 #include <limits>
 #include <utility>
 
+#include "base/portable_math.h"
 #include "evaluation/piecewise.h"
 #include "report/worst_footprints.h"
 
@@ -63,7 +64,7 @@ void ReportLayers::add_shares(Axis axis, const AxisLayers& layers) {
   if (axis == Axis::x) absolute_x_ = layers.absolute;
   if (axis != Axis::y) return;
   for_each_index(spec_.size(), [&](std::size_t i) {
-    const double horizontal_m = std::hypot(absolute_x_.values()[i], layers.absolute.values()[i]);
+    const double horizontal_m = portable::hypot(absolute_x_.values()[i], layers.absolute.values()[i]);
     shares_.values()[i] =
         larger(shares_.values()[i], share_of_limit(horizontal_m, limits_.absolute_horizontal_m));
   });

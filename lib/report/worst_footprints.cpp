@@ -12,6 +12,7 @@
 #include <utility>
 
 #include "base/parallel.h"
+#include "base/portable_math.h"
 #include "evaluation/accuracy.h"
 #include "report/page_data.h"
 
@@ -104,7 +105,7 @@ WorstFootprint measure_footprint(BinIndex bin, const GridSpec& dem, const Evalua
     result.absolute_m[static_cast<std::size_t>(axis)] = found.mean.at(within);
     result.relative_m[static_cast<std::size_t>(axis)] = found.relative.at(within);
   }
-  result.horizontal_m = std::hypot(result.absolute_m[0], result.absolute_m[1]);
+  result.horizontal_m = portable::hypot(result.absolute_m[0], result.absolute_m[1]);
   const Candidate worst = worst_of(result, parameters.limits);
   result.share = worst.share;
   result.requirement = worst.requirement;

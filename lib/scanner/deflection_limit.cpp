@@ -5,6 +5,7 @@
 #include <sstream>
 
 #include "base/error.h"
+#include "base/portable_math.h"
 #include "geometry/vector_check.h"
 
 namespace landfall {
@@ -25,7 +26,7 @@ namespace {
 }  // namespace
 
 void DeflectionLimit::require_within(const Direction<LidarFrame>& aim, std::int64_t pulse) const {
-  const double off_boresight = std::atan2(std::hypot(aim.v.x(), aim.v.y()), aim.v.z());
+  const double off_boresight = portable::atan2(portable::hypot(aim.v.x(), aim.v.y()), aim.v.z());
   // The test is negated so that a NaN aim is refused too.
   if (!(off_boresight <= max_rad_)) refuse_aim(pulse, off_boresight, max_rad_);
 }

@@ -2,10 +2,10 @@
 // Decisions: D327
 #include "scanner/encoder_harmonics.h"
 
-#include <cmath>
 #include <string>
 
 #include "base/parameter_check.h"
+#include "base/portable_math.h"
 
 namespace landfall {
 namespace {
@@ -31,7 +31,7 @@ TiltAngles encoder_error(const std::vector<EncoderHarmonic>& harmonics, const Ti
   for (const EncoderHarmonic& harmonic : harmonics) {
     const double angle = harmonic.axis == 1 ? angles.angle_1_rad : angles.angle_2_rad;
     double& sum = harmonic.axis == 1 ? error.angle_1_rad : error.angle_2_rad;
-    sum += harmonic.amplitude_rad * std::sin(harmonic.order * angle + harmonic.phase_rad);
+    sum += harmonic.amplitude_rad * portable::sin(harmonic.order * angle + harmonic.phase_rad);
   }
   return error;
 }

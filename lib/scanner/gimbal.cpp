@@ -2,8 +2,7 @@
 // Decisions: D72
 #include "scanner/gimbal.h"
 
-#include <cmath>
-
+#include "base/portable_math.h"
 #include "geometry/vector_check.h"
 #include "scanner/axes_jump.h"
 
@@ -19,15 +18,16 @@ double checked_limit(double max_deflection_rad) {
 }  // namespace
 
 Eigen::Matrix3d gimbal_rotation(const TiltAngles& angles) {
-  const double s1 = std::sin(angles.angle_1_rad);
-  const double c1 = std::cos(angles.angle_1_rad);
-  const double s2 = std::sin(angles.angle_2_rad);
-  const double c2 = std::cos(angles.angle_2_rad);
+  const double s1 = portable::sin(angles.angle_1_rad);
+  const double c1 = portable::cos(angles.angle_1_rad);
+  const double s2 = portable::sin(angles.angle_2_rad);
+  const double c2 = portable::cos(angles.angle_2_rad);
   return Eigen::Matrix3d{{c2, 0, s2}, {s1 * s2, c1, -s1 * c2}, {-c1 * s2, s1, c1 * c2}};
 }
 
 TiltAngles gimbal_angles(const Direction<LidarFrame>& aim) {
-  return {std::atan2(-aim.v.y(), aim.v.z()), std::atan2(aim.v.x(), std::hypot(aim.v.y(), aim.v.z()))};
+  return {portable::atan2(-aim.v.y(), aim.v.z()),
+          portable::atan2(aim.v.x(), portable::hypot(aim.v.y(), aim.v.z()))};
 }
 
 Gimbal::Gimbal(const GimbalParameters& parameters)

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "scanner/lissajous.h"
 
-#include <cmath>
 #include <numbers>
 
 #include "base/parameter_check.h"
+#include "base/portable_math.h"
 
 namespace landfall {
 
@@ -19,8 +19,9 @@ std::optional<Point<DemFrame>> Lissajous::ground_aim(const PulseTime& pulse) con
   const auto& [width_x, width_y] = parameters_.half_width_m;
   const auto& [rate_x, rate_y] = parameters_.rates_hz;
   const double turn = 2 * std::numbers::pi;
-  return Point<DemFrame>{{width_x * std::sin(turn * (rate_x * pulse.since_start_s) + parameters_.phase_rad),
-                          width_y * std::sin(turn * (rate_y * pulse.since_start_s)), 0}};
+  return Point<DemFrame>{
+      {width_x * portable::sin(turn * (rate_x * pulse.since_start_s) + parameters_.phase_rad),
+       width_y * portable::sin(turn * (rate_y * pulse.since_start_s)), 0}};
 }
 
 }  // namespace landfall

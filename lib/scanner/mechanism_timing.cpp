@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "base/parameter_check.h"
+#include "base/portable_math.h"
 
 namespace landfall {
 namespace {
@@ -60,7 +61,7 @@ double MechanismTiming::step_left(double since_jump_s) const {
   const double exponent = decay_per_s_ * since_jump_s;
   if (exponent > kSettledExponent) return 0;
   const double phase = damped_radps_ * since_jump_s;
-  return std::exp(-exponent) * (std::cos(phase) + sine_share_ * std::sin(phase));
+  return portable::exp(-exponent) * (portable::cos(phase) + sine_share_ * portable::sin(phase));
 }
 
 }  // namespace landfall

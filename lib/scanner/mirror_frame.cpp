@@ -2,10 +2,11 @@
 #include "scanner/mirror_frame.h"
 
 #include <Eigen/Geometry>
-#include <cmath>
 #include <numbers>
 
+#include "base/portable_math.h"
 #include "geometry/rotation.h"
+#include "geometry/rotation_vector.h"
 #include "geometry/vector_check.h"
 
 namespace landfall {
@@ -18,29 +19,29 @@ MirrorFrame::MirrorFrame(double incidence_rad, double fold_azimuth_rad) {
                 incidence_rad, "in [0, 90)");
   require_finite({"", "fold_azimuth_deg"}, fold_azimuth_rad);
   const Matrix3d fold = rotation_matrix({0, 0, fold_azimuth_rad});
-  incoming_ = fold * Vector3d(0, -std::sin(2 * incidence_rad), -std::cos(2 * incidence_rad));
+  incoming_ = fold * Vector3d(0, -portable::sin(2 * incidence_rad), -portable::cos(2 * incidence_rad));
   resting_ = (Vector3d::UnitZ() - incoming_).normalized();
   axis_1_ = fold.col(0);
   axis_2_ = resting_.cross(axis_1_);
 }
 
 Matrix3d MirrorFrame::turn(const TiltAngles& tilts) const {
-  return (Eigen::AngleAxisd(tilts.angle_1_rad, axis_1_) * Eigen::AngleAxisd(tilts.angle_2_rad, axis_2_))
+  return (quaternion_of(tilts.angle_1_rad * axis_1_) * quaternion_of(tilts.angle_2_rad * axis_2_))
       .toRotationMatrix();
 }
 
 Direction<LidarFrame> MirrorFrame::normal(const TiltAngles& tilts) const {
   // In the axes (e1, e2, m0): m = (sin a2, -sin a1 cos a2, cos a1 cos a2).
-  const double across = std::cos(tilts.angle_2_rad);
-  return {std::sin(tilts.angle_2_rad) * axis_1_ - std::sin(tilts.angle_1_rad) * across * axis_2_ +
-          std::cos(tilts.angle_1_rad) * across * resting_};
+  const double across = portable::cos(tilts.angle_2_rad);
+  return {portable::sin(tilts.angle_2_rad) * axis_1_ - portable::sin(tilts.angle_1_rad) * across * axis_2_ +
+          portable::cos(tilts.angle_1_rad) * across * resting_};
 }
 
 TiltAngles MirrorFrame::tilts(const Direction<LidarFrame>& normal) const {
   const double m1 = normal.v.dot(axis_1_);
   const double m2 = normal.v.dot(axis_2_);
   const double m3 = normal.v.dot(resting_);
-  return {std::atan2(-m2, m3), std::atan2(m1, std::hypot(m2, m3))};
+  return {portable::atan2(-m2, m3), portable::atan2(m1, portable::hypot(m2, m3))};
 }
 
 Matrix3d MirrorFrame::steering(const Direction<LidarFrame>& normal) const {

@@ -4,6 +4,7 @@
 #include <Eigen/Geometry>
 #include <cmath>
 
+#include "geometry/rotation_vector.h"
 #include "geometry/vector_check.h"
 
 namespace landfall {
@@ -30,7 +31,8 @@ Palmer::Palmer(const PalmerParameters& parameters)
 ScannerState Palmer::state(const PulseContext& pulse) const {
   const double turns = parameters_.rate_hz * pulse.time.since_start_s + parameters_.phase_rad / (2 * pi);
   const double phi = 2 * pi * (turns - std::floor(turns));
-  return {.angle_1_rad = phi, .mirror_normal = {Eigen::AngleAxisd(phi, mirror_.resting().v) * tilted_}};
+  return {.angle_1_rad = phi,
+          .mirror_normal = {quaternion_of(phi * mirror_.resting().v).toRotationMatrix() * tilted_}};
 }
 
 void Palmer::steer(const ScannerState& state, std::span<const Direction<LidarFrame>> pixels,

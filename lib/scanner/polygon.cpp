@@ -6,8 +6,10 @@
 #include <cmath>
 #include <string>
 
+#include "base/portable_math.h"
 #include "base/random.h"
 #include "geometry/rotation.h"
+#include "geometry/rotation_vector.h"
 #include "geometry/vector_check.h"
 #include "scanner/mirror_frame.h"
 
@@ -76,8 +78,8 @@ double Polygon::facets_at(const PulseContext& pulse) const {
 
 Direction<LidarFrame> Polygon::normal(double theta_rad, double tilt_rad) const {
   const Eigen::Vector3d untilted =
-      std::sin(theta_rad) * line_ + std::cos(theta_rad) * Eigen::Vector3d::UnitZ();
-  return {std::cos(tilt_rad) * untilted - std::sin(tilt_rad) * across_line_};
+      portable::sin(theta_rad) * line_ + portable::cos(theta_rad) * Eigen::Vector3d::UnitZ();
+  return {portable::cos(tilt_rad) * untilted - portable::sin(tilt_rad) * across_line_};
 }
 
 ScannerState Polygon::state(const PulseContext& pulse) const {
@@ -109,14 +111,14 @@ ScannerState Polygon::believed_state(const PulseContext& pulse, const ScannerSta
   believed.angle_2_rad += error.angle_2_rad;
   if (tilts_rad_.empty()) return believed;
   // The tilt is the angle of the normal to the plane of the line.
-  const double tilt_rad = p.facet_tilt_known ? std::asin(-truth.mirror_normal.v.dot(across_line_)) : 0;
+  const double tilt_rad = p.facet_tilt_known ? portable::asin(-truth.mirror_normal.v.dot(across_line_)) : 0;
   believed.mirror_normal = normal(believed.angle_1_rad, tilt_rad);
   return believed;
 }
 
 void Polygon::steer(const ScannerState& state, std::span<const Direction<LidarFrame>> pixels,
                     std::span<Beam> beams) const {
-  const Eigen::AngleAxisd frame(state.angle_2_rad, line_);
+  const Eigen::Quaterniond frame = quaternion_of(state.angle_2_rad * line_);
   if (!tilts_rad_.empty()) {
     turn_all(
         frame.toRotationMatrix() * reflection(state.mirror_normal.v) * reflection(Eigen::Vector3d::UnitZ()),
@@ -124,7 +126,7 @@ void Polygon::steer(const ScannerState& state, std::span<const Direction<LidarFr
     return;
   }
   const Eigen::Matrix3d turn =
-      (frame * Eigen::AngleAxisd(2 * state.angle_1_rad, across_line_)).toRotationMatrix();
+      (frame * quaternion_of(2 * state.angle_1_rad * across_line_)).toRotationMatrix();
   turn_all(turn, pixels, beams);
 }
 

@@ -8,6 +8,7 @@
 
 #include "base/error.h"
 #include "base/parameter_check.h"
+#include "base/portable_math.h"
 
 namespace landfall {
 namespace {
@@ -41,7 +42,8 @@ double degrees(double angle_rad) { return std::round(angle_rad * (180 / pi) * 1e
                                const std::optional<RisleyReach>& reach) {
   std::ostringstream message;
   message << "scanner: pulse " << pulse << " aims "
-          << degrees(std::atan2(std::hypot(aim.x(), aim.y()), aim.z())) << " degrees off the boresight; ";
+          << degrees(portable::atan2(portable::hypot(aim.x(), aim.y()), aim.z()))
+          << " degrees off the boresight; ";
   if (reach)
     message << "the prisms reach " << degrees(reach->min_rad) << " to " << degrees(reach->max_rad)
             << " (change wedge_deg or index, or the pattern)";
@@ -141,9 +143,9 @@ void Risley::steer(const ScannerState& state, std::span<const Direction<LidarFra
                                     state.angle_2_rad};
   std::array<TurnedFace, 4> faces;
   for (std::size_t i = 0; i < faces.size(); ++i) {
-    const double lean = std::sin(faces_[i].wedge_rad);
-    const double z = std::cos(faces_[i].wedge_rad);
-    faces[i] = {lean * std::cos(turns[i]), lean * std::sin(turns[i]), z, z * faces_[i].vertex_m,
+    const double lean = portable::sin(faces_[i].wedge_rad);
+    const double z = portable::cos(faces_[i].wedge_rad);
+    faces[i] = {lean * portable::cos(turns[i]), lean * portable::sin(turns[i]), z, z * faces_[i].vertex_m,
                 faces_[i].index_ratio};
   }
   for (std::size_t i = 0; i < pixels.size(); ++i) beams[i] = traced(faces, pixels[i].v);

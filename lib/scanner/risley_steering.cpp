@@ -6,6 +6,7 @@
 #include <cmath>
 #include <string>
 
+#include "base/portable_math.h"
 #include "geometry/vector_check.h"
 
 namespace landfall {
@@ -18,8 +19,8 @@ constexpr double kEdge = 1e-15;
 /// m: the transverse component of the beam after prism 1, along u(theta_1). NaN for total reflection.
 double across_behind(const RisleyPrism& prism, bool exit_is_tilted) {
   const double n = prism.index;
-  const double s = std::sin(prism.wedge_rad);
-  const double c = std::cos(prism.wedge_rad);
+  const double s = portable::sin(prism.wedge_rad);
+  const double c = portable::cos(prism.wedge_rad);
   if (exit_is_tilted) return -s * (n * c - std::sqrt(1 - n * n * s * s));
   return s * (std::sqrt(n * n - s * s) - c);
 }
@@ -52,21 +53,23 @@ bool tilted_at_exit(RisleyConfiguration configuration, std::size_t prism) {
 RisleySteering::RisleySteering(const RisleyOptics& optics)
     : exit_is_tilted_(tilted_at_exit(optics.configuration, 1)),
       index_squared_(optics.prisms[1].index * optics.prisms[1].index),
-      sine_(std::sin(optics.prisms[1].wedge_rad)),
-      cosine_(std::cos(optics.prisms[1].wedge_rad)),
+      sine_(portable::sin(optics.prisms[1].wedge_rad)),
+      cosine_(portable::cos(optics.prisms[1].wedge_rad)),
       across_(across_behind(optics.prisms[0], tilted_at_exit(optics.configuration, 0))),
       before_(std::sqrt((exit_is_tilted_ ? index_squared_ : 1) - across_ * across_)) {}
 
 std::optional<Direction<LidarFrame>> RisleySteering::direction(const RisleyAngles& angles) const {
   const double turn = angles.theta_2_rad - angles.theta_1_rad;
-  const double meets = across_ * sine_ * std::cos(turn) + before_ * cosine_;
+  const double meets = across_ * sine_ * portable::cos(turn) + before_ * cosine_;
   const double bend = exit_is_tilted_ ? 1 - index_squared_ : index_squared_ - 1;
   const double radicand = meets * meets + bend;
   // The test is negated so that NaN (total reflection in prism 1) is caught too.
   if (!(meets > 0 && radicand >= 0)) return std::nullopt;
   const double h = std::sqrt(radicand) - meets;
-  const double x = across_ * std::cos(angles.theta_1_rad) + h * sine_ * std::cos(angles.theta_2_rad);
-  const double y = across_ * std::sin(angles.theta_1_rad) + h * sine_ * std::sin(angles.theta_2_rad);
+  const double x =
+      across_ * portable::cos(angles.theta_1_rad) + h * sine_ * portable::cos(angles.theta_2_rad);
+  const double y =
+      across_ * portable::sin(angles.theta_1_rad) + h * sine_ * portable::sin(angles.theta_2_rad);
   if (exit_is_tilted_) return Direction<LidarFrame>{{x, y, before_ + h * cosine_}};
   const double rest = 1 - x * x - y * y;
   if (rest < 0) return std::nullopt;
@@ -80,7 +83,7 @@ double RisleySteering::bend_at_tilted_face(double sine, double cosine) const {
 
 std::optional<RisleyAngles> RisleySteering::angles(const Direction<LidarFrame>& aim,
                                                    RisleyBranch branch) const {
-  const double sine = std::hypot(aim.v.x(), aim.v.y());
+  const double sine = portable::hypot(aim.v.x(), aim.v.y());
   const double h = bend_at_tilted_face(sine, aim.v.z());
   // The triangle formed by the contributions of the two prisms and their sum.
   const double a = std::abs(across_);
@@ -92,19 +95,20 @@ std::optional<RisleyAngles> RisleySteering::angles(const Direction<LidarFrame>& 
   if (!(beam_meets_face && sine <= a + b + kEdge && sine >= std::abs(a - b) - kEdge)) return std::nullopt;
   // The angle between the contributions from its half angle, by differences of squares: an arc cosine would
   // lose half of the digits at both ends of the reach.
-  const double between = 2 * std::atan2(root_of_positive((a + b - sine) * (a + b + sine)),
-                                        root_of_positive((sine - (a - b)) * (sine + (a - b))));
+  const double between = 2 * portable::atan2(root_of_positive((a + b - sine) * (a + b + sine)),
+                                             root_of_positive((sine - (a - b)) * (sine + (a - b))));
   const double turn_size = across_ * h > 0 ? between : pi - between;
   const double turn = branch == RisleyBranch::positive ? turn_size : -turn_size;
-  const double azimuth = std::atan2(h * sine_ * std::sin(turn), across_ + h * sine_ * std::cos(turn));
-  const double theta_1 = std::atan2(aim.v.y(), aim.v.x()) - azimuth;
+  const double azimuth =
+      portable::atan2(h * sine_ * portable::sin(turn), across_ + h * sine_ * portable::cos(turn));
+  const double theta_1 = portable::atan2(aim.v.y(), aim.v.x()) - azimuth;
   return RisleyAngles{std::remainder(theta_1, 2 * pi), std::remainder(theta_1 + turn, 2 * pi)};
 }
 
 std::optional<double> RisleySteering::deflection(double theta_2_rad) const {
   const auto beam = direction({0, theta_2_rad});
   if (!beam) return std::nullopt;
-  return std::atan2(std::hypot(beam->v.x(), beam->v.y()), beam->v.z());
+  return portable::atan2(portable::hypot(beam->v.x(), beam->v.y()), beam->v.z());
 }
 
 std::optional<RisleyReach> RisleySteering::reach() const {
@@ -114,7 +118,7 @@ std::optional<RisleyReach> RisleySteering::reach() const {
   if (aligned && opposed) return RisleyReach{std::min(*aligned, *opposed), std::max(*aligned, *opposed)};
   // At one end the boresight is totally reflected: the beam leaves along the face.
   const double grazing =
-      exit_is_tilted_ ? std::acos(before_ - std::sqrt(index_squared_ - 1) * cosine_) : pi / 2;
+      exit_is_tilted_ ? portable::acos(before_ - std::sqrt(index_squared_ - 1) * cosine_) : pi / 2;
   return RisleyReach{aligned ? *aligned : *opposed, grazing};
 }
 

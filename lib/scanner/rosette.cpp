@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "scanner/rosette.h"
 
-#include <cmath>
 #include <numbers>
 
 #include "base/parameter_check.h"
+#include "base/portable_math.h"
 
 namespace landfall {
 
@@ -20,7 +20,7 @@ std::optional<Point<DemFrame>> Rosette::ground_aim(const PulseTime& pulse) const
   for (std::size_t i = 0; i < 2; ++i) {
     const double angle =
         2 * std::numbers::pi * (parameters_.rates_hz[i] * pulse.since_start_s) + parameters_.phases_rad[i];
-    sum += Eigen::Vector3d(std::cos(angle), std::sin(angle), 0);
+    sum += Eigen::Vector3d(portable::cos(angle), portable::sin(angle), 0);
   }
   return Point<DemFrame>{parameters_.radius_m / 2 * sum};
 }

@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "base/parameter_check.h"
+#include "base/portable_math.h"
 
 namespace landfall {
 namespace {
@@ -35,7 +36,7 @@ std::optional<Point<DemFrame>> Spiral::ground_aim(const PulseTime& pulse) const 
   const double inner = p.inner_radius_m * p.inner_radius_m;
   const double radius = std::sqrt(inner + (p.radius_m * p.radius_m - inner) * outward);
   const double azimuth = 2 * std::numbers::pi * (radius / p.pitch_m);
-  return Point<DemFrame>{{radius * std::cos(azimuth), radius * std::sin(azimuth), 0}};
+  return Point<DemFrame>{{radius * portable::cos(azimuth), radius * portable::sin(azimuth), 0}};
 }
 
 }  // namespace landfall

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "base/number_text.h"
+#include "base/portable_math.h"
 #include "base/timed_rows.h"
 
 namespace landfall {
@@ -25,7 +26,7 @@ void check_table(const TablePatternParameters& parameters, const std::string& na
   if (first.t_s != 0)
     refuse_row(name, 0, "t_s is " + number_text(first.t_s) + ", not 0: times count from the first pulse");
   if (parameters.at_end != AtTableEnd::wrap) return;
-  const double gap_m = std::hypot(last.x_m - first.x_m, last.y_m - first.y_m);
+  const double gap_m = portable::hypot(last.x_m - first.x_m, last.y_m - first.y_m);
   if (gap_m <= kClosed_m) return;
   refuse_row(name, parameters.samples.size() - 1,
              "ends " + number_text(gap_m) +

@@ -11,6 +11,7 @@
 #include "base/error.h"
 #include "base/number_text.h"
 #include "base/timed_rows.h"
+#include "geometry/rotation_vector.h"
 #include "trajectory/hermite.h"
 
 namespace landfall {
@@ -104,7 +105,9 @@ Pose TableTrajectory::pose(double t_s) const {
   const double u = (t - samples_[i].t_s) / h;
   const Eigen::Vector3d position = hermite(u, {samples_[i].position_m.v, h * slopes_mps_[i].v},
                                            {samples_[i + 1].position_m.v, h * slopes_mps_[i + 1].v});
-  const Eigen::Quaterniond attitude = samples_[i].attitude.slerp(u, samples_[i + 1].attitude).normalized();
+  const Eigen::Quaterniond& before = samples_[i].attitude;
+  const Eigen::Vector3d turn = rotation_vector(before.conjugate() * samples_[i + 1].attitude);
+  const Eigen::Quaterniond attitude = (before * quaternion_of(u * turn)).normalized();
   return {{attitude.toRotationMatrix()}, {position}};
 }
 

@@ -3,6 +3,7 @@
 
 #include <cmath>
 
+#include "base/portable_math.h"
 #include "raster/window_mean.h"
 
 namespace landfall {
@@ -107,8 +108,10 @@ void TileJudge::judge_horizontal(const Tile& tile, std::int64_t footprints, Wind
   const Magnitudes x = magnitudes(judge_x_.bounds_of_means());
   const Magnitudes y = magnitudes(judge_y_.bounds_of_means());
   constexpr double kSlack = 0x1p-50;  // of hypot(), which rounds
-  const bool is_within = std::hypot(x.largest, y.largest) * (1 + kSlack) <= limits_.absolute_horizontal_m;
-  const bool is_beyond = std::hypot(x.smallest, y.smallest) * (1 - kSlack) > limits_.absolute_horizontal_m;
+  const bool is_within =
+      portable::hypot(x.largest, y.largest) * (1 + kSlack) <= limits_.absolute_horizontal_m;
+  const bool is_beyond =
+      portable::hypot(x.smallest, y.smallest) * (1 - kSlack) > limits_.absolute_horizontal_m;
   if (!is_within && !is_beyond) return judge_means(tile, outcome);
   if (is_within && judge_x_.is_full() && judge_y_.is_full()) {
     outcome.footprints = footprints;
@@ -138,7 +141,7 @@ void TileJudge::judge_means(const Tile& tile, WindowJudge::Outcome& outcome) {
       const BinIndex local{row + x_.half_rows(), col + x_.half_cols()};
       if (region_.at(bin) == 0 || x.count.at(local) == 0 || y.count.at(local) == 0) continue;
       ++outcome.footprints;
-      if (!(std::hypot(x.mean.at(local), y.mean.at(local)) > limits_.absolute_horizontal_m)) continue;
+      if (!(portable::hypot(x.mean.at(local), y.mean.at(local)) > limits_.absolute_horizontal_m)) continue;
       ++outcome.violations;
       set_flag(fail_.at(bin), fail_absolute_horizontal);
     }

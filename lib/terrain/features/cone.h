@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include <cmath>
 #include <string>
 
 #include "base/parameter_check.h"
+#include "base/portable_math.h"
 #include "terrain/features/feature_role.h"
 
 namespace landfall {
@@ -25,7 +25,7 @@ struct Cone {
   [[nodiscard]] double reach_m() const { return radius_m; }
   [[nodiscard]] FeatureSize size() const { return {2 * radius_m, height_m, 0}; }
   [[nodiscard]] double relief_m(const Offset& offset) const {
-    const double r_m = std::hypot(offset.x_m, offset.y_m);
+    const double r_m = portable::hypot(offset.x_m, offset.y_m);
     return r_m <= radius_m ? height_m * (1 - r_m / radius_m) : kNoRelief;
   }
   friend bool operator==(const Cone&, const Cone&) = default;

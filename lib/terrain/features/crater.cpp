@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "base/parameter_check.h"
+#include "base/portable_math.h"
 
 namespace landfall {
 
@@ -29,7 +30,7 @@ void Crater::validate(const std::string& owner) const {
 }
 
 double Crater::relief_m(const Offset& offset) const {
-  const double x = std::hypot(offset.x_m, offset.y_m) / (diameter_m / 2);
+  const double x = portable::hypot(offset.x_m, offset.y_m) / (diameter_m / 2);
   if (x > 1.5) return kNoRelief;
   const double depth = full_depth_m() / diameter_m;
   const double height = std::min(depth / kFullRimDepthPerDiameter, 1.0);  // of the profile, 1: as published

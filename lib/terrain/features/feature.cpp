@@ -4,6 +4,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "base/portable_math.h"
+
 namespace landfall {
 
 namespace {
@@ -37,7 +39,7 @@ std::vector<Feature> RingPattern::features(const PatternSite& /*site*/) const {
   const double step_rad = 2 * std::numbers::pi / static_cast<double>(count);
   for (std::int64_t i = 0; i < count; ++i) {
     const double azimuth_rad = first_azimuth_rad + static_cast<double>(i) * step_rad;
-    ring.push_back({radius_m * std::cos(azimuth_rad), radius_m * std::sin(azimuth_rad), shape});
+    ring.push_back({radius_m * portable::cos(azimuth_rad), radius_m * portable::sin(azimuth_rad), shape});
   }
   return ring;
 }

@@ -7,6 +7,7 @@
 #include <numbers>
 
 #include "base/parameter_check.h"
+#include "base/portable_math.h"
 #include "terrain/features/taper.h"
 #include "terrain/features/turned_axes.h"
 
@@ -28,7 +29,7 @@ void Fracture::validate(const std::string& owner) const {
   require_finite({owner, "yaw_rad"}, yaw_rad);
 }
 
-double Fracture::reach_m() const { return std::hypot(length_m / 2, northern_reach_m()); }
+double Fracture::reach_m() const { return portable::hypot(length_m / 2, northern_reach_m()); }
 
 FeatureSize Fracture::size() const {
   return FeatureSize::of_rectangle(length_m, width_m / 2 + northern_reach_m(),
@@ -50,12 +51,12 @@ double Fracture::own_relief_m(const Offset& own) const {
 
 double Fracture::trough_m(double v_m) const {
   const double inside_m = width_m / 2 - std::abs(v_m);
-  return inside_m > 0 ? -std::min(depth_m, inside_m * std::abs(std::tan(wall_slope_rad))) : 0;
+  return inside_m > 0 ? -std::min(depth_m, inside_m * std::abs(portable::tan(wall_slope_rad))) : 0;
 }
 
 double Fracture::cliff_m(double v_m) const {
   if (throw_m == 0 || v_m <= 0 || v_m >= fade_m) return 0;
-  const double face_m = std::min(std::abs(throw_m), v_m * std::abs(std::tan(wall_slope_rad)));
+  const double face_m = std::min(std::abs(throw_m), v_m * std::abs(portable::tan(wall_slope_rad)));
   return std::copysign(face_m, throw_m) * taper(fade_m - v_m, fade_m);
 }
 

@@ -5,6 +5,7 @@
 #include <string>
 
 #include "base/parameter_check.h"
+#include "base/portable_math.h"
 #include "terrain/features/feature_role.h"
 
 namespace landfall {
@@ -21,7 +22,7 @@ struct Hemisphere {
   [[nodiscard]] double reach_m() const { return radius_m; }
   [[nodiscard]] FeatureSize size() const { return {2 * radius_m, radius_m, 0}; }
   [[nodiscard]] double relief_m(const Offset& offset) const {
-    const double r_m = std::hypot(offset.x_m, offset.y_m);
+    const double r_m = portable::hypot(offset.x_m, offset.y_m);
     return r_m <= radius_m ? std::sqrt((radius_m - r_m) * (radius_m + r_m)) : kNoRelief;
   }
   friend bool operator==(const Hemisphere&, const Hemisphere&) = default;

@@ -7,6 +7,7 @@
 #include <string>
 
 #include "base/parameter_check.h"
+#include "base/portable_math.h"
 #include "terrain/features/feature_role.h"
 #include "terrain/features/turned_axes.h"
 
@@ -40,20 +41,20 @@ struct IceBlock {
     require_finite({owner, "yaw_rad"}, yaw_rad);
     require(std::abs(tilt_rad) <= kMaxTilt_rad, {owner, "tilt_rad"}, tilt_rad, "within 80 deg (1.3963 rad)");
   }
-  [[nodiscard]] double reach_m() const { return std::hypot(length_m / 2, half_span_m()); }
+  [[nodiscard]] double reach_m() const { return portable::hypot(length_m / 2, half_span_m()); }
   /// The diameter is the longer side of the footprint, the height is that of the highest edge.
   [[nodiscard]] FeatureSize size() const {
     const double t = std::abs(tilt_rad);
-    const double top_m = height_m * std::cos(t) + width_m / 2 * std::sin(t);
-    const double span_m = width_m * std::cos(t) + height_m * std::sin(t);
+    const double top_m = height_m * portable::cos(t) + width_m / 2 * portable::sin(t);
+    const double span_m = width_m * portable::cos(t) + height_m * portable::sin(t);
     return FeatureSize::of_rectangle(length_m, span_m, top_m, yaw_rad);
   }
   [[nodiscard]] double relief_m(const Offset& offset) const {
     return own_relief_m(TurnedAxes(yaw_rad).own(offset));
   }
   [[nodiscard]] double own_relief_m(const Offset& own) const {
-    const double sin_t = std::sin(std::abs(tilt_rad));
-    const double cos_t = std::cos(tilt_rad);
+    const double sin_t = portable::sin(std::abs(tilt_rad));
+    const double cos_t = portable::cos(tilt_rad);
     const double v_m = tilt_rad < 0 ? -own.y_m : own.y_m;
     const double w_m = width_m / 2 * cos_t;
     const double s_m = height_m * sin_t;
@@ -68,7 +69,7 @@ struct IceBlock {
   /// The largest horizontal distance of the box from the u axis.
   [[nodiscard]] double half_span_m() const {
     const double t = std::abs(tilt_rad);
-    return width_m / 2 * std::cos(t) + height_m * std::sin(t);
+    return width_m / 2 * portable::cos(t) + height_m * portable::sin(t);
   }
 };
 

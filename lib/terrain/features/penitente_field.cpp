@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "base/parameter_check.h"
+#include "base/portable_math.h"
 #include "base/random.h"
 #include "terrain/features/taper.h"
 #include "terrain/features/turned_axes.h"
@@ -45,7 +46,7 @@ void PenitenteField::validate(const std::string& owner) const {
 }
 
 double PenitenteField::reach_m() const {
-  return diameter_m > 0 ? diameter_m / 2 : std::hypot(length_m, width_m) / 2;
+  return diameter_m > 0 ? diameter_m / 2 : portable::hypot(length_m, width_m) / 2;
 }
 
 FeatureSize PenitenteField::size() const {
@@ -62,12 +63,12 @@ double PenitenteField::own_relief_m(const Offset& own) const {
   if (edge_factor < 0) return kNoRelief;
   const double waves = (own.y_m + (wobble_m > 0 ? wobble_m * noise(own) : 0)) / wavelength_m;
   const double blade = 1 - std::abs(2 * (waves - std::floor(waves)) - 1);
-  return amplitude_m * std::pow(blade, exponent) * edge_factor;
+  return amplitude_m * portable::pow(blade, exponent) * edge_factor;
 }
 
 double PenitenteField::edge(const Offset& own) const {
   if (diameter_m > 0) {
-    const double inside_m = diameter_m / 2 - std::hypot(own.x_m, own.y_m);
+    const double inside_m = diameter_m / 2 - portable::hypot(own.x_m, own.y_m);
     return inside_m >= 0 ? taper(inside_m, edge_m) : -1;
   }
   const double inside_u_m = length_m / 2 - std::abs(own.x_m);

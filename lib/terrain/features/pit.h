@@ -7,6 +7,7 @@
 #include <string>
 
 #include "base/parameter_check.h"
+#include "base/portable_math.h"
 #include "terrain/features/feature_role.h"
 
 namespace landfall {
@@ -31,8 +32,8 @@ struct Pit {
   [[nodiscard]] double reach_m() const { return diameter_m / 2; }
   [[nodiscard]] FeatureSize size() const { return {diameter_m, relief_m({}), 0}; }
   [[nodiscard]] double relief_m(const Offset& offset) const {
-    const double inside_m = diameter_m / 2 - std::hypot(offset.x_m, offset.y_m);
-    return inside_m >= 0 ? -std::min(depth_m, inside_m * std::abs(std::tan(wall_slope_rad))) : kNoRelief;
+    const double inside_m = diameter_m / 2 - portable::hypot(offset.x_m, offset.y_m);
+    return inside_m >= 0 ? -std::min(depth_m, inside_m * std::abs(portable::tan(wall_slope_rad))) : kNoRelief;
   }
   friend bool operator==(const Pit&, const Pit&) = default;
 };

@@ -6,6 +6,7 @@
 #include <string>
 
 #include "base/parameter_check.h"
+#include "base/portable_math.h"
 #include "terrain/features/feature_role.h"
 #include "terrain/features/turned_axes.h"
 
@@ -28,7 +29,7 @@ struct Pyramid {
     require_finite({owner, "yaw_rad"}, yaw_rad);
   }
   /// Half the diagonal of the base, which covers any yaw.
-  [[nodiscard]] double reach_m() const { return std::hypot(base_width_m, base_width_m) / 2; }
+  [[nodiscard]] double reach_m() const { return portable::hypot(base_width_m, base_width_m) / 2; }
   [[nodiscard]] FeatureSize size() const { return {base_width_m, height_m, yaw_rad}; }
   [[nodiscard]] double relief_m(const Offset& offset) const {
     return own_relief_m(TurnedAxes(yaw_rad).own(offset));

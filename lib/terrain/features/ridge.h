@@ -7,6 +7,7 @@
 #include <string>
 
 #include "base/parameter_check.h"
+#include "base/portable_math.h"
 #include "terrain/features/feature_role.h"
 #include "terrain/features/taper.h"
 #include "terrain/features/turned_axes.h"
@@ -43,7 +44,7 @@ struct Ridge {
     require(taper_m >= 0 && taper_m <= length_m / 2, {owner, "taper_m"}, taper_m, "in [0, length_m / 2]");
     require_finite({owner, "yaw_rad"}, yaw_rad);
   }
-  [[nodiscard]] double reach_m() const { return std::hypot(length_m / 2, spacing_m / 2 + 3 * width_m); }
+  [[nodiscard]] double reach_m() const { return portable::hypot(length_m / 2, spacing_m / 2 + 3 * width_m); }
   /// The extent across is measured between the points at half height.
   [[nodiscard]] FeatureSize size() const {
     return FeatureSize::of_rectangle(length_m, spacing_m + width_m, height_m, yaw_rad);
@@ -55,7 +56,7 @@ struct Ridge {
     const double inside_m = length_m / 2 - std::abs(own.x_m);
     const double across = std::abs(std::abs(own.y_m) - spacing_m / 2) / width_m;
     if (!(inside_m >= 0) || across > 3) return kNoRelief;
-    return height_m * std::exp2(-4 * across * across) * taper(inside_m, taper_m);
+    return height_m * portable::exp2(-4 * across * across) * taper(inside_m, taper_m);
   }
   friend bool operator==(const Ridge&, const Ridge&) = default;
 };

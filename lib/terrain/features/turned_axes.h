@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include <cmath>
-
+#include "base/portable_math.h"
 #include "terrain/features/feature_role.h"
 
 namespace landfall {
@@ -10,7 +9,7 @@ namespace landfall {
 /// The axes (u, v) of an object whose u axis is turned counter-clockwise from +x by a yaw.
 class TurnedAxes {
  public:
-  explicit TurnedAxes(double yaw_rad) : cos_(std::cos(yaw_rad)), sin_(std::sin(yaw_rad)) {}
+  explicit TurnedAxes(double yaw_rad) : cos_(portable::cos(yaw_rad)), sin_(portable::sin(yaw_rad)) {}
 
   /// A point in the object's axes, (u, v).
   [[nodiscard]] Offset own(const Offset& offset) const {

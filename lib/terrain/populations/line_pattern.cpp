@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "base/parameter_check.h"
+#include "base/portable_math.h"
 #include "base/random.h"
 #include "terrain/populations/population.h"
 #include "terrain/populations/region.h"
@@ -67,7 +68,7 @@ std::vector<Feature> LinePattern::features(const PatternSite& site) const {
   double events = 0;
   for (std::uint64_t i = 0;; ++i) {
     const auto uniform = [&](std::uint64_t draw) { return random.uniform(i, own_seed | draw); };
-    events -= std::log(1 - uniform(kCountDraw));
+    events -= portable::log(1 - uniform(kCountDraw));
     if (!(events < expected)) return lines;
     const auto line = [&](auto copy) -> FeatureShape {
       copy.yaw_rad += yaw_spread_rad * (2 * uniform(kLineYawDraw) - 1);

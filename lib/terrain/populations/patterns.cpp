@@ -7,6 +7,7 @@
 
 #include "base/parallel.h"
 #include "base/parameter_check.h"
+#include "base/portable_math.h"
 
 namespace landfall {
 namespace {
@@ -23,7 +24,7 @@ constexpr std::uint64_t kTiltDraw = 3;
 /// Largest distance from the middle of the bottom, at the greatest tilt and height (IceBlock::reach_m).
 double ice_block_reach() {
   const double tilt = IceBlockPattern::kMaxTilt_rad;
-  return std::hypot(0.5, kAxisRatio / 2 * std::cos(tilt) + kMaxHeightRatio * std::sin(tilt));
+  return portable::hypot(0.5, kAxisRatio / 2 * portable::cos(tilt) + kMaxHeightRatio * portable::sin(tilt));
 }
 
 /// The longer axis of an ellipse, in diameters of the disc of the same area.

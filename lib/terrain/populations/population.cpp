@@ -11,6 +11,7 @@
 
 #include "base/parallel.h"
 #include "base/parameter_check.h"
+#include "base/portable_math.h"
 #include "terrain/populations/disc_packing.h"
 
 namespace landfall {
@@ -110,8 +111,9 @@ SitePoint PopulationSampler::draw_point(std::uint64_t key, std::uint64_t attempt
 bool PopulationSampler::admits(const ScatteredObject& object) const {
   const double reach_m = kind_.reach * object.diameter_m;
   const Box site = kind_.from_outside ? site_.widened(reach_m) : site_;
-  const bool is_clear = population_.clear_radius_m == 0 || std::hypot(object.point.x_m, object.point.y_m) >=
-                                                               population_.clear_radius_m + reach_m;
+  const bool is_clear =
+      population_.clear_radius_m == 0 ||
+      portable::hypot(object.point.x_m, object.point.y_m) >= population_.clear_radius_m + reach_m;
   return is_clear && site.contains(object.point) && contains(population_.region, object.point);
 }
 
@@ -121,7 +123,8 @@ std::vector<ScatteredObject> PopulationSampler::draw(const Octave& octave) const
   std::vector<double> densities;
   double events = 0;
   for (std::size_t i = 0;; ++i) {
-    events -= std::log(1 - random_.uniform(draw_key(octave.exponent, i), seed_ << kDrawBits | kSizeDraw));
+    events -=
+        portable::log(1 - random_.uniform(draw_key(octave.exponent, i), seed_ << kDrawBits | kSizeDraw));
     densities.push_back(at_top + events / octave.box.area_m2());
     if (!(densities.back() < at_bottom)) break;
   }

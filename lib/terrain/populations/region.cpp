@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "base/parameter_check.h"
+#include "base/portable_math.h"
 
 namespace landfall {
 namespace {
@@ -53,7 +54,7 @@ struct Contains {
   bool operator()(const SiteRegion& /*region*/) const { return true; }
   bool operator()(const RectangleRegion& r) const { return bounds(r).contains(point); }
   bool operator()(const AnnulusRegion& r) const {
-    const double distance_m = std::hypot(point.x_m - r.center.x_m, point.y_m - r.center.y_m);
+    const double distance_m = portable::hypot(point.x_m - r.center.x_m, point.y_m - r.center.y_m);
     return distance_m >= r.inner_radius_m && distance_m <= r.outer_radius_m;
   }
 };

@@ -3,7 +3,6 @@
 #include "terrain/populations/size_law.h"
 
 #include <algorithm>
-#include <boost/math/special_functions/expint.hpp>
 #include <boost/math/tools/roots.hpp>
 #include <cmath>
 #include <cstdint>
@@ -11,22 +10,16 @@
 #include <numeric>
 
 #include "base/parameter_check.h"
+#include "base/portable_math.h"
 
 namespace landfall {
 namespace {
 
-/// E_2(x) = exp(-x) - x E_1(x), which loses a factor of x in precision; computing N(>D), which falls as
-/// exp(-x), from D loses the same. long double would differ between processors.
-double exponential_integral_2(double x) {
-  using Policy = boost::math::policies::policy<boost::math::policies::promote_double<false>>;
-  return std::exp(-x) - x * boost::math::expint(1, x, Policy());
-}
-
 /// The integral of D^power from range.min_m to range.max_m.
 double power_integral(double power, const DiameterRange& range) {
   const double p = power + 1;
-  const double octaves = std::log(range.max_m / range.min_m);
-  return std::pow(range.min_m, p) * (p == 0 ? octaves : std::expm1(p * octaves) / p);
+  const double octaves = portable::log(range.max_m / range.min_m);
+  return portable::pow(range.min_m, p) * (p == 0 ? octaves : portable::expm1(p * octaves) / p);
 }
 
 constexpr double kViperBreak_m = 80;
@@ -45,11 +38,11 @@ void PowerLaw::validate(const std::string& owner) const {
 }
 
 double PowerLaw::density_per_m2(double diameter_m) const {
-  return coefficient * std::pow(diameter_m, -exponent);
+  return coefficient * portable::pow(diameter_m, -exponent);
 }
 
 double PowerLaw::diameter_m(double density_per_m2, const DiameterRange& range) const {
-  const double diameter_m = std::pow(coefficient / density_per_m2, 1 / exponent);
+  const double diameter_m = portable::pow(coefficient / density_per_m2, 1 / exponent);
   return std::clamp(diameter_m, range.min_m, range.max_m);
 }
 
@@ -60,11 +53,11 @@ double PowerLaw::area_fraction(const DiameterRange& range) const {
 GolombekLaw GolombekLaw::covering(double area_fraction, double diameter_m, const std::string& owner) {
   // log F(D) = log k - (1.79 + 0.152 / k) D rises with k.
   const auto excess = [&](double abundance) {
-    return std::log(abundance / area_fraction) - GolombekLaw{abundance}.q_per_m() * diameter_m;
+    return portable::log(abundance / area_fraction) - GolombekLaw{abundance}.q_per_m() * diameter_m;
   };
   if (!(excess(1) >= 0))
     throw UsageError(owner + ": rocks of " + number_text(diameter_m) + " m and more cover at most " +
-                     number_text(std::exp(-GolombekLaw{1}.q_per_m() * diameter_m)) +
+                     number_text(portable::exp(-GolombekLaw{1}.q_per_m() * diameter_m)) +
                      " of the ground by this model (k = 1), not " + number_text(area_fraction));
   std::uintmax_t steps = 200;
   const auto bracket = boost::math::tools::bisect(excess, area_fraction, 1.0,
@@ -78,13 +71,13 @@ void GolombekLaw::validate(const std::string& owner) const {
 
 double GolombekLaw::density_per_m2(double diameter_m) const {
   const double q = q_per_m();
-  return 4 * k * q / std::numbers::pi * exponential_integral_2(q * diameter_m) / diameter_m;
+  return 4 * k * q / std::numbers::pi * portable::exponential_integral_2(q * diameter_m) / diameter_m;
 }
 
 double GolombekLaw::diameter_m(double density_per_m2, const DiameterRange& range) const {
   constexpr double kMin = 1e-300;  // where N(>D) underflows
   const auto excess = [&](double diameter_m) {
-    return std::log(std::max(this->density_per_m2(diameter_m), kMin) / density_per_m2);
+    return portable::log(std::max(this->density_per_m2(diameter_m), kMin) / density_per_m2);
   };
   // If rounding has moved the root outside the range, it is the nearest end.
   const double at_min = std::max(excess(range.min_m), 0.0);
@@ -97,7 +90,7 @@ double GolombekLaw::diameter_m(double density_per_m2, const DiameterRange& range
 
 double GolombekLaw::area_fraction(const DiameterRange& range) const {
   const double q = q_per_m();
-  return k * std::exp(-q * range.min_m) * -std::expm1(-q * (range.max_m - range.min_m));
+  return k * portable::exp(-q * range.min_m) * -portable::expm1(-q * (range.max_m - range.min_m));
 }
 
 double ViperCraterLaw::density_per_m2(double diameter_m) const {

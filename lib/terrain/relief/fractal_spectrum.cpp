@@ -6,6 +6,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "base/portable_math.h"
+
 namespace landfall {
 namespace {
 
@@ -35,7 +37,7 @@ template <class F>
 double over_directions(double half_edge, const F& f) {
   constexpr int kSteps = 256;
   double sum = 0;
-  for (int i = 0; i < kSteps; ++i) sum += f(half_edge / std::cos(kPi / 4 * (i + 0.5) / kSteps));
+  for (int i = 0; i < kSteps; ++i) sum += f(half_edge / portable::cos(kPi / 4 * (i + 0.5) / kSteps));
   return sum * 2 * kPi / kSteps;
 }
 
@@ -47,9 +49,10 @@ WaveDomain WaveDomain::around(const GridSpec& grid) {
 
 double law_amplitude(const FractalBase& fractal, const WaveDomain& domain) {
   const double hurst = fractal.hurst_exponent;
-  const double constant = std::exp2(2 * hurst + 1) * square(std::tgamma(1 + hurst)) * std::sin(kPi * hurst);
+  const double constant =
+      portable::exp2(2 * hurst + 1) * square(portable::gamma(1 + hurst)) * portable::sin(kPi * hurst);
   const double deviation_m =
-      fractal.rms_deviation_m * std::pow(domain.spacing_m / fractal.reference_length_m, hurst);
+      fractal.rms_deviation_m * portable::pow(domain.spacing_m / fractal.reference_length_m, hurst);
   return deviation_m * std::sqrt(constant) / static_cast<double>(domain.nodes);
 }
 
@@ -72,9 +75,10 @@ FractalSpectrum::FractalSpectrum(const WaveDomain& domain, const WaveBand& band,
 
 /// The waves that a node's samples cannot tell from (kx, ky), from 0 to pi. Far ones are an integral.
 void FractalSpectrum::tabulate_aliases() {
-  const double rest = over_directions((2 * kAliases + 1) * kPi,
-                                      [&](double k) { return std::pow(k, -2 * hurst_) / (2 * hurst_); }) /
-                      square(2 * kPi);
+  const double rest =
+      over_directions((2 * kAliases + 1) * kPi,
+                      [&](double k) { return portable::pow(k, -2 * hurst_) / (2 * hurst_); }) /
+      square(2 * kPi);
   const auto at = [](std::int64_t a, std::int64_t b) {
     return static_cast<std::size_t>(a * (kAliasSteps + 1) + b);
   };
@@ -87,7 +91,7 @@ void FractalSpectrum::tabulate_aliases() {
       for (int m = -kAliases; m <= kAliases; ++m)
         for (int n = -kAliases; n <= kAliases; ++n)
           if (m != 0 || n != 0)
-            sum += std::pow(square(kx + 2 * kPi * m) + square(ky + 2 * kPi * n), -(hurst_ + 1));
+            sum += portable::pow(square(kx + 2 * kPi * m) + square(ky + 2 * kPi * n), -(hurst_ + 1));
       aliases_[at(a, b)] = aliases_[at(b, a)] = sum;
     }
 }
@@ -112,7 +116,7 @@ double FractalSpectrum::cell_power(const Cell& cell) const {
       const double kx = cell.kx + cell.edge * ((a + 0.5) / kSamples - 0.5);
       const double ky = cell.ky + cell.edge * ((b + 0.5) / kSamples - 0.5);
       const double k2 = kx * kx + ky * ky;
-      if (in_band(k2)) sum += std::pow(k2, -hurst_);
+      if (in_band(k2)) sum += portable::pow(k2, -hurst_);
     }
   return sum / (kSamples * kSamples) / (cell.kx * cell.kx + cell.ky * cell.ky);
 }
@@ -127,7 +131,7 @@ double FractalSpectrum::lattice_power(std::int64_t i, std::int64_t j) const {
     return cell_power({kx, ky, step_});
   if (!in_band(k2)) return 0;
   // The mean of k^-2H over a cell, to the second order.
-  return std::pow(k2, -(hurst_ + 1)) * (1 + square(hurst_ * step_) / (6 * k2));
+  return portable::pow(k2, -(hurst_ + 1)) * (1 + square(hurst_ * step_) / (6 * k2));
 }
 
 double FractalSpectrum::power(std::int64_t i, std::int64_t j) const {
@@ -154,9 +158,9 @@ void FractalSpectrum::set_slope() {
   const double exponent = 2 - 2 * hurst_;
   const double least = std::sqrt(std::min(min_k2_, end_k2_));
   const auto longer = [&](double k) {
-    return (std::pow(k, exponent) - std::pow(std::min(least, k), exponent)) / exponent;
+    return (portable::pow(k, exponent) - portable::pow(std::min(least, k), exponent)) / exponent;
   };
-  const double half_edge = step_ / std::pow(3, kRefinements) * (kReplaced + 0.5);
+  const double half_edge = step_ / portable::pow(3, kRefinements) * (kReplaced + 0.5);
   if (end_k2_ > 0) slope_power_ = over_directions(half_edge, longer) / (2 * square(step_));
 }
 

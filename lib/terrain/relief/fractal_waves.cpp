@@ -4,17 +4,56 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <complex>
 #include <numbers>
 #include <span>
 #include <unsupported/Eigen/FFT>
 
 #include "base/parallel.h"
+#include "base/portable_math.h"
 
 namespace landfall {
 namespace {
 
 /// The draws of the long waves: columns have fewer than 2^31.
 constexpr std::uint64_t kLongWaves = std::uint64_t{1} << 63U;
+
+/// exp(2 pi i k / n), 0 <= k, from the nearest quarter turn.
+std::complex<double> unit_root(std::int64_t k, std::int64_t n) {
+  const std::int64_t quarter = (8 * k + n) / (2 * n);
+  const double angle =
+      std::numbers::pi / 2 * (static_cast<double>(4 * k - quarter * n) / static_cast<double>(n));
+  const double c = portable::cos(angle);
+  const double s = portable::sin(angle);
+  constexpr std::array<std::array<int, 4>, 4> kTurns = {
+      {{1, 0, 0, 1}, {0, -1, 1, 0}, {-1, 0, 0, -1}, {0, 1, -1, 0}}};
+  const auto& [cc, cs, sc, ss] = kTurns.at(static_cast<std::size_t>(quarter % 4));
+  return {cc * c + cs * s, sc * c + ss * s};
+}
+
+/// Eigen's transform, given the factors of its inverse transforms before it would take those of the C
+/// library, which differ in the last bit between processors.
+class PortableFft : public Eigen::internal::kissfft_impl<double> {
+ public:
+  PortableFft() = default;
+  /// `nodes` is a multiple of 4.
+  explicit PortableFft(std::int64_t nodes) {
+    for (const std::int64_t size : {nodes, nodes / 2}) add_plan(size);
+    std::vector<Complex>& halves = m_realTwiddles[static_cast<int>(nodes / 4)];
+    for (std::int64_t k = 1; k <= nodes / 4; ++k)
+      halves.push_back(std::conj(unit_root(4 * k + nodes, 4 * nodes)));
+  }
+
+ private:
+  void add_plan(std::int64_t size) {
+    auto& plan = m_plans[PlanKey(static_cast<int>(size), true)];
+    plan.m_inverse = true;
+    plan.factorize(static_cast<int>(size));
+    for (std::int64_t k = 0; k < size; ++k) plan.m_twiddles.push_back(unit_root(k, size));
+  }
+};
+
+using Fft = Eigen::FFT<double, PortableFft>;
 
 }  // namespace
 
@@ -65,7 +104,7 @@ void FractalWaves::draw_column(std::size_t i, const RandomField& random, std::ui
 
 void FractalWaves::draw_columns(std::size_t begin, std::size_t end, const FractalDraw& draw) {
   const RandomField random(draw.seed, RandomStream::fractal);
-  Eigen::FFT<double> fft(Eigen::default_fft_impl<double>(), Eigen::FFT<double>::Unscaled);
+  Fft fft(PortableFft(nodes()), Fft::Unscaled);
   std::vector<Complex> waves(static_cast<std::size_t>(nodes()));
   std::vector<Complex> transformed(waves.size());
   for (std::size_t i = begin; i < end; ++i) {
@@ -85,8 +124,8 @@ class FractalWaves::LongRows {
     }
     for (const double kx : kx_)
       for (std::int64_t col = 0; col < grid.cols; ++col) {
-        cosines_.push_back(std::cos(kx * x(col)));
-        sines_.push_back(std::sin(kx * x(col)));
+        cosines_.push_back(portable::cos(kx * x(col)));
+        sines_.push_back(portable::sin(kx * x(col)));
       }
   }
 
@@ -100,8 +139,8 @@ class FractalWaves::LongRows {
       double cosine = 0;
       double sine = 0;
       for (; wave != waves_.long_waves_.end() && wave->kx == kx_[n]; ++wave) {
-        const double c = std::cos(wave->ky * y);
-        const double s = std::sin(wave->ky * y);
+        const double c = portable::cos(wave->ky * y);
+        const double s = portable::sin(wave->ky * y);
         cosine += factor * (wave->cosine * c + wave->sine * s);
         sine += factor * (wave->sine * c - wave->cosine * s);
       }
@@ -139,9 +178,7 @@ void FractalWaves::add_to(Grid<double>& z, double factor, const ProgressCallback
 }
 
 void FractalWaves::add_rows(Grid<double>& z, double factor, std::size_t begin, std::size_t end) const {
-  Eigen::FFT<double> fft(
-      Eigen::default_fft_impl<double>(),
-      Eigen::FFT<double>::Flag(Eigen::FFT<double>::Unscaled | Eigen::FFT<double>::HalfSpectrum));
+  Fft fft(PortableFft(nodes()), Fft::Flag(Fft::Unscaled | Fft::HalfSpectrum));
   std::array<std::vector<Complex>, 8> waves;
   waves.fill(std::vector<Complex>(columns_));
   for (std::size_t i = 0; i < columns_; ++i)

@@ -3,7 +3,6 @@
 #include "terrain/relief/ground_albedo.h"
 
 #include <algorithm>
-#include <boost/math/distributions/normal.hpp>
 #include <cmath>
 #include <limits>
 #include <numbers>
@@ -12,6 +11,7 @@
 #include "base/error.h"
 #include "base/parallel.h"
 #include "base/parameter_check.h"
+#include "base/portable_math.h"
 #include "terrain/relief/fractal.h"
 
 namespace landfall {
@@ -42,18 +42,17 @@ FractalBase fractal_of(const AlbedoPatches& patches) {
 /// The standard deviation of fractal_of(): the integral of its spectrum (FractalSpectrum) over k above
 /// 2 pi / longest_wavelength_m.
 double deviation_m(double hurst) {
-  const double gamma = std::tgamma(1 + hurst);
-  const double constant =
-      std::exp2(2 * hurst + 1) * gamma * gamma * std::sin(std::numbers::pi * hurst);  // C of the spectrum
-  return std::sqrt(constant / (4 * std::numbers::pi * hurst)) * std::pow(2 * std::numbers::pi, -hurst);
+  const double gamma = portable::gamma(1 + hurst);
+  const double constant = portable::exp2(2 * hurst + 1) * gamma * gamma *
+                          portable::sin(std::numbers::pi * hurst);  // C of the spectrum
+  return std::sqrt(constant / (4 * std::numbers::pi * hurst)) * portable::pow(2 * std::numbers::pi, -hurst);
 }
 
 /// The level that patches of a fraction of the ground exceed.
 double threshold_m(const AlbedoPatches& patches) {
   if (patches.cover_frac <= 0) return std::numeric_limits<double>::infinity();
   if (patches.cover_frac >= 1) return -std::numeric_limits<double>::infinity();
-  const boost::math::normal_distribution<double> heights(0, deviation_m(patches.hurst_exponent));
-  return boost::math::quantile(boost::math::complement(heights, patches.cover_frac));
+  return -deviation_m(patches.hurst_exponent) * portable::normal_quantile(patches.cover_frac);
 }
 
 [[noreturn]] void refuse_node(const std::string& path, const GridSpec& spec, const BinIndex& node,
@@ -104,8 +103,8 @@ void GroundAlbedo::fill(Grid<float>& layer, double albedo) const {
 }
 
 void GroundAlbedo::fill(Grid<float>& layer, const AlbedoGradient& gradient) const {
-  const double along_x = std::cos(gradient.azimuth_rad);
-  const double along_y = std::sin(gradient.azimuth_rad);
+  const double along_x = portable::cos(gradient.azimuth_rad);
+  const double along_y = portable::sin(gradient.azimuth_rad);
   const GridSpec& grid = site_.grid;
   const double extent_m = (static_cast<double>(grid.cols - 1) * std::abs(along_x) +
                            static_cast<double>(grid.rows - 1) * std::abs(along_y)) *

@@ -9,6 +9,7 @@
 #include <numbers>
 
 #include "base/parallel.h"
+#include "base/portable_math.h"
 #include "terrain/relief/fractal_waves.h"
 
 namespace landfall {
@@ -33,8 +34,8 @@ std::array<double, kPatch> patch_weights() {
   weights.fill(1);
   for (std::size_t i = 0; i < kOverlap; ++i) {
     const double angle = std::numbers::pi / 2 * (static_cast<double>(i) + 0.5) / kOverlap;
-    weights[i] = std::sin(angle);
-    weights[kStep + i] = std::cos(angle);
+    weights[i] = portable::sin(angle);
+    weights[kStep + i] = portable::cos(angle);
   }
   return weights;
 }

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <utility>
 
+#include "base/portable_math.h"
+
 namespace landfall {
 
 GeoTransform::GeoTransform(const std::array<double, 6>& c) : origin_(c[0], c[3]) {
@@ -27,8 +29,8 @@ PixelPosition GeoTransform::pixel(const MapPoint& point) const {
 
 OrthographicFrame::OrthographicFrame(const Ellipsoid& body, const LonLat& center)
     : body_(body), center_(center) {
-  const double s = std::sin(center.lat_rad);
-  const double c = std::cos(center.lat_rad);
+  const double s = portable::sin(center.lat_rad);
+  const double c = portable::cos(center.lat_rad);
   const double e2 = body.flattening * (2 - body.flattening);
   const double normal_m = body.semi_major_m / std::sqrt(1 - e2 * s * s);
   origin_m_ = {normal_m * c, 0, normal_m * (1 - e2) * s};
@@ -51,8 +53,8 @@ LonLat OrthographicFrame::difference(const SitePoint& point) const {
   const double C = step.dot(stretch.cwiseProduct(p + origin_m_));
   const double h_m = -C / (B + std::sqrt(B * B - A * C));
   const Eigen::Vector3d q = p + h_m * up;
-  const double lat_rad = std::atan2(stretch.z() * q.z(), std::hypot(q.x(), q.y()));
-  return {std::atan2(q.y(), q.x()), lat_rad - center_.lat_rad};
+  const double lat_rad = portable::atan2(stretch.z() * q.z(), portable::hypot(q.x(), q.y()));
+  return {portable::atan2(q.y(), q.x()), lat_rad - center_.lat_rad};
 }
 
 SitePoint OrthographicFrame::pole() const {

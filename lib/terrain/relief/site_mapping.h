@@ -9,6 +9,7 @@
 #include <numbers>
 #include <optional>
 
+#include "base/portable_math.h"
 #include "terrain/relief/smooth_map.h"
 #include "terrain/site_point.h"
 
@@ -37,7 +38,7 @@ class GeoTransform {
   [[nodiscard]] PixelPosition pixel(const MapPoint& point) const;
   /// The lengths of a pixel's edges, along a row and along a column, map units.
   [[nodiscard]] std::array<double, 2> edges() const {
-    return {std::hypot(cell_(0, 0), cell_(1, 0)), std::hypot(cell_(0, 1), cell_(1, 1))};
+    return {portable::hypot(cell_(0, 0), cell_(1, 0)), portable::hypot(cell_(0, 1), cell_(1, 1))};
   }
   /// GDAL's six coefficients.
   [[nodiscard]] std::array<double, 6> coefficients() const {

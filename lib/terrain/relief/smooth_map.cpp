@@ -2,8 +2,9 @@
 #include "terrain/relief/smooth_map.h"
 
 #include <array>
-#include <cmath>
 #include <numbers>
+
+#include "base/portable_math.h"
 
 namespace landfall {
 namespace {
@@ -20,7 +21,7 @@ Polynomials chebyshev(double u, int degree) {
 }
 
 /// The zeros of T_(degree + 1).
-double node(int k, int degree) { return std::cos(std::numbers::pi * (k + 0.5) / (degree + 1)); }
+double node(int k, int degree) { return portable::cos(std::numbers::pi * (k + 0.5) / (degree + 1)); }
 
 }  // namespace
 
