@@ -76,6 +76,14 @@ class Keys(unittest.TestCase):
         for page, command in TOOLS.items():
             self.assertEqual(sorted(headings(page)), sorted({path for path, _ in manual(command)}), page)
 
+    def test_effects_are_those_of_scan_keys(self):
+        """Of a path whose types differ the first in scan_keys.EFFECTS, as for a redraw that does not know the type."""
+        found = {}
+        for key in keys.keys_of("scan").keys:
+            found.setdefault(key.path, set()).add(key.effect)
+        expected = {path: keys.scan_keys.effect_of(*(part for part in path.split(".") if part != "N")) for path in found}
+        self.assertEqual({path: min(effects, key=keys.scan_keys.EFFECTS.index) for path, effects in found.items()}, expected)
+
     def test_numbers_and_units_are_those_of_the_manuals(self):
         """Every bound and unit that a manual states stands in the entry of its key."""
         compared = 0
