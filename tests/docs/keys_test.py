@@ -77,7 +77,7 @@ class Keys(unittest.TestCase):
             self.assertEqual(sorted(headings(page)), sorted({path for path, _ in manual(command)}), page)
 
     def test_effects_are_those_of_scan_keys(self):
-        """Of a path whose types differ the first in scan_keys.EFFECTS, as for a redraw that does not know the type."""
+        """A path whose types differ has the first of scan_keys.EFFECTS, as for a redraw that does not know the type."""
         found = {}
         for key in keys.keys_of("scan").keys:
             found.setdefault(key.path, set()).add(key.effect)
