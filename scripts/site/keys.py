@@ -39,8 +39,8 @@ What a key changes stands after its description:
 class Key:
     """One meaning of a path: with the type `choice` of the object around it, if there are several types."""
 
-    def __init__(self, path, choice, effect, node, root):
-        self.path, self.choice, self.effect, self.node, self.root = path, choice, effect, resolved(node, root), root
+    def __init__(self, path, choice, effect, is_required, node, root):
+        self.path, self.choice, self.effect, self.is_required, self.node, self.root = path, choice, effect, is_required, resolved(node, root), root
 
     @property
     def type(self):
@@ -66,7 +66,7 @@ class Key:
 
     def facts(self):
         unit = self.unit if "number" in self.type or "integer" in self.type else ""
-        return ", ".join(filter(None, (self.type, unit, self.range, self.default)))
+        return ", ".join(filter(None, (self.type, unit, self.range, "required" if self.is_required else self.default)))
 
 
 def text_of(value):
@@ -154,7 +154,7 @@ class Walk:
         for key, inner in node.get("properties", {}).items():
             below = f"{path}.{key}".lstrip(".")
             own_effect = "estimate" if below in scan_keys.SHARED else resolved(inner, self.root).get("effect", effect)
-            self.keys.append(Key(below, own, own_effect, inner, self.root))
+            self.keys.append(Key(below, own, own_effect, key in node.get("required", ()), inner, self.root))
             self.walk(below, own, own_effect, inner)
 
     def is_known(self, name, path, choice):
@@ -222,7 +222,7 @@ def page(kind):
     found = keys_of(kind)
     who, link = ABOUT.get(kind, (f"`{PAGES[kind]}`", f"../../user/{PAGES[kind]}.md"))
     lines = [f"# Keys of {PAGES[kind]}", "", f"Every key of the configuration of [{who}]({link}), from `schemas/{kind}.schema.json`: meaning, then type, unit, range",
-             "and default. `N` is an array index, `KEY` a key of any name. A test keeps this page equal to the schema.", ""]
+             "and default, or that it is required. `N` is an array index, `KEY` a key of any name. A test keeps this page equal to the schema.", ""]
     lines += [*EFFECTS.strip().split("\n"), ""] if kind == "scan" else []
     by_path = {}
     for key in found.keys:
