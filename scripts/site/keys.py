@@ -21,7 +21,7 @@ PAGES = {"terrain": "terrain-gen", "scan": "scan-sim", "regrid": "regrid", "eval
 ABOUT = {"study": ("a study", "../../user/studies/README.md"), "sensitivity": ("a sensitivity analysis", "../../user/studies/sensitivity.md"),
          "design": ("a search for a design", "../../user/studies/design.md"), "chain": ("`landfall run`", "../../user/landfall.md")}
 # Units by the last part of a key's name; the longest that fits counts.
-UNITS = {"m": "m", "km2": "km²", "nm": "nm", "mps": "m/s", "mps2": "m/s²", "rad": "rad", "radps": "rad/s", "radps2": "rad/s²", "deg": "degrees",
+UNITS = {"m": "m", "km2": "km²", "nm": "N m", "mps": "m/s", "mps2": "m/s²", "rad": "rad", "radps": "rad/s", "radps2": "rad/s²", "deg": "degrees",
          "degps": "degrees/s", "s": "s", "hz": "Hz", "frac": "fraction", "bins": "bins", "J": "J", "kg": "kg", "kgm2": "kg m²", "pe": "photoelectrons",
          "ppm": "ppm", "per_m": "1/m", "m_per_sqrt_s": "m/√s", "mps_per_sqrt_s": "(m/s)/√s", "rad_per_sqrt_s": "rad/√s"}
 EFFECTS = """
@@ -39,8 +39,8 @@ What a key changes stands after its description:
 class Key:
     """One meaning of a path: with the type `choice` of the object around it, if there are several types."""
 
-    def __init__(self, path, choice, node, root):
-        self.path, self.choice, self.node, self.root = path, choice, resolved(node, root), root
+    def __init__(self, path, choice, effect, is_required, node, root):
+        self.path, self.choice, self.effect, self.is_required, self.node, self.root = path, choice, effect, is_required, resolved(node, root), root
 
     @property
     def type(self):
@@ -66,7 +66,7 @@ class Key:
 
     def facts(self):
         unit = self.unit if "number" in self.type or "integer" in self.type else ""
-        return ", ".join(filter(None, (self.type, unit, self.range, self.default)))
+        return ", ".join(filter(None, (self.type, unit, self.range, "required" if self.is_required else self.default)))
 
 
 def text_of(value):
@@ -134,34 +134,38 @@ class Walk:
     """All keys of a schema, parents first."""
 
     def __init__(self, root):
-        self.root, self.keys, self.places, self.same = root, [], {}, {}
-        self.walk("", "", root)
+        self.root, self.keys, self.places, self.same, self.walked = root, [], {}, {}, set()
+        self.walk("", "", "beam", root)
 
-    def walk(self, path, choice, node):
-        """Adds the keys below a node; those of a definition only where it occurs first."""
-        name = node.get("$ref")
-        if name and self.is_known(name, path):
+    def walk(self, path, choice, effect, node):
+        """Adds the keys below a node; those of a definition only at the path where it occurs first. `effect` is that of the object around."""
+        if "$ref" in node and self.is_known(node["$ref"], path, choice):
             return
         node = resolved(node, self.root)
+        effect = node.get("effect", effect)
         for option in node.get("oneOf", ()):
-            self.walk(path, choice, option)
+            self.walk(path, choice, effect, option)
         if "items" in node:
-            inner = resolved(node["items"], self.root)
-            self.walk(path if "oneOf" in node else f"{path}.N" if self.has_keys(inner) else path, choice, node["items"])
+            has_index = "oneOf" not in node and self.has_keys(resolved(node["items"], self.root))
+            self.walk(f"{path}.N" if has_index else path, choice, effect, node["items"])
         if isinstance(node.get("additionalProperties"), dict):
-            self.walk(f"{path}.KEY", choice, node["additionalProperties"])
+            self.walk(f"{path}.KEY", choice, effect, node["additionalProperties"])
         own = type_name(node, self.root) or choice
         for key, inner in node.get("properties", {}).items():
             below = f"{path}.{key}".lstrip(".")
-            self.keys.append(Key(below, own, inner, self.root))
-            self.walk(below, own, inner)
+            own_effect = "estimate" if below in scan_keys.SHARED else resolved(inner, self.root).get("effect", effect)
+            self.keys.append(Key(below, own, own_effect, key in node.get("required", ()), inner, self.root))
+            self.walk(below, own, own_effect, inner)
 
-    def is_known(self, name, path):
-        """Whether the keys of the definition are listed elsewhere, which is then noted."""
-        if name in self.places and self.has_keys(resolved({"$ref": name}, self.root)):
+    def is_known(self, name, path, choice):
+        """Whether the keys of the definition are listed elsewhere, which is then noted, or here already."""
+        if (name, path, choice) in self.walked:
+            return True
+        if self.places.get(name, path) != path and self.has_keys(resolved({"$ref": name}, self.root)):
             self.same.setdefault(path, set()).add(self.places[name])
             return True
         self.places.setdefault(name, path)
+        self.walked.add((name, path, choice))
         return False
 
     def has_keys(self, node, depth=0):
@@ -174,13 +178,11 @@ def keys_of(kind):
     return Walk(read_json(os.path.join(ROOT, "schemas", f"{kind}.schema.json")))
 
 
-def effect_of(kind, keys):
+def effect_of(kind, key):
     """A sentence: the effect of a key of a scan, and the sigma that covers its error; "" for other keys."""
-    if kind != "scan" or keys[0].path.startswith("$"):
+    if kind != "scan" or key.path.startswith("$"):
         return ""
-    effect = scan_keys.effect_of(*[part for part in keys[0].path.split(".") if part != "N"])
-    drawn = ", drawn" if any(key.node.get("drawn") for key in keys) else ""
-    return f" Effect: {effect}{drawn}" + "".join(f", sigma: {sigma}" for sigma in sorted({key.node["sigma"] for key in keys if "sigma" in key.node})) + "."
+    return f" Effect: {key.effect}" + (", drawn" if key.node.get("drawn") else "") + (f", sigma: {key.node['sigma']}" if "sigma" in key.node else "") + "."
 
 
 def quoted(words):
@@ -195,21 +197,22 @@ def type_entry(keys):
     return ["What it is; decides which keys it has:", "", *(f"- `{choice}`: {text or 'as its name says'}" for choice, text in meanings.items()), "", ""]
 
 
-def meaning_lines(keys):
+def meaning_lines(kind, keys):
     """Each meaning of a path, with the types for which it holds where there are several."""
     meanings = {}
     for key in keys:
-        meanings.setdefault((key.description, key.facts()), []).append(key.choice)
-    for (description, facts), choices in meanings.items():
+        meanings.setdefault((key.description, key.facts(), effect_of(kind, key)), []).append(key.choice)
+    for (description, facts, effect), choices in meanings.items():
         types = quoted(dict.fromkeys(filter(None, choices)))
-        yield from (f"{description}." + (f" With type {types}." if types else "") + f" *{facts}*.", "")
+        yield from (f"{description}." + (f" With type {types}." if types else "") + f" *{facts}*.{effect}", "")
 
 
 def entry(kind, path, keys, same):
     """The section of a path."""
-    lines = [f"{'###' if '.' in path else '##'} `{path}`", ""]
-    lines += type_entry(keys) if path.endswith(".type") and keys[0].choice else list(meaning_lines(keys))[:-1]
-    lines[-1] = (lines[-1] + effect_of(kind, keys)).strip()
+    is_type = path.endswith(".type") and keys[0].choice
+    lines = [f"{'###' if '.' in path else '##'} `{path}`", "", *(type_entry(keys) if is_type else meaning_lines(kind, keys))]
+    if is_type:
+        lines[-1] = (lines[-1] + effect_of(kind, keys[0])).strip()
     others = sorted((same.get(path, set()) | same.get(path + ".N", set())) - {path, path + ".N"})
     return [*lines, *([""] if lines[-1] else []), *([f"Its keys are those of {quoted(others)}.", ""] if others else [])]
 
@@ -219,7 +222,7 @@ def page(kind):
     found = keys_of(kind)
     who, link = ABOUT.get(kind, (f"`{PAGES[kind]}`", f"../../user/{PAGES[kind]}.md"))
     lines = [f"# Keys of {PAGES[kind]}", "", f"Every key of the configuration of [{who}]({link}), from `schemas/{kind}.schema.json`: meaning, then type, unit, range",
-             "and default. `N` is an array index, `KEY` a key of any name. A test keeps this page equal to the schema.", ""]
+             "and default, or that it is required. `N` is an array index, `KEY` a key of any name. A test keeps this page equal to the schema.", ""]
     lines += [*EFFECTS.strip().split("\n"), ""] if kind == "scan" else []
     by_path = {}
     for key in found.keys:

@@ -38,6 +38,14 @@ def properties(node):
             yield from properties(inner)
 
 
+def required(node):
+    """The names of the required keys that a schema defines, wherever they stand."""
+    for inner in node if isinstance(node, list) else node.values() if isinstance(node, dict) else ():
+        yield from required(inner)
+    if isinstance(node, dict) and isinstance(node.get("required"), list):
+        yield from (name for name in node["required"] if name in node.get("properties", {}))
+
+
 def headings(page):
     return re.findall(r"(?m)^##+ `(.*)`$", read(f"{keys.FOLDER}/{page}.md"))
 
@@ -72,9 +80,24 @@ class Keys(unittest.TestCase):
             self.assertEqual([name for name, _ in found if name not in names], [], page)
             self.assertEqual([name for name, description in found if description and description.rstrip(".") not in text], [], page)
 
+    def test_required_keys_are_marked(self):
+        self.assertIn("*number, m, above 0 and at most 1e9, required*", read(f"{keys.FOLDER}/terrain-gen.md").split("### `patterns.N.feature.diameter_m`")[1])
+        for kind in keys.PAGES:
+            schema = json.loads(read(f"schemas/{kind}.schema.json"))
+            marked = {key.path.split(".")[-1] for key in keys.keys_of(kind).keys if key.is_required}
+            self.assertEqual(marked, set(required(schema)), kind)
+
     def test_the_keys_are_those_of_the_manuals(self):
         for page, command in TOOLS.items():
             self.assertEqual(sorted(headings(page)), sorted({path for path, _ in manual(command)}), page)
+
+    def test_effects_are_those_of_scan_keys(self):
+        """A path whose types differ has the first of scan_keys.EFFECTS, as for a redraw that does not know the type."""
+        found = {}
+        for key in keys.keys_of("scan").keys:
+            found.setdefault(key.path, set()).add(key.effect)
+        expected = {path: keys.scan_keys.effect_of(*(part for part in path.split(".") if part != "N")) for path in found}
+        self.assertEqual({path: min(effects, key=keys.scan_keys.EFFECTS.index) for path, effects in found.items()}, expected)
 
     def test_numbers_and_units_are_those_of_the_manuals(self):
         """Every bound and unit that a manual states stands in the entry of its key."""
