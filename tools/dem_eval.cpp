@@ -15,6 +15,7 @@
 #include "files/evaluation_file.h"
 #include "files/metrics_json.h"
 #include "report/page.h"
+#include "terrain/gdal/gdal_loader.h"
 #include "tools.h"
 
 namespace landfall {
@@ -115,7 +116,9 @@ ExitCode run(cli::Session& session, const Options& o) {
   std::vector<LayerSink*> sinks;
   if (layers) writer.emplace(*layers, provenance, grid, dem.crs_wkt);
   if (writer && !o.metrics_only) sinks.push_back(&*writer);
-  if (report_file) sinks.push_back(&report.emplace(o.dem, dem.layers, parameters));
+  if (report_file) sinks.push_back(&report.emplace(o.dem, dem.layers, dem.crs_wkt, parameters));
+  if (const auto why = report_file ? no_map_positions(dem.crs_wkt) : std::nullopt)
+    session.warn(o.dem + ": the report has no map coordinates: " + *why);
   Evaluation evaluation;
   session.phase("evaluate", [&](const ProgressCallback& progress) {
     const auto judge = [&] { evaluation = evaluate(std::move(dem.layers), parameters, sinks, progress); };

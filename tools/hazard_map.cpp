@@ -15,6 +15,7 @@
 #include "config/hazard_config.h"
 #include "files/hazard_file.h"
 #include "report/hazard_page.h"
+#include "terrain/gdal/gdal_loader.h"
 #include "tools.h"
 
 namespace landfall {
@@ -113,6 +114,9 @@ ExitCode run(cli::Session& session, const Options& o) {
   HazardMap map;
   session.with_file_names(o.map, [&] { map = map_hazards(input, parameters, session.phases()); });
   const OwnVerdicts own = own_verdicts(map, parameters);
+  if (const auto why = no_map_positions(source.crs_wkt))
+    session.warn(o.map + ": the sites have no map coordinates: " + *why);
+  place_on_map(map.sites, source.crs_wkt);
   session.phase("write", [&](const ProgressCallback&) {
     if (sites_file) write_text(*sites_file, sites_json(map).dump(2) + "\n");
     if (score_file) write_text(*score_file, score_json(map.truth->score).dump(2) + "\n");

@@ -164,7 +164,7 @@ ExitCode compare(cli::Session& session, const Options& o) {
   return print_json(o, json, cli::comparison_text);
 }
 
-MapPoint point_of(const std::string& text) {
+SitePoint point_of(const std::string& text) {
   const std::size_t comma = std::min(text.find(','), text.size());
   const ParsedNumber x = parsed_number(text.substr(0, comma));
   const ParsedNumber y = parsed_number(text.substr(std::min(comma + 1, text.size())));

@@ -6,6 +6,7 @@
 
 #include "base/number_text.h"
 #include "base/shown_text.h"
+#include "cli/place_text.h"
 #include "cli/print.h"
 
 namespace landfall::cli {
@@ -162,7 +163,9 @@ std::string bin_text(const Comparison& bin) {
                      print("%.10g", bin["x_m"].get<double>()) + " m, y " +
                      print("%.10g", bin["y_m"].get<double>()) + " m (row " + value_text(bin["row"]) +
                      ", column " + value_text(bin["column"]) + "; " +
-                     print("%g", bin["resolution_m"].get<double>()) + " m wide)\n\n";
+                     print("%g", bin["resolution_m"].get<double>()) + " m wide)\n";
+  for (const std::string& place : place_lines(bin)) text += "  " + place + "\n";
+  text += "\n";
   for (const auto& [layer, value] : bin["layers"].items()) {
     const std::string unit = bin["units"][layer].get<std::string>();
     const std::string number =

@@ -14,6 +14,7 @@
 #include "cli/config_changes.h"
 #include "cli/hazard_table.h"
 #include "cli/page_width.h"
+#include "cli/place_text.h"
 #include "cli/plan.h"
 #include "cli/print.h"
 #include "cli/verdict_table.h"
@@ -66,6 +67,15 @@ std::string bytes(double count) {
   return print("%.*f %s", unit == 0 || count >= 99.5 ? 0 : 1, count, kUnits[unit]);
 }
 
+/// The centre of a site on its map.
+std::string origin_lines(const OrderedJson& crs) {
+  std::string text;
+  if (crs.contains("origin"))
+    for (const std::string& place : place_lines(crs["origin"]))
+      text += line(text.empty() ? "origin" : "", place);
+  return text;
+}
+
 std::string head(const OrderedJson& d) {
   const std::string title = d["title"].get<std::string>();
   return fitted(d["file"].get<std::string>() + ": " + d["kind"].get<std::string>() +
@@ -74,7 +84,7 @@ std::string head(const OrderedJson& d) {
          line("file id", d["file_id"].get<std::string>()) +
          line("format", "version " + d["format_version"].get<std::string>() + ", complete, " +
                             bytes(d["size_bytes"].get<double>())) +
-         line("frame", d["crs"]["name"].get<std::string>());
+         line("frame", d["crs"]["name"].get<std::string>()) + origin_lines(d["crs"]);
 }
 
 std::string extent(const OrderedJson& d) {
@@ -343,6 +353,8 @@ std::string score_text(const OrderedJson& d) {
   if (d.contains("best_site") && d["best_site"].at("true_safe").is_boolean())
     text += print("%-16s%10s   on the true ground\n", "best site",
                   d["best_site"]["true_safe"].get<bool>() ? "safe" : "hazard");
+  if (d.contains("best_site"))
+    for (const std::string& place : place_lines(d["best_site"])) text += "best site at " + place + "\n";
   return text;
 }
 

@@ -21,6 +21,26 @@ const char* truth_text(Safety truth) {
   return truth == Safety::safe ? "safe" : truth == Safety::hazard ? "hazard" : "unknown";
 }
 
+/// Coordinates on the map of the site, if it has any.
+std::string map_lines(const std::vector<LandingSite>& sites) {
+  std::string heading = "\nsite";
+  for (const MapCoordinate& c : kMapCoordinates)
+    if (sites.front().map.*c.value)
+      heading +=
+          print(" %15s", (c.column + std::string(c.units == std::string("m") ? ", m" : ", deg")).c_str());
+  if (heading == "\nsite") return "";
+  std::string text = heading + "\n";
+  int rank = 0;
+  for (const LandingSite& site : sites) {
+    text += print("%4d", ++rank);
+    for (const MapCoordinate& c : kMapCoordinates)
+      if (const auto& value = site.map.*c.value)
+        text += print(c.units == std::string("m") ? " %15.2f" : " %15.7f", *value);
+    text += "\n";
+  }
+  return text;
+}
+
 std::string site_lines(const HazardMap& map) {
   if (map.sites.empty()) return "\nno site: no safe place within the divert radius\n";
   std::string text = "\nsite     x, m     y, m    cost p_touchdown  slope  roughness  to hazard" +
@@ -35,7 +55,7 @@ std::string site_lines(const HazardMap& map) {
     text += map.truth ? print("  %s\n", truth_text(site.truth)) : "\n";
   }
   if (!map.p_safe) text += std::string(kNoProbability) + "\n";
-  return text;
+  return text + map_lines(map.sites);
 }
 
 std::string rate_line(const char* name, const std::optional<double>& rate, std::int64_t part,

@@ -12,9 +12,11 @@
 #include "files/contents.h"
 #include "files/grid_file.h"
 #include "files/landfall_file.h"
+#include "files/map_position_json.h"
 #include "files/scan_file.h"
 #include "hdf5/table.h"
 #include "returns/point_status.h"
+#include "terrain/gdal/gdal_loader.h"
 
 namespace landfall {
 namespace {
@@ -153,7 +155,7 @@ Json units_json(const LandfallFileReader& dem, const GridSpec& spec) {
 
 }  // namespace
 
-Json describe_bin(const std::filesystem::path& path, const MapPoint& point,
+Json describe_bin(const std::filesystem::path& path, const SitePoint& point,
                   const std::optional<std::filesystem::path>& scan, const ProgressCallback& progress) {
   const LandfallFileReader dem(path, {"dem"});
   const GridLayerReader grid(dem);
@@ -164,14 +166,14 @@ Json describe_bin(const std::filesystem::path& path, const MapPoint& point,
                      dem.name() + ": x from " + number_text(spec.x(0)) + " to " +
                      number_text(spec.x(spec.cols - 1)) + " m, y from " + number_text(spec.y(0)) + " to " +
                      number_text(spec.y(spec.rows - 1)) + " m");
-  Json json = {{"file", path.string()},
-               {"x_m", spec.x(bin.col)},
-               {"y_m", spec.y(bin.row)},
-               {"row", bin.row},
-               {"column", bin.col},
-               {"resolution_m", spec.resolution_m},
-               {"layers", layers_json(dem, grid, bin)},
-               {"units", units_json(dem, spec)}};
+  Json json = {{"file", path.string()}, {"x_m", spec.x(bin.col)}, {"y_m", spec.y(bin.row)}};
+  const SitePoint centre{spec.x(bin.col), spec.y(bin.row)};
+  json.update(map_position_json(map_positions(grid.crs_wkt(), {centre}).front()));
+  json.update(Json{{"row", bin.row},
+                   {"column", bin.col},
+                   {"resolution_m", spec.resolution_m},
+                   {"layers", layers_json(dem, grid, bin)},
+                   {"units", units_json(dem, spec)}});
   if (!scan) return json;
   const Json weight_sum = json["layers"].value("weight_sum", Json());
   json["returns"] = returns_json(dem, spec, bin, weight_sum, *scan, progress);

@@ -16,9 +16,9 @@
 namespace landfall {
 namespace {
 
-constexpr std::array kSiteOrder = {"rank",        "x",      "y",     "z",         "cost",
-                                   "p_touchdown", "p_safe", "slope", "roughness", "distance_to_hazard",
-                                   "true_safe"};
+constexpr std::array kSiteOrder = {
+    "rank", "x",           "y",      "easting", "northing",  "latitude",           "longitude", "z",
+    "cost", "p_touchdown", "p_safe", "slope",   "roughness", "distance_to_hazard", "true_safe"};
 
 constexpr auto kColumnOrder =
     std::apply([](const auto&... column) { return std::array{column.name...}; }, kPointColumns);

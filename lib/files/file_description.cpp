@@ -13,11 +13,13 @@
 #include "files/crs.h"
 #include "files/grid_file.h"
 #include "files/landfall_file.h"
+#include "files/map_position_json.h"
 #include "files/stored_json.h"
 #include "hdf5/dataset_list.h"
 #include "hdf5/table.h"
 #include "hdf5/value_statistics.h"
 #include "returns/columns.h"
+#include "terrain/gdal/gdal_loader.h"
 
 namespace landfall {
 namespace {
@@ -54,6 +56,8 @@ Json head(const std::filesystem::path& path, const LandfallFileReader& file) {
                {"source", text_attribute(file.root(), "source")}};
   const std::string wkt = read_crs(file.root());
   json["crs"] = {{"name", crs_name(wkt)}, {"wkt", wkt}};
+  const Json origin = map_position_json(map_positions(wkt, {SitePoint{}}).front());
+  if (!origin.empty()) json["crs"]["origin"] = origin;
   return json;
 }
 
@@ -272,20 +276,33 @@ Json features_json(const Json& datasets) {
   return json;
 }
 
-/// Whether the first site is safe on the true ground; null if there is no site, or it is unknown.
+/// The first value of a column of /sites; none without a site.
+std::optional<double> first_value(const LandfallFileReader& file, const DatasetEntry& column) {
+  if (column.shape.size() != 1 || column.shape[0] == 0) return std::nullopt;
+  const hsize_t first = 0;
+  const hsize_t one = 1;
+  const h5::Handle space(H5Dget_space(column.dataset.get()), H5Sclose);
+  const h5::Handle memory(H5Screate_simple(1, &one, nullptr), H5Sclose);
+  H5Sselect_hyperslab(space.get(), H5S_SELECT_SET, &first, nullptr, &one, nullptr);
+  double value = 0;
+  if (!h5::read_values(column.dataset.get(), H5T_NATIVE_DOUBLE, memory.get(), space.get(), &value))
+    file.fail("reading /sites/" + column.name + " failed: " + h5::reading_failure());
+  return value;
+}
+
+/// Whether the first site is safe on the true ground, null if there is no site or it is unknown; its
+/// coordinates on the map, if the file has them.
 Json best_site_json(const LandfallFileReader& file, const Group& sites) {
   Json json = {{"true_safe", nullptr}};
   for (const DatasetEntry& entry : sites.entries) {
-    if (entry.name != "true_safe" || entry.shape.size() != 1 || entry.shape[0] == 0) continue;
-    const hsize_t first = 0;
-    const hsize_t one = 1;
-    const h5::Handle space(H5Dget_space(entry.dataset.get()), H5Sclose);
-    const h5::Handle memory(H5Screate_simple(1, &one, nullptr), H5Sclose);
-    H5Sselect_hyperslab(space.get(), H5S_SELECT_SET, &first, nullptr, &one, nullptr);
-    std::int8_t value = 0;
-    if (!h5::read_values(entry.dataset.get(), H5T_NATIVE_INT8, memory.get(), space.get(), &value))
-      file.fail("reading /sites/true_safe failed: " + h5::reading_failure());
-    if (value == 0 || value == 1) json["true_safe"] = value == 1;
+    const auto* const coordinate = std::ranges::find(kMapCoordinates, entry.name, &MapCoordinate::column);
+    if (entry.name != "true_safe" && coordinate == kMapCoordinates.end()) continue;
+    const std::optional<double> value = first_value(file, entry);
+    if (!value) continue;
+    if (coordinate != kMapCoordinates.end())
+      json[coordinate->key] = number(*value);
+    else if (*value == 0 || *value == 1)
+      json["true_safe"] = *value == 1;
   }
   return json;
 }

@@ -11,7 +11,9 @@
 #include "files/contents.h"
 #include "files/field_json.h"
 #include "files/grid_file.h"
+#include "files/map_position_json.h"
 #include "hdf5/table.h"
+#include "terrain/gdal/gdal_loader.h"
 
 namespace landfall {
 namespace {
@@ -84,6 +86,15 @@ void write_sites(const LandfallFileWriter& file, const HazardMap& map) {
                                   std::span(slope),
                                   std::span(roughness),
                                   std::span(distance)};
+  std::vector<std::vector<double>> on_map;
+  for (const MapCoordinate& coordinate : kMapCoordinates) {
+    if (sites.empty() || !(sites.front().map.*coordinate.value)) continue;
+    columns.push_back({coordinate.column, float64, coordinate.units, coordinate.description});
+    on_map.push_back(site_column(sites, [&](const LandingSite& s) {
+      return (s.map.*coordinate.value).value_or(std::numeric_limits<double>::quiet_NaN());
+    }));
+  }
+  for (const std::vector<double>& values : on_map) rows.emplace_back(std::span(values));
   if (map.p_safe) {
     columns.push_back({"p_safe", float32, "1", "probability that the place is safe"});
     rows.emplace_back(std::span(p_safe));
@@ -145,17 +156,25 @@ void write_hazards(LandfallFileWriter& file, const HazardMap& map, const std::st
   file.commit();
 }
 
+void place_on_map(std::vector<LandingSite>& sites, const std::string& crs_wkt) {
+  std::vector<SitePoint> points;
+  for (const LandingSite& site : sites) points.push_back({site.x_m, site.y_m});
+  const std::vector<MapPosition> positions = map_positions(crs_wkt, points);
+  for (std::size_t i = 0; i < sites.size(); ++i) sites[i].map = positions[i];
+}
+
 Json site_json(const LandingSite& site) {
-  return {{"x_m", site.x_m},
-          {"y_m", site.y_m},
-          {"z_m", site.z_m},
-          {"cost", site.cost},
-          {"p_touchdown", site.p_touchdown},
-          {"p_safe", or_null(site.p_safe)},
-          {"slope_deg", site.slope_deg},
-          {"roughness_m", site.roughness_m},
-          {"distance_to_hazard_m", or_null(site.distance_to_hazard_m)},
-          {"true_safe", true_safe(site.truth)}};
+  Json json = {{"x_m", site.x_m}, {"y_m", site.y_m}};
+  json.update(map_position_json(site.map));
+  json.update(Json{{"z_m", site.z_m},
+                   {"cost", site.cost},
+                   {"p_touchdown", site.p_touchdown},
+                   {"p_safe", or_null(site.p_safe)},
+                   {"slope_deg", site.slope_deg},
+                   {"roughness_m", site.roughness_m},
+                   {"distance_to_hazard_m", or_null(site.distance_to_hazard_m)},
+                   {"true_safe", true_safe(site.truth)}});
+  return json;
 }
 
 Json sites_json(const HazardMap& map) {

@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "files/landfall_file.h"
 #include "hazards/hazard_map.h"
@@ -34,6 +35,9 @@ struct TruthCentroids {
 
 /// Writes hazards.h5 (docs/user/files/hazards.md) and commits it.
 void write_hazards(LandfallFileWriter& file, const HazardMap& map, const std::string& crs_wkt);
+
+/// Sets the positions of sites on the map of their frame.
+void place_on_map(std::vector<LandingSite>& sites, const std::string& crs_wkt);
 
 /// A site of sites.json without its rank.
 [[nodiscard]] nlohmann::ordered_json site_json(const LandingSite& site);

@@ -14,6 +14,7 @@
 #include "files/feature_file.h"
 #include "files/grid_file.h"
 #include "files/mesh_terrain_file.h"
+#include "terrain/site_wkt.h"
 
 namespace landfall {
 
@@ -66,7 +67,7 @@ NodeCounts write_terrain(LandfallFileWriter& file, TerrainStrips& strips, const 
 
 std::string raster_id(const DemRaster& raster) {
   Hash hash;
-  hash.update(raster.crs_wkt).update(std::as_bytes(std::span(raster.samples.values)));
+  hash.update(without_map(raster.crs_wkt)).update(std::as_bytes(std::span(raster.samples.values)));
   std::vector<double> numbers = {static_cast<double>(raster.samples.size.cols)};
   for (const SitePoint& point : {SitePoint{0, 0}, SitePoint{1, 0}, SitePoint{0, 1}}) {
     const PixelPosition pixel = raster.mapping.pixel(point);

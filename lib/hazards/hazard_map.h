@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "base/progress.h"
+#include "geometry/map_position.h"
 #include "hazards/hole_filling.h"
 #include "hazards/pose.h"
 #include "hazards/safety.h"
@@ -88,6 +89,7 @@ struct LandingSite {
   double slope_deg = 0, roughness_m = 0;
   std::optional<float> distance_to_hazard_m;  ///< none without a place that is not safe
   Safety truth = Safety::unknown;
+  MapPosition map = {};  ///< who has the CRS of the file sets it
 };
 
 /// Text in place of a probability if HazardMap::p_safe is not given.

@@ -3,6 +3,8 @@
 // of the DEM.
 #include "report/page.h"
 
+#include <utility>
+
 #include "report/escape.h"
 #include "report/heading.h"
 #include "report/page_parts.h"
@@ -21,9 +23,12 @@ std::string report_page(const ReportContent& content) {
                                        {"data", data_html(report_data(content))}});
 }
 
-Report::Report(const std::filesystem::path& path, const DemLayers& dem,
+Report::Report(const std::filesystem::path& path, const DemLayers& dem, std::string crs_wkt,
                const EvaluationParameters& parameters)
-    : ReportLayers(dem.z_est.spec(), parameters), parameters_(parameters), dem_(path) {
+    : ReportLayers(dem.z_est.spec(), parameters),
+      parameters_(parameters),
+      crs_wkt_(std::move(crs_wkt)),
+      dem_(path) {
   take(dem);
   if (const auto count = dem_.count()) take(*count);
 }
@@ -34,7 +39,7 @@ std::string Report::page(const Evaluation& evaluation, const Provenance& provena
   steps.push_back(provenance.as_step());
   const auto worst =
       worst_footprints(shares(), parameters_, [this](const GridSpec& window) { return dem_.read(window); });
-  return report_page({parameters_, evaluation, *this, worst, steps, title});
+  return report_page({parameters_, evaluation, *this, worst, steps, title, crs_wkt_});
 }
 
 }  // namespace landfall::html_report

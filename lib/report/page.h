@@ -17,7 +17,8 @@ namespace landfall::html_report {
 class Report : public ReportLayers {
  public:
   /// `dem` holds the layers of the file; `parameters` must outlive the report. Throws FormatError.
-  Report(const std::filesystem::path& path, const DemLayers& dem, const EvaluationParameters& parameters);
+  Report(const std::filesystem::path& path, const DemLayers& dem, std::string crs_wkt,
+         const EvaluationParameters& parameters);
 
   /// The whole page; call it after the evaluation. Without a title it has one of the provenance. Throws
   /// FormatError.
@@ -26,6 +27,7 @@ class Report : public ReportLayers {
 
  private:
   const EvaluationParameters& parameters_;
+  std::string crs_wkt_;
   DemWindowReader dem_;
 };
 

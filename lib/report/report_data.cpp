@@ -5,7 +5,9 @@
 
 #include "dictionary/layers.h"
 #include "files/field_json.h"
+#include "files/map_position_json.h"
 #include "files/metrics_json.h"
+#include "terrain/gdal/gdal_loader.h"
 
 namespace landfall::html_report {
 namespace {
@@ -21,8 +23,18 @@ Json footprint_json(const EvaluationParameters& parameters, double resolution_m)
           {"half_bins", footprint_of(parameters, resolution_m).half_bins()}};
 }
 
+/// Adds the coordinates on the map of a site that has a CRS to objects with x_m and y_m.
+void place_on_map(Json& places, const std::string& crs_wkt) {
+  std::vector<SitePoint> points;
+  for (const Json& place : places)
+    points.push_back({place["x_m"].is_number() ? place["x_m"].get<double>() : 0,
+                      place["y_m"].is_number() ? place["y_m"].get<double>() : 0});
+  const std::vector<MapPosition> positions = map_positions(crs_wkt, points);
+  for (std::size_t i = 0; i < points.size(); ++i) places[i].update(map_position_json(positions[i]));
+}
+
 /// Sorted by size, the largest first; equal sizes keep their order.
-Json holes_json(std::vector<Hole> holes, const GridSpec& spec) {
+Json holes_json(std::vector<Hole> holes, const GridSpec& spec, const std::string& crs_wkt) {
   std::ranges::stable_sort(holes, [](const Hole& a, const Hole& b) { return a.size_bins > b.size_bins; });
   holes.resize(std::min(holes.size(), kMaxHoles));
   Json list = Json::array();
@@ -34,6 +46,7 @@ Json holes_json(std::vector<Hole> holes, const GridSpec& spec) {
          {"width_m", static_cast<double>(hole.north_east.col - hole.south_west.col + 1) * spec.resolution_m},
          {"height_m", static_cast<double>(hole.north_east.row - hole.south_west.row + 1) * spec.resolution_m},
          {"distance_bins", finite_json(hole.largest_distance_bins)}});
+  place_on_map(list, crs_wkt);
   return list;
 }
 
@@ -70,6 +83,7 @@ Json worst_json(const ReportContent& content, Packer& packer) {
          {"horizontal_m", finite_json(f.horizontal_m)},
          {"crop", crop_json(f, content.parameters.limits, id, packer)}});
   }
+  place_on_map(list, content.crs_wkt);
   return list;
 }
 
@@ -127,7 +141,7 @@ ReportData report_data(const ReportContent& content) {
                  {"fail_flags", fail_flags_json()},
                  {"fail_count", layers.fail_counts()},
                  {"histograms", histograms_json(layers)},
-                 {"holes", holes_json(content.evaluation.holes, layers.spec())},
+                 {"holes", holes_json(content.evaluation.holes, layers.spec(), content.crs_wkt)},
                  {"worst", worst_json(content, packer)}};
   data.packed = packer.pack();
   return data;

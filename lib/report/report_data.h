@@ -20,7 +20,8 @@ struct ReportContent {
   const std::vector<WorstFootprint>& worst;
   /// The steps up to the evaluation, oldest first, the evaluation last: Provenance::as_step(). Not empty.
   const nlohmann::json& steps;
-  std::string title = {};  ///< the user's; if empty, the page makes one of the steps
+  std::string title = {};    ///< the user's; if empty, the page makes one of the steps
+  std::string crs_wkt = {};  ///< the frame of the DEM
 };
 
 [[nodiscard]] ReportData report_data(const ReportContent& content);

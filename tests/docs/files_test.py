@@ -27,6 +27,8 @@ RECEIVER = ["--set", "receiver.type=peak", "--set", 'link={"reference_pe":1000,"
 MAP = ["--set", "half_width_m=5", "--set", "resolution_m=0.1"]
 CAMPAIGN = ["--set", "draws=2", "--set", 'regrid={"half_width_m":5,"resolution_m":0.1}', "--set", "eval.region_radius_m=3",
             "--set", 'hazard={"region_radius_m":3}', "--set", 'vary={"scan.noise.range_sigma_m":{"type":"uniform","low":0,"high":0.02}}']
+RASTER = os.path.abspath(os.path.join(os.environ["LANDFALL_ROOT"], "testdata", "rasters", "polar_stereographic.tif"))
+OWN = ["--set", 'requirements=[{"name":"NAME","metric":"statistics.z.le90_m","max":1}]']
 # The commands that make the files, and the page of each; together they write every dataset.
 RUNS = {
     "terrain.h5": ("terrain.md", ["terrain-gen", "--half-width", "6", "--resolution", "0.1", "--set",
@@ -38,8 +40,10 @@ RUNS = {
     "echoes.h5": ("scan.md", ["scan-sim", "--terrain", "terrain.h5", *SCAN, *RECEIVER, "--keep-echoes"]),
     "plan.h5": ("plan.md", ["scan-sim", "--plan", "--plan-radius", "5", *SCAN]),
     "dem.h5": ("dem.md", ["regrid", "scan.h5", "--terrain", "terrain.h5", "--uncertainty", "--corrected", *MAP]),
-    "eval.h5": ("evaluation.md", ["dem-eval", "dem.h5", "--metrics", "metrics.json", "--set", "region_radius_m=3"]),
+    "eval.h5": ("evaluation.md", ["dem-eval", "dem.h5", "--metrics", "metrics.json", "--set", "region_radius_m=3", *OWN]),
     "hazards.h5": ("hazards.md", ["hazard-map", "dem.h5", "--sites", "sites.json", "--score", "score.json", "--set", "region_radius_m=3"]),
+    "moon.h5": ("terrain.md", ["terrain-gen", "--from", RASTER, "--half-width", "10", "--resolution", "0.5"]),
+    "placed.h5": ("hazards.md", ["hazard-map", "moon.h5", "--set", "limits.slope_deg=80", "--set", "limits.roughness_m=50", "--set", "lander.leg_radius_m=1.5"]),
     "draws.h5": ("draws.md", ["monte-carlo", "scan.h5", "--terrain", "terrain.h5", *CAMPAIGN, "--set", "sigma=true"]),
     "landed.h5": ("draws.md", ["monte-carlo", "scan.h5", "--terrain", "terrain.h5", *CAMPAIGN, "--set", "landing={}"]),
     "pairs.h5": ("draws.md", ["monte-carlo", "--pair", "scan.h5:terrain.h5", "--pair", "scan.h5:terrain.h5", *CAMPAIGN]),

@@ -6,6 +6,7 @@ import {htmlElement, tableElement} from "./elements.js";
 import {holeChart} from "./error_charts.js";
 import {MapPanel} from "./map.js";
 import {counted, formatNumber, metresAs} from "./numbers.js";
+import {mapColumns} from "./places.js";
 import {rasterOf} from "./rasters.js";
 import {report} from "./report_data.js";
 
@@ -18,6 +19,7 @@ function worstTable(worst, limits) {
   const headings = [["no.", true], ["x (m)", true], ["y (m)", true], ["rel. x (cm)", true], ["rel. y (cm)", true],
                     ["rel. z (cm)", true], ["abs. horizontal (cm)", true], ["abs. z (cm)", true],
                     ["of its limit", true], ["which limit", false]];
+  const onMap = mapColumns(worst);
   const rows = worst.map((f, k) => [
     [String(k + 1), k + 1],
     [formatNumber(f.x_m, 0.001), f.x_m], [formatNumber(f.y_m, 0.001), f.y_m],
@@ -27,8 +29,8 @@ function worstTable(worst, limits) {
     centimetres(f.horizontal_m, limits.absolute_horizontal_m),
     centimetres(f.absolute_m[2]),
     [f.share === null ? "\u221e" : `${formatNumber(100 * f.share, 0.1)} %`, f.share ?? 1e300],
-    [requirementText(f)]]);
-  return tableElement("worst-footprints", headings, rows);
+    [requirementText(f)], ...onMap.cellsOf(f)]);
+  return tableElement("worst-footprints", [...headings, ...onMap.heads], rows);
 }
 
 function requirementText({axis}) {
@@ -80,15 +82,16 @@ export function fillHoles(section) {
       (farthest === null ? "No bin of the DEM is valid." : farthest === 0 ? "" :
           `The farthest invalid bin is ${counted(Number(farthest.toPrecision(4)), "bin")} from a valid one.`)));
   if (coverage.hole_count === 0) return;
+  const onMap = mapColumns(report.holes);
   const rows = report.holes.map((hole) => [
     [hole.size_bins + (hole.size_bins > limit ? " \u2717" : ""), hole.size_bins],
     [formatNumber(hole.x_m, 0.001), hole.x_m], [formatNumber(hole.y_m, 0.001), hole.y_m],
     [formatNumber(hole.width_m, 0.001), hole.width_m], [formatNumber(hole.height_m, 0.001), hole.height_m],
-    [formatNumber(hole.distance_bins, 0.01), hole.distance_bins ?? 1e300]]);
+    [formatNumber(hole.distance_bins, 0.01), hole.distance_bins ?? 1e300], ...onMap.cellsOf(hole)]);
   const headings = ["bins", "x (m)", "y (m)", "along x (m)", "along y (m)", "to a valid bin (bins)"];
   section.append(htmlElement("div", {class: "beside"}, holeChart(coverage.hole_size_histogram, limit),
                              htmlElement("div", {}, htmlElement("p", {class: "note"},
       `${rows.length === 1 ? "The only hole" : coverage.hole_count > rows.length ? `The ${rows.length} largest` :
           `All ${rows.length}`}; \u2717 marks those over the limit of ${counted(limit, "bin")}.`),
-      tableElement("largest-holes", headings.map((text) => [text, true]), rows))));
+      tableElement("largest-holes", [...headings.map((text) => [text, true]), ...onMap.heads], rows))));
 }

@@ -11,6 +11,7 @@ import {appendFigures, gridText, loadGroups, scaleControl} from "./map_groups.js
 import {counted, formatNumber, lengthUnit, metresAs} from "./numbers.js";
 import {pageSection, startPage} from "./page.js";
 import {LINE, TEXT_COLOR} from "./palette.js";
+import {mapColumns} from "./places.js";
 import {centimetresOf, poseLegend, siteFigures} from "./pose.js";
 import {firstLine, ProfileView} from "./profile.js";
 import {layerNamed} from "./rasters.js";
@@ -87,9 +88,9 @@ function siteTable(sites) {
                ["roughness (cm)", ({roughness_m}) => centimetresOf(roughness_m)],
                ["hazard at (m)", ({distance_to_hazard_m: d}) => [formatNumber(d, 0.01), d ?? 1e300]]];
   const columns = all.filter(([text]) => hasP || !text.startsWith("p_"));
-  const rows = sites.map((site) => [...columns.map(([, cell]) => cell(site)),
-                                    ...(hasTruth ? [[truthText(site)]] : [])]);
-  return tableElement("landing-sites", [...columns.map(([text]) => [text, true]), ...(hasTruth ? [["truth", false]] : [])], rows);
+  const onMap = mapColumns(sites);
+  const rows = sites.map((site) => [...columns.map(([, cell]) => cell(site)), ...(hasTruth ? [[truthText(site)]] : []), ...onMap.cellsOf(site)]);
+  return tableElement("landing-sites", [...columns.map(([text]) => [text, true]), ...(hasTruth ? [["truth", false]] : []), ...onMap.heads], rows);
 }
 
 function truthText({true_safe}) {

@@ -39,6 +39,9 @@ const GdalPlugin& plugin_for(const DemBase& dem) {
   }
 }
 
+/// A map projection, in WKT2 or WKT1.
+bool is_tied_to_body(const std::string& site_wkt) { return site_wkt.starts_with("PROJC"); }
+
 }  // namespace
 
 DemRaster load_dem(const DemBase& dem, const GridSpec& site) {
@@ -75,6 +78,22 @@ void write_geopackage(const OutputOptions& options, const PointLayer& layer) {
   OutputPath output(options.path, options.overwrite);
   plugin().write_geopackage_points(output.temporary().string(), layer);
   output.commit();
+}
+
+std::vector<MapPosition> map_positions(const std::string& site_wkt, const std::vector<SitePoint>& points) {
+  if (!is_tied_to_body(site_wkt) || no_map_positions(site_wkt))
+    return std::vector<MapPosition>(points.size());
+  return plugin().map_positions(site_wkt, points);
+}
+
+std::optional<std::string> no_map_positions(const std::string& site_wkt) {
+  if (!is_tied_to_body(site_wkt)) return std::nullopt;
+  try {
+    static_cast<void>(plugin());
+  } catch (const IoError& error) {
+    return error.what();
+  }
+  return std::nullopt;
 }
 
 }  // namespace landfall

@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "base/progress.h"
+#include "geometry/map_position.h"
 #include "output/output_path.h"
 #include "raster/grid_spec.h"
 #include "terrain/gdal/geotiff.h"
@@ -12,6 +14,7 @@
 #include "terrain/gdal/raster_links.h"
 #include "terrain/relief/dem_raster.h"
 #include "terrain/relief/site_fit.h"
+#include "terrain/site_point.h"
 #include "terrain/terrain_model.h"
 
 namespace landfall {
@@ -71,5 +74,12 @@ void write_geotiff(const OutputOptions& options, const GeotiffContent& content,
 /// Writes points with z and their attributes as one layer of a GeoPackage in the site's frame, a local one
 /// included. Its time of change is 1970, so that equal points give equal bytes. Otherwise as write_geotiff().
 void write_geopackage(const OutputOptions& options, const PointLayer& layer);
+
+/// Points of a site on the map that the site was taken from, in their order; empty positions for a frame that
+/// is not tied to a body, without loading the plugin, and if the plugin is missing: no_map_positions() then
+/// says why.
+[[nodiscard]] std::vector<MapPosition> map_positions(const std::string& site_wkt,
+                                                     const std::vector<SitePoint>& points);
+[[nodiscard]] std::optional<std::string> no_map_positions(const std::string& site_wkt);
 
 }  // namespace landfall

@@ -5,12 +5,14 @@
 #include <vector>
 
 #include "base/progress.h"
+#include "geometry/map_position.h"
 #include "raster/grid_spec.h"
 #include "terrain/gdal/geotiff.h"
 #include "terrain/gdal/point_layer.h"
 #include "terrain/gdal/raster_links.h"
 #include "terrain/relief/dem_raster.h"
 #include "terrain/relief/site_fit.h"
+#include "terrain/site_point.h"
 #include "terrain/terrain_model.h"
 
 namespace landfall {
@@ -25,6 +27,8 @@ struct GdalPlugin {
   void (*write_geotiff)(const std::string& path, const GeotiffContent& content, const GeotiffOptions& options,
                         const ProgressCallback& progress);
   void (*write_geopackage_points)(const std::string& path, const PointLayer& layer);
+  std::vector<MapPosition> (*map_positions)(const std::string& site_wkt,
+                                            const std::vector<SitePoint>& points);
 };
 
 /// The name of the plugin's one object, of type GdalPlugin.

@@ -23,6 +23,7 @@
 #include "terrain/gdal/fill_values.h"
 #include "terrain/gdal/geopackage_writer.h"
 #include "terrain/gdal/geotiff_writer.h"
+#include "terrain/gdal/map_position.h"
 #include "terrain/gdal/open_raster.h"
 #include "terrain/gdal/plugin.h"
 #include "terrain/gdal/raster_files.h"
@@ -222,4 +223,5 @@ const landfall::GdalPlugin landfall_gdal_plugin{LANDFALL_VERSION,
                                                 &landfall::named_files,
                                                 &landfall::all_dem_files,
                                                 &landfall::write_cloud_optimized_geotiff,
-                                                &landfall::write_geopackage_points};
+                                                &landfall::write_geopackage_points,
+                                                &landfall::map_positions_of};

@@ -13,6 +13,7 @@
 
 #include "base/error.h"
 #include "base/number_text.h"
+#include "terrain/gdal/map_position.h"
 #include "terrain/gdal/map_projection.h"
 
 namespace landfall {
@@ -248,13 +249,15 @@ SiteFrame projected_frame(const Georeference& georeference, const GeoTransform& 
   std::vector<std::string> assumed;
   const std::optional<MapProjection> projection = MapProjection::of(crs);
   if (projection) {
-    if (auto site = ProjectedSite(georeference, transform, dem, center, *projection).frame())
+    if (auto site = ProjectedSite(georeference, transform, dem, center, *projection).frame()) {
+      site->crs_wkt = with_map(site->crs_wkt, crs);
       return std::move(*site);
+    }
   } else if (crs.IsProjected() != 0) {
     assumed.emplace_back("its map projection is not known: a scale of 1 is assumed at the site");
   }
   return {SiteMapping(transform, center, metres_per_unit),
-          shifted_wkt(crs, projection, transform.map_point(center)),
+          with_map(shifted_wkt(crs, projection, transform.map_point(center)), crs),
           std::ranges::min(transform.edges()) * metres_per_unit,
           {},
           std::move(assumed)};

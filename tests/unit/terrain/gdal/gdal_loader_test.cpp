@@ -254,6 +254,47 @@ TEST_F(LoadDem, GeographicOnAnEllipsoidAgreesWithProj) {
   }
 }
 
+TEST_F(LoadDem, PositionsOnTheMap) {
+  const auto wkt = [&](const std::array<double, 6>& transform, const std::string& crs, const GridSpec& site) {
+    return load_dem(written({41, 41, map_plane(transform), "Float64", transform, crs, {}, 1, 0, {}}), site)
+        .crs_wkt;
+  };
+  const auto at = [](const std::string& frame, double x_m, double y_m) {
+    return map_positions(frame, {{0, 0}, {x_m, y_m}}).at(1);
+  };
+  const GridSpec small = GridSpec::centered(50, 5);
+  // UTM has a false easting of its own, which the site's replaces.
+  const MapPosition utm = at(wkt({500000, 10, 0, 4000000, 0, -10}, "EPSG:32631", small), 30.25, -40.5);
+  EXPECT_EQ(utm.easting_m, 500205 + 30.25);
+  EXPECT_EQ(utm.northing_m, 3999795 - 40.5);
+  const MapPoint ground =
+      site_to_crs(wkt({500000, 10, 0, 4000000, 0, -10}, "EPSG:32631", small), {30.25, -40.5}, "EPSG:4326");
+  EXPECT_NEAR(*utm.longitude_deg, ground.x, 2e-9);
+  EXPECT_NEAR(*utm.latitude_deg, ground.y, 2e-9);
+  // In metres, whatever the map's unit is.
+  const MapPosition feet =
+      at(wkt({6000000, 10, 0, 2000000, 0, -10}, "EPSG:2225", GridSpec::centered(40, 4)), 12, 0);
+  EXPECT_NEAR(*feet.easting_m, 6000205 * 1200.0 / 3937 + 12, 1e-2);
+  // A map whose scale at the site is not 1: x_m is not the difference of the eastings.
+  const MapPosition plate = at(wkt({100000, 10, 0, 700000, 0, -10}, "+proj=eqc +R=1737400", small), 30, 0);
+  const double stretch = 1 / std::cos((700000 - 205) / 1737400.0);
+  EXPECT_NEAR(*plate.easting_m, 100205 + 30 * stretch, 1e-3);
+  EXPECT_NEAR(*plate.northing_m, 699795, 1e-3);
+  // A map of longitudes and latitudes has no easting.
+  const MapPosition sphere =
+      at(wkt({29, 0.05, 0, 1, 0, -0.05}, "+proj=longlat +R=1000 +no_defs", GridSpec::centered(10, 5)), 0, 0);
+  EXPECT_EQ(sphere.easting_m, std::nullopt);
+  EXPECT_NEAR(*sphere.longitude_deg, 30.025, 1e-9);
+  EXPECT_NEAR(*sphere.latitude_deg, -0.025, 1e-9);
+}
+
+TEST(MapPositions, AFrameThatIsNotTiedToABodyHasNone) {
+  EXPECT_EQ(map_positions(kLocalSiteCrsWkt, {{1, 2}}), std::vector<MapPosition>(1));
+  EXPECT_EQ(map_positions("", {{1, 2}}), std::vector<MapPosition>(1));
+  EXPECT_EQ(map_positions("PROJCRS[\"broken", {{1, 2}}), std::vector<MapPosition>(1));
+  EXPECT_EQ(no_map_positions(kLocalSiteCrsWkt), std::nullopt);
+}
+
 TEST_F(LoadDem, WithoutCrs) {
   const std::array<double, 6> transform{100, 2, 0, 50, 0, -2};
   const GridSpec spec = GridSpec::centered(30, 3);

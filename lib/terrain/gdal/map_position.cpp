@@ -1,0 +1,90 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Decisions: D386
+// The remark holds the map's WKT with ' in place of ": readers of WKT that do not know doubled quotes pass
+// over it.
+#include "terrain/gdal/map_position.h"
+
+#include <cpl_conv.h>
+#include <ogr_spatialref.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <optional>
+
+#include "terrain/gdal/gdal_errors.h"
+#include "terrain/gdal/map_projection.h"
+#include "terrain/site_wkt.h"
+
+namespace landfall {
+namespace {
+
+constexpr const char* kRemarkEnd = "\"]";
+
+std::string wkt_of(const OGRSpatialReference& crs) {
+  char* text = nullptr;
+  const char* const options[] = {"FORMAT=WKT2_2018", "MULTILINE=NO", nullptr};
+  const OGRErr status = crs.exportToWkt(&text, options);
+  std::string wkt = status == OGRERR_NONE && text != nullptr ? text : "";
+  CPLFree(text);
+  return wkt;
+}
+
+/// The map of a site frame; none without a remark that names a projected one.
+std::optional<OGRSpatialReference> map_of(const std::string& site_wkt) {
+  const std::size_t begin = site_wkt.rfind(kMapRemark);
+  if (begin == std::string::npos) return std::nullopt;
+  const std::size_t first = begin + kMapRemark.size();
+  std::string text = site_wkt.substr(first, site_wkt.find(kRemarkEnd, first) - first);
+  std::ranges::replace(text, '\'', '"');
+  OGRSpatialReference map;
+  if (map.importFromWkt(text.c_str()) != OGRERR_NONE || map.IsProjected() == 0) return std::nullopt;
+  return map;
+}
+
+std::optional<double> rounded(double value, double steps) {
+  if (!std::isfinite(value)) return std::nullopt;
+  return std::round(value * steps) / steps;
+}
+
+constexpr double kPerMetre = 1e4;
+constexpr double kPerDegree = 1e9;  // 0.1 mm on the Earth
+constexpr double kDegrees = 180 / std::numbers::pi;
+
+}  // namespace
+
+std::string with_map(const std::string& site_wkt, const OGRSpatialReference& map) {
+  if (!site_wkt.starts_with("PROJCRS") || map.IsProjected() == 0) return site_wkt;
+  OGRSpatialReference flat = map;
+  flat.StripVertical();
+  std::string text = wkt_of(flat);
+  if (text.empty() || text.find('\'') != std::string::npos) return site_wkt;
+  std::ranges::replace(text, '"', '\'');
+  return site_wkt.substr(0, site_wkt.rfind(']')) + std::string(kMapRemark) + text + kRemarkEnd + "]";
+}
+
+std::vector<MapPosition> map_positions_of(const std::string& site_wkt, const std::vector<SitePoint>& points) {
+  const GdalErrors errors;  // silences GDAL: a text from a file may be anything
+  std::vector<MapPosition> positions(points.size());
+  OGRSpatialReference site;
+  if (site.importFromWkt(site_wkt.c_str()) != OGRERR_NONE) return positions;
+  const std::optional<MapProjection> projection = MapProjection::of(site);
+  if (!projection) return positions;
+  const std::optional<OGRSpatialReference> map = map_of(site_wkt);
+  const std::optional<MapProjection> to_map = map ? MapProjection::of(*map) : std::nullopt;
+  const double metres_per_unit = map ? map->GetLinearUnits() : 1;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const LonLat ground = projection->ground({points[i].x_m, points[i].y_m});
+    MapPosition& position = positions[i];
+    position.latitude_deg = rounded(ground.lat_rad * kDegrees, kPerDegree);
+    position.longitude_deg =
+        rounded(std::remainder(ground.lon_rad, 2 * std::numbers::pi) * kDegrees, kPerDegree);
+    if (!to_map) continue;
+    const MapPoint at = to_map->map_point(ground);
+    position.easting_m = rounded(at.x * metres_per_unit, kPerMetre);
+    position.northing_m = rounded(at.y * metres_per_unit, kPerMetre);
+  }
+  return positions;
+}
+
+}  // namespace landfall
