@@ -212,7 +212,7 @@ struct UncertaintyMetrics {
 };
 
 struct Metrics {
-  std::optional<bool> pass;  ///< all requirements; null if one is null
+  std::optional<bool> pass;  ///< overall_pass()
   RegionMetrics region;
   CoverageMetrics coverage;
   std::optional<AccuracyMetrics> accuracy;  ///< null without truth
@@ -237,7 +237,8 @@ struct AccuracyValues {
                                               const std::optional<AccuracyValues>& accuracy,
                                               const EvaluationLimits& limits);
 
-/// Whether all requirements pass; null if one is null, even if another fails.
+/// Whether all requirements pass. Null without truth, even if the coverage fails; with true elevations alone,
+/// false if a judged requirement fails, else null.
 [[nodiscard]] std::optional<bool> overall_pass(const RequirementMetrics& requirements);
 
 }  // namespace landfall

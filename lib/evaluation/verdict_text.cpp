@@ -80,7 +80,9 @@ std::array<VerdictText, kRequirementInfo.size()> verdict_texts(const Metrics& m,
     texts[i].name = info.name;
     texts[i].verdict = verdict(r.*info.requirement);
     if (texts[i].value.empty())
-      texts[i].value = m.accuracy ? "no footprint to judge" : "no truth to compare with";
+      texts[i].value = !m.accuracy                  ? "no truth to compare with"
+                       : (r.*info.requirement).pass ? "no footprint to judge"
+                                                    : "no true positions to compare with";
     if (info.at_least) texts[i].limit.insert(0, ">= ");
   }
   return texts;

@@ -96,6 +96,16 @@ void write_sites(const LandfallFileWriter& file, const HazardMap& map) {
   write_table(file.root(), "sites", std::move(columns), rows, file.compression());
 }
 
+TruthCentroids bin_centers(const GridSpec& spec) {
+  TruthCentroids centers{Grid<double>(spec), Grid<double>(spec)};
+  for (std::int64_t row = 0; row < spec.rows; ++row)
+    for (std::int64_t col = 0; col < spec.cols; ++col) {
+      centers.x.at({row, col}) = spec.x(col);
+      centers.y.at({row, col}) = spec.y(row);
+    }
+  return centers;
+}
+
 }  // namespace
 
 HazardSource read_hazard_source(const std::filesystem::path& path, bool with_truth) {
@@ -122,6 +132,7 @@ HazardSource read_hazard_source(const std::filesystem::path& path, bool with_tru
 TruthCentroids read_truth_centroids(const std::filesystem::path& path) {
   const LandfallFileReader file(path, {"dem"});
   const GridLayerReader layers(file);
+  if (!layers.has("x_true") || !layers.has("y_true")) return bin_centers(layers.spec());
   return {layers.read_checked<double>("x_true", LayerValues::finite),
           layers.read_checked<double>("y_true", LayerValues::finite)};
 }

@@ -63,6 +63,15 @@ std::vector<std::string> dem_files(const DemBase& dem, RasterLinks links) {
   return plugin_for(dem).dem_files(dem, links);
 }
 
+PointFrame point_frame(const PointFrameRequest& request) {
+  if (!request.crs.is_given()) return local_point_frame(request);
+  try {
+    return plugin().point_frame(request);
+  } catch (const IoError& error) {
+    throw FormatError(request.name + ": " + error.what());
+  }
+}
+
 void write_geotiff(const OutputOptions& options, const GeotiffContent& content,
                    const ProgressCallback& progress) {
   OutputPath output(options.path, options.overwrite);

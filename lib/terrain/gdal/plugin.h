@@ -7,6 +7,7 @@
 #include "base/progress.h"
 #include "raster/grid_spec.h"
 #include "terrain/gdal/geotiff.h"
+#include "terrain/gdal/point_frame.h"
 #include "terrain/gdal/point_layer.h"
 #include "terrain/gdal/raster_links.h"
 #include "terrain/relief/dem_raster.h"
@@ -22,10 +23,14 @@ struct GdalPlugin {
   SiteSize (*fit_dem_site)(const DemBase& dem, const SiteRequest& request, RasterLinks links);
   std::vector<std::string> (*named_files)(const std::string& path, RasterLinks links);
   std::vector<std::string> (*dem_files)(const DemBase& dem, RasterLinks links);
+  PointFrame (*point_frame)(const PointFrameRequest& request);
   void (*write_geotiff)(const std::string& path, const GeotiffContent& content, const GeotiffOptions& options,
                         const ProgressCallback& progress);
   void (*write_geopackage_points)(const std::string& path, const PointLayer& layer);
 };
+
+/// point_frame() of gdal_loader.h for points with a CRS.
+[[nodiscard]] PointFrame point_frame_in_map(const PointFrameRequest& request);
 
 /// The name of the plugin's one object, of type GdalPlugin.
 inline constexpr const char* kGdalPluginSymbol = "landfall_gdal_plugin";

@@ -221,5 +221,6 @@ const landfall::GdalPlugin landfall_gdal_plugin{LANDFALL_VERSION,
                                                 &landfall::fit_dem_site,
                                                 &landfall::named_files,
                                                 &landfall::all_dem_files,
+                                                &landfall::point_frame_in_map,
                                                 &landfall::write_cloud_optimized_geotiff,
                                                 &landfall::write_geopackage_points};
