@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // landfall-import: makes a scan or a DEM of data that landfall did not make.
 #include <CLI/CLI.hpp>
+#include <array>
 #include <charconv>
 #include <cmath>
+#include <optional>
 #include <system_error>
 #include <vector>
 
@@ -11,6 +13,7 @@
 #include "cli/tool.h"
 #include "imports/cloud_reader.h"
 #include "runs/cloud_import.h"
+#include "runs/raster_import.h"
 #include "tools.h"
 
 namespace landfall {
@@ -22,27 +25,41 @@ constexpr const char* kExamples = R"(Examples:
   landfall-import points.csv -o scan.h5 --crs EPSG:32632 \
     --columns x=E,y=N,z=H
   landfall-import leg000_points.xyz -o scan.h5     HELIOS++
+  landfall-import dem.tif --truth truth.tif -o dem.h5
+  landfall-import dem.tif --terrain terrain.h5 --center 3800,3380 -o dem.h5
 The next steps are regrid, dem-eval and hazard-map, as for a scan of scan-sim.
 docs/user/judge-your-own-data.md has whole examples.)";
 
 constexpr const char* kDescription =
     R"(Writes points as scan.h5 in a site frame, so that regrid, dem-eval and hazard-map judge them. Read are LAS 1.0 to 1.4, PLY, PCD, CSV and other text, and the .xyz files of HELIOS++. LAZ and E57 must be converted first.
 
+A raster that GDAL reads becomes dem.h5 on its own grid, with the true elevations of another raster or of a terrain. Its pixels must be square and north up, in metres or another unit of length.
+
 Coordinates become metres around the centre. The CRS is that of the file or of --crs; longitudes and latitudes, and maps whose scale at the site is not 1, are projected to a plane at the centre. Without a CRS they are taken as metres.)";
 
 struct Options {
   CloudImport cloud;
+  RasterImport raster;
   std::string center;
   std::string vertical_scale;
 };
 
 void bind(CLI::App& app, Options& o) {
-  app.add_option("input", o.cloud.path, "File to import: points (.las, .ply, .pcd, .csv, .xyz, .txt)")
+  app.add_option("input", o.cloud.path,
+                 "File to import: points (.las, .ply, .pcd, .csv, .xyz, .txt), or a raster that GDAL reads")
       ->type_name("FILE");
   app.add_option("--center", o.center,
                  "Origin of the site frame in the units of the data; default: the middle of the data, to a "
                  "metre, and height 0")
       ->type_name("E,N[,H]");
+  CLI::Option* const truth =
+      app.add_option("--truth", o.raster.truth, "Raster of the true elevations of a raster")
+          ->type_name("FILE");
+  app.add_option("--terrain", o.raster.terrain, "True terrain (terrain.h5) of a raster")
+      ->type_name("FILE")
+      ->excludes(truth);
+  app.add_flag("--other-terrain", o.raster.other_terrain,
+               "Accept a --terrain whose site frame is another one than that of the raster");
   app.add_option("--crs", o.cloud.crs,
                  "CRS of the points: EPSG:NUMBER, a PROJ text or WKT; default: that of the file")
       ->type_name("DEF");
@@ -91,14 +108,53 @@ void report_cloud(cli::Session& session, const ImportedCloud& cloud) {
                    number_text(cloud.center[1]) + ", " + number_text(cloud.center[2]));
 }
 
+void report_dem(cli::Session& session, const ImportedDem& dem) {
+  session.count("rows", dem.grid.rows);
+  session.count("columns", dem.grid.cols);
+  session.count("resolution_m", dem.grid.resolution_m);
+  session.count("center", dem.center);
+  session.count("empty_bin_count", dem.empty_bins);
+  session.count("bins_with_truth",
+                dem.bins_with_truth ? nlohmann::json(*dem.bins_with_truth) : nlohmann::json());
+  for (const std::string& warning : dem.warnings) session.warn(warning);
+  session.conclude(grouped(dem.grid.cols) + " x " + grouped(dem.grid.rows) + " bins of " +
+                   number_text(dem.grid.resolution_m) + " m around " + number_text(dem.center[0]) + ", " +
+                   number_text(dem.center[1]) + "; " + grouped(dem.empty_bins) + " empty");
+}
+
+std::optional<double> vertical_scale_of(const std::string& text) {
+  if (text.empty()) return std::nullopt;
+  const double scale = number_of(text, "--vertical-scale");
+  if (scale == 0) throw UsageError("--vertical-scale: 0 is not allowed");
+  return scale;
+}
+
+void import_dem(cli::Session& session, const Options& o) {
+  if (!o.cloud.crs.empty() || !o.cloud.columns.empty())
+    throw UsageError("--crs and --columns are for points; " + o.cloud.path +
+                     " is read as a raster: assign a CRS with gdal_translate -a_srs");
+  RasterImport import = o.raster;
+  import.dem.path = o.cloud.path;
+  import.dem.vertical_scale = vertical_scale_of(o.vertical_scale);
+  const std::vector<double> center = center_of(o.center);
+  if (center.size() == 3) throw UsageError("--center: a raster keeps its heights: give E,N");
+  if (!center.empty()) import.dem.center = std::array<double, 2>{center[0], center[1]};
+  const OutputOptions output = session.output({o.cloud.path, import.truth, import.terrain});
+  report_dem(session, import_raster(import, {output, session.provenance(), session.phases()}));
+}
+
 ExitCode run(cli::Session& session, const Options& o) {
   if (o.cloud.path.empty()) throw UsageError("a file to import is required");
+  const bool has_truth = !o.raster.truth.empty() || !o.raster.terrain.empty();
+  if (!is_cloud_file(o.cloud.path)) {
+    import_dem(session, o);
+    return ExitCode::done;
+  }
+  if (has_truth)
+    throw UsageError("--truth and --terrain are for rasters; give regrid the --terrain of points");
   CloudImport import = o.cloud;
   import.center = center_of(o.center);
-  if (!o.vertical_scale.empty()) {
-    import.vertical_scale = number_of(o.vertical_scale, "--vertical-scale");
-    if (*import.vertical_scale == 0) throw UsageError("--vertical-scale: 0 is not allowed");
-  }
+  import.vertical_scale = vertical_scale_of(o.vertical_scale);
   const OutputOptions output = session.output({import.path});
   report_cloud(session, import_cloud(import, {output, session.provenance(), session.phases()}));
   return ExitCode::done;
@@ -110,7 +166,7 @@ int landfall_import(int argc, const char* const* argv, cli::Invocation* invocati
   Options options;
   cli::Tool tool;
   tool.name = "landfall-import";
-  tool.summary = "Imports points that landfall did not make, to grid and judge them.";
+  tool.summary = "Imports points and elevation models that landfall did not make, to judge them.";
   tool.description = kDescription;
   tool.examples = kExamples;
   tool.bind = [&](CLI::App& app) { bind(app, options); };

@@ -1,6 +1,6 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""landfall-import: points that landfall did not make, and the chain behind them."""
+"""landfall-import: points and elevation models that landfall did not make, and the chain behind them."""
 import json
 import math
 import os
@@ -432,6 +432,121 @@ class Chain(Imports):
             wkt = file["crs"].attrs["crs_wkt"].decode()
         self.assertIn("landfall site frame", wkt)
         self.assertNotEqual(wkt, h5py.File(self.path("b.h5"))["crs"].attrs["crs_wkt"].decode())
+
+
+class Rasters(Imports):
+    """Elevation models as ESRI grids, which need no library to write."""
+
+    PRJ = ('PROJCS["WGS 84 / UTM zone 32N",GEOGCS["WGS 84",DATUM["WGS_1984",SPHEROID["WGS 84",6378137,298.257223563]],PRIMEM["Greenwich",0],'
+           'UNIT["degree",0.0174532925199433]],PROJECTION["Transverse_Mercator"],PARAMETER["latitude_of_origin",0],PARAMETER["central_meridian",9],'
+           'PARAMETER["scale_factor",0.9996],PARAMETER["false_easting",500000],PARAMETER["false_northing",0],UNIT["metre",1]]')
+
+    DEGREES = 'GEOGCS["WGS 84",DATUM["WGS_1984",SPHEROID["WGS 84",6378137,298.257223563]],PRIMEM["Greenwich",0],UNIT["degree",0.0174532925199433]]'
+
+    def grid(self, name, values, west, south, step, prj=PRJ):
+        """`values` from north to south; west and south are the centres of the first pixels."""
+        rows = "".join(" ".join("-9999" if np.isnan(v) else repr(float(v)) for v in row) + "\n" for row in values)
+        path = self.write(name + ".asc", f"ncols {values.shape[1]}\nnrows {values.shape[0]}\nxllcenter {west}\nyllcenter {south}\ncellsize {step}\nNODATA_value -9999\n" + rows)
+        if prj:
+            self.write(name + ".prj", prj)
+        return path
+
+    def setUp(self):
+        super().setUp()
+        self.values = np.arange(21 * 31, dtype=float).reshape(21, 31) / 64 + 100
+        self.values[3, 4] = np.nan
+        self.dem = self.grid("dem", self.values, 500000, 5400000, 0.5)
+        self.out = self.path("dem.h5")
+
+    def imported_dem(self, *arguments):
+        return self.succeed("landfall-import", *arguments, "-o", self.out, "-O").stderr
+
+    def test_pixels_become_bins_of_a_rectangular_grid(self):
+        self.assertEqual(self.imported_dem(self.dem), "")
+        with h5py.File(self.out) as file:
+            np.testing.assert_array_equal(file["z_est"][()], self.values[::-1])
+            np.testing.assert_array_equal(file["count"][()], ~np.isnan(self.values[::-1]))
+            np.testing.assert_allclose(file["x"][()], (np.arange(31) - 15) * 0.5, atol=1e-12)
+            np.testing.assert_allclose(file["y"][()], (np.arange(21) - 10) * 0.5, atol=1e-12)
+            self.assertNotIn("z_true", file)
+            self.assertIn("Transverse Mercator", file["crs"].attrs["crs_wkt"].decode())
+        self.succeed("dem-eval", self.out, "--table", "--set", "region_radius_m=5", "--set", "footprint_m=1")
+        self.succeed("hazard-map", self.out, "-o", self.path("h.h5"), "--set", "region_radius_m=4", "--set", "lander.leg_radius_m=1", "--set",
+                     "lander.body_radius_m=1")
+        self.refuse(2, "dem-eval", self.out, "--table", "--set", "region_radius_m=6", words=["the largest that fits is 5"])
+
+    def test_the_center_moves_to_the_nearest_pixel(self):
+        self.imported_dem(self.dem, "--center", "500002.2,5400001.6")
+        with h5py.File(self.out) as file:
+            self.assertEqual((file["x"][0], file["y"][0]), (-2.0, -1.5))
+        self.refuse(2, "landfall-import", self.dem, "-o", self.path("x.h5"), "--center", "499000,5400000", words=["the centre lies outside"], output=self.path("x.h5"))
+
+    def test_a_truth_raster_on_another_grid_is_interpolated_bilinearly(self):
+        north, east = np.meshgrid(np.arange(60) * 0.3 - 3, np.arange(80) * 0.3 - 3, indexing="ij")
+        truth = self.grid("truth", (50 + 2 * east - north)[::-1], 499997, 5399997, 0.3)
+        self.assertEqual(self.imported_dem(self.dem, "--truth", truth), "")
+        with h5py.File(self.out) as file:
+            x, y = np.meshgrid(file["x"][()] + 7.5, file["y"][()] + 5)
+            np.testing.assert_allclose(file["z_true"][()], 50 + 2 * x - y, atol=1e-6)
+            self.assertEqual(file["z_true"].attrs["comment"], b"bilinear interpolation of truth.asc")
+        self.succeed("dem-eval", self.out, "--metrics", self.path("m.json"), "--set", "region_radius_m=4", "--set", "footprint_m=1")
+        with open(self.path("m.json"), encoding="utf-8") as file:
+            metrics = json.load(file)
+        self.assertIs(metrics["pass"], False)
+        self.assertIsNone(metrics["requirements"]["relative_horizontal"]["pass"])
+
+    def test_a_truth_in_degrees_is_reprojected(self):
+        step = 2e-6
+        rows, cols = 60, 90
+        lat0, lon0 = 48.753, 9.0 - 4e-6  # the meridian arc of 5,400,000 m / 0.9996 ends at 48.753013 degrees
+        truth = self.grid("truth", np.tile(np.arange(cols, dtype=float), (rows, 1)), lon0, lat0, step, prj=self.DEGREES)
+        self.imported_dem(self.grid("small", self.values[:5, :9], 500000, 5400000, 0.5), "--truth", truth)
+        with h5py.File(self.out) as file:
+            z = file["z_true"][()]
+            self.assertEqual(file["z_true"].attrs["comment"], b"bilinear interpolation of truth.asc, reprojected by GDAL")
+        phi, e2 = math.radians(48.7528), (2 - 1 / 298.257223563) / 298.257223563
+        metres = math.radians(step) * 6378137 / math.sqrt(1 - e2 * math.sin(phi) ** 2) * math.cos(phi) * 0.9996
+        np.testing.assert_allclose(z, np.tile(2 + np.arange(9) * 0.5 / metres, (5, 1)), atol=1e-3)
+
+    def test_the_truth_of_a_terrain(self):
+        terrain = self.path("t.h5")
+        north, east = np.meshgrid(np.arange(60) * 0.5 - 10, np.arange(80) * 0.5 - 10, indexing="ij")
+        ground = self.grid("ground", (10 + east + 2 * north)[::-1], 499990, 5399990, 0.5)
+        self.succeed("terrain-gen", "--from", ground, "-o", terrain, "--center", "500007.5,5400005", "--datum", "none", "--half-width", "8", "--resolution", "0.5")
+        self.imported_dem(self.dem, "--terrain", terrain)
+        with h5py.File(self.out) as file:
+            x, y = np.meshgrid(file["x"][()] + 7.5, file["y"][()] + 5)
+            np.testing.assert_allclose(file["z_true"][()], 10 + x + 2 * y, atol=1e-6)
+        self.refuse(1, "landfall-import", self.dem, "-o", self.path("x.h5"), "--terrain", terrain, "--center", "500008,5400005",
+                    words=["its site frame is not that of"], output=self.path("x.h5"))
+        self.imported_dem(self.dem, "--terrain", terrain, "--center", "500008,5400005", "--other-terrain")
+
+    def test_the_truth_of_another_place_is_refused(self):
+        truth = self.grid("truth", self.values, 600000, 5400000, 0.5)
+        self.refuse(1, "landfall-import", self.dem, "-o", self.path("x.h5"), "--truth", truth, words=["is it the truth of another place?"], output=self.path("x.h5"))
+        truth = self.grid("plain", self.values, 500000, 5400000, 0.5, prj=None)
+        self.refuse(1, "landfall-import", self.dem, "-o", self.path("x.h5"), "--truth", truth, words=["has no CRS, but"], output=self.path("x.h5"))
+        part = self.grid("part", self.values[:, :20], 500000, 5400000, 0.5)
+        self.assertRegex(self.imported_dem(self.dem, "--truth", part), r"has no value at 231 of 650 bins with an elevation")
+
+    def test_pixels_that_are_not_squares_on_the_ground_are_refused_with_a_command(self):
+        degrees = self.grid("degrees", self.values, 9.0, 48.7, 1e-5, prj=self.DEGREES)
+        self.refuse(2, "landfall-import", degrees, "-o", self.path("x.h5"), words=["gdalwarp -t_srs \"+proj=ortho +lat_0=48.7", "degrees"], output=self.path("x.h5"))
+        wide = self.write("wide.asc", "ncols 3\nnrows 3\nxllcorner 0\nyllcorner 0\ndx 1\ndy 2\n" + "1 2 3\n" * 3)
+        self.refuse(2, "landfall-import", wide, "-o", self.path("x.h5"), words=["its pixels are not square: gdalwarp -tr 1 1"], output=self.path("x.h5"))
+
+    def test_a_raster_without_a_crs_is_in_metres(self):
+        plain = self.grid("plain", self.values, 100, 200, 2, prj=None)
+        self.assertIn("are taken as metres", self.imported_dem(plain))
+        with h5py.File(self.out) as file:
+            self.assertEqual(file["x"][1] - file["x"][0], 2)
+
+    def test_options_of_points_and_rasters_are_not_mixed(self):
+        for arguments, expected in ((("--crs", "EPSG:32632"), "are for points"), (("--center", "1,2,3"), "a raster keeps its heights"),
+                                    (("--truth", self.dem, "--terrain", "t.h5"), "mutually exclusive")):
+            self.refuse(2, "landfall-import", self.dem, "-o", self.path("x.h5"), *arguments, words=[expected], output=self.path("x.h5"))
+        self.refused("p.csv", "x,y,z\n1,2,3\n", "are for rasters", "--truth", self.dem, code=2)
+        self.refuse(1, "landfall-import", self.path("none.tif"), "-o", self.path("x.h5"))
 
 
 if __name__ == "__main__":

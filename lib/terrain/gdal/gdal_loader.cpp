@@ -72,6 +72,14 @@ PointFrame point_frame(const PointFrameRequest& request) {
   }
 }
 
+RasterGrid raster_grid(const DemBase& dem, RasterLinks links) {
+  return plugin_for(dem).raster_grid(dem, links);
+}
+
+SampledRaster sample_raster(const DemBase& raster, const RasterGrid& grid, RasterLinks links) {
+  return plugin_for(raster).sample_raster(raster, grid, links);
+}
+
 void write_geotiff(const OutputOptions& options, const GeotiffContent& content,
                    const ProgressCallback& progress) {
   OutputPath output(options.path, options.overwrite);

@@ -222,5 +222,7 @@ const landfall::GdalPlugin landfall_gdal_plugin{LANDFALL_VERSION,
                                                 &landfall::named_files,
                                                 &landfall::all_dem_files,
                                                 &landfall::point_frame_in_map,
+                                                &landfall::grid_of_raster,
+                                                &landfall::sample_at_bins,
                                                 &landfall::write_cloud_optimized_geotiff,
                                                 &landfall::write_geopackage_points};
