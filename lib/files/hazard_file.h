@@ -27,7 +27,7 @@ struct HazardSource {
 [[nodiscard]] HazardSource read_hazard_source(const std::filesystem::path& path, bool with_truth);
 
 /// The places of the true elevations of a DEM: x_true and y_true, the centres of the bins where it lacks
-/// them. Throws FormatError.
+/// them and is made of imported data. Throws FormatError.
 struct TruthCentroids {
   Grid<double> x, y;
 };
