@@ -14,7 +14,7 @@ LEVELS = {
     "dictionary": 1, "geometry": 1, "raster": 1, "output": 1, "returns": 1,
     "picture": 2, "terrain": 2, "detector": 2, "scanner": 2, "trajectory": 2, "error_models": 2, "receiver": 2, "hdf5": 2,
     "ray": 3, "meshio": 3,
-    "opencl": 4, "simulation": 4, "gridding": 4, "evaluation": 4, "hazards": 4,
+    "imports": 4, "opencl": 4, "simulation": 4, "gridding": 4, "evaluation": 4, "hazards": 4,
     "campaign": 5,
     "config": 6, "files": 6,
     "scene": 7, "exports": 7, "host": 7, "report": 7,

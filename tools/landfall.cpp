@@ -39,7 +39,8 @@ constexpr std::array kCommands = {
     Command{{"hazard-map", "hazard-map", "Finds safe places to land on a DEM"}, hazard_map},
     Command{{"monte-carlo", "monte-carlo", "Draws the errors many times and counts passes"}, monte_carlo},
     Command{{"info", "landfall-info", "Describes landfall files"}, landfall_info},
-    Command{{"export", "landfall-export", "Converts a landfall file for other programs"}, landfall_export}};
+    Command{{"export", "landfall-export", "Converts a landfall file for other programs"}, landfall_export},
+    Command{{"import", "landfall-import", "Imports points or a DEM to judge them"}, landfall_import}};
 
 constexpr cli::CommandEntry kStudy = {"study", "", "Runs a parameter study: landfall study FILE [-j N]"};
 constexpr cli::CommandEntry kHelp = {"help", "", "Lists the commands; with a command, its options"};

@@ -19,6 +19,7 @@ ToolFunction hazard_map;
 ToolFunction monte_carlo;
 ToolFunction landfall_info;
 ToolFunction landfall_export;
+ToolFunction landfall_import;
 
 /// `landfall run`, which has no program of its own.
 ToolFunction landfall_run;

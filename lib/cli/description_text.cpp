@@ -120,7 +120,20 @@ std::string counts(const OrderedJson& by_name) {
   return text;
 }
 
+/// Points that landfall did not make.
+std::string imported_lines(const OrderedJson& s) {
+  const auto coordinate = [&](const char* key) {
+    return s[key].is_number() ? number_text(s[key].get<double>()) : "?";
+  };
+  OrderedJson by_status;
+  for (const std::string name : {"return", "false_return"}) by_status[name] = s[name + "_count"];
+  return line("imported", s["imported_from"].get<std::string>() + ", origin at " + coordinate("origin_x") +
+                              ", " + coordinate("origin_y") + ", " + coordinate("origin_z")) +
+         line("rows", integer(s["row_count"]) + ", one per point") + line("outcomes", counts(by_status));
+}
+
 std::string scan_lines(const OrderedJson& s) {
+  if (s.contains("imported_from")) return imported_lines(s);
   std::string pulses = integer(s["pulse_count"]) + " of ";
   if (s["detector_rows"].is_number_integer() && s["detector_columns"].is_number_integer())
     pulses += integer(s["detector_rows"]) + " x " + integer(s["detector_columns"]) + " pixels";

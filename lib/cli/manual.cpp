@@ -18,8 +18,9 @@
 namespace landfall::cli {
 namespace {
 
-constexpr std::array kTools = {"dem-eval",      "hazard-map",  "landfall", "landfall-run", "landfall-export",
-                               "landfall-info", "monte-carlo", "regrid",   "scan-sim",     "terrain-gen"};
+constexpr std::array kTools = {"dem-eval",        "hazard-map",      "landfall",      "landfall-run",
+                               "landfall-export", "landfall-import", "landfall-info", "monte-carlo",
+                               "regrid",          "scan-sim",        "terrain-gen"};
 
 /// Escapes text so that roff prints it unchanged, and so that it can be copied into a shell.
 std::string roff(const std::string& text) {
@@ -185,7 +186,8 @@ std::string exit_section(const Tool& tool) {
 }
 
 std::string environment_section(const Tool& tool) {
-  if (tool.name != "terrain-gen" && tool.name != "landfall-export") return "";
+  constexpr std::array kWithGdal = {"terrain-gen", "landfall-export", "landfall-import"};
+  if (std::ranges::find(kWithGdal, tool.name) == kWithGdal.end()) return "";
   return ".SH ENVIRONMENT\n.TP\n.B LANDFALL_PLUGIN_DIR\nThe directory of landfall\\-gdal.so, which reads and "
          "writes rasters; by default that of the installation.\n";
 }

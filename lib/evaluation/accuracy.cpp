@@ -53,6 +53,7 @@ ErrorLayers errors_of(TrueLayers truth, const Grid<double>& z_est, std::optional
       double& value = z_corrected->values()[i];
       value = truth.z.values()[i] - value;
     });
+  // Grids without bins remain so.
   return {.x = error_of(Axis::x, std::move(truth.x), z_est),
           .y = error_of(Axis::y, std::move(truth.y), z_est),
           .z = error_of(Axis::z, std::move(truth.z), z_est),

@@ -21,8 +21,10 @@ void check_layers(const DemLayers& dem) {
   check_layer("z_est", dem.z_est, spec);
   if (dem.z_corrected) check_layer("z_corrected", *dem.z_corrected, spec);
   if (!dem.truth) return;
-  check_layer("x_true", dem.truth->x, spec);
-  check_layer("y_true", dem.truth->y, spec);
+  if (dem.truth->has_positions()) {
+    check_layer("x_true", dem.truth->x, spec);
+    check_layer("y_true", dem.truth->y, spec);
+  }
   check_layer("z_true", dem.truth->z, spec);
 }
 

@@ -10,13 +10,15 @@ namespace landfall {
 
 /// The true position of the terrain under each bin: metres, NaN where unknown.
 struct TrueLayers {
-  Grid<double> x;
+  Grid<double> x;  ///< without bins, as y, where only elevations are known: nothing horizontal is judged
   Grid<double> y;
   Grid<double> z;
+
+  [[nodiscard]] bool has_positions() const { return x.spec().size() > 0; }
 };
 
 /// The input of an evaluation: the estimated elevation, NaN where a bin is empty, and the truth. A DEM that
-/// lacks one of the three true layers has no truth.
+/// lacks the true elevations has no truth.
 struct DemLayers {
   Grid<double> z_est;
   std::optional<TrueLayers> truth;

@@ -48,6 +48,13 @@ RegionMetrics describe(const EvaluationParameters& parameters, const BinMask& re
   return result;
 }
 
+/// Without true positions nothing horizontal is judged.
+void leave_unjudged(RequirementMetrics& requirements) {
+  for (Requirement* const requirement :
+       {&requirements.relative_horizontal, &requirements.absolute_horizontal})
+    *requirement = {std::nullopt, requirement->limit, std::nullopt};
+}
+
 using Sinks = std::vector<LayerSink*>;
 
 /// Judges the accuracy requirements axis by axis, so that few grids of double exist at a time.
@@ -73,6 +80,7 @@ class AccuracyPass {
     AccuracyMetrics::Relative& relative = metrics_.relative;
     judge_axis({Axis::z, fail_relative_z, limits_.relative_elevation_m, absolute.z, relative.z},
                std::move(errors.z), part(progress, 0.99 - 3 * share, share));
+    if (errors.x.spec().size() == 0) return;
     AxisResult x =
         judge_axis({Axis::x, fail_relative_x, limits_.relative_horizontal_m, absolute.x, relative.x},
                    std::move(errors.x), part(progress, 0.99 - 2 * share, share));
@@ -164,6 +172,7 @@ Evaluation evaluate(DemLayers dem, const EvaluationParameters& parameters, const
       .fail = Grid<std::int8_t>(dem.z_est.spec())};
   Metrics& metrics = result.metrics;
   metrics.region = describe(parameters, result.region);
+  const bool has_positions = dem.truth && dem.truth->has_positions();
   std::optional<AccuracyPass> accuracy;
   if (dem.truth) accuracy.emplace(parameters, sinks, result);
   std::optional<Coverage> coverage;  // only with a sink: its layers cost time and memory
@@ -180,6 +189,7 @@ Evaluation evaluate(DemLayers dem, const EvaluationParameters& parameters, const
       [&] {
         if (!accuracy) return;
         errors = errors_of(std::move(*dem.truth), dem.z_est, std::move(dem.z_corrected));
+        if (!has_positions) return;
         metrics.statistics.x = error_statistics(errors.x, result.region);
         metrics.statistics.y = error_statistics(errors.y, result.region);
       });
@@ -191,6 +201,7 @@ Evaluation evaluate(DemLayers dem, const EvaluationParameters& parameters, const
   if (accuracy) accuracy->run(std::move(errors), progress);
   for (LayerSink* const sink : sinks) sink->take(result.fail);
   metrics.requirements = judge(metrics.coverage, metrics.accuracy, parameters.limits);
+  if (!has_positions) leave_unjudged(metrics.requirements);
   judge_own_requirements(metrics, parameters.own_requirements);
   report(progress, 1);
   return result;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Decisions: D26, D28
+// Decisions: D26, D28, D408
 #include "evaluation/metrics.h"
 
 #include <initializer_list>
@@ -54,13 +54,14 @@ RequirementMetrics judge_values(const CoverageMetrics& coverage,
 }
 
 std::optional<bool> overall_pass(const RequirementMetrics& requirements) {
-  bool all = true;
-  for (const RequirementInfo& info : kRequirementInfo) {
-    const std::optional<bool> pass = (requirements.*info.requirement).pass;
-    if (!pass) return std::nullopt;
-    all = all && *pass;
-  }
-  return all;
+  if (!requirements.relative_elevation.pass) return std::nullopt;  // without truth
+  const auto any = [&](std::optional<bool> pass) {
+    return std::ranges::any_of(kRequirementInfo, [&](const RequirementInfo& info) {
+      return (requirements.*info.requirement).pass == pass;
+    });
+  };
+  if (any(false)) return false;
+  return any(std::nullopt) ? std::nullopt : std::optional(true);
 }
 
 std::optional<bool> with_own(std::optional<bool> pass, const OwnVerdicts& own) {

@@ -240,7 +240,8 @@ struct AccuracyValues {
                                               const std::optional<AccuracyValues>& accuracy,
                                               const EvaluationLimits& limits);
 
-/// Whether all requirements pass; null if one is null, even if another fails.
+/// Whether all requirements pass. Null without truth, even if the coverage fails; with true elevations alone,
+/// false if a judged requirement fails, else null.
 [[nodiscard]] std::optional<bool> overall_pass(const RequirementMetrics& requirements);
 
 /// The verdict on Table 1 and on the user's own requirements: false if one of these is missed.

@@ -99,7 +99,9 @@ std::vector<VerdictText> verdict_texts(const Metrics& m, const EvaluationLimits&
     texts[i].name = info.name;
     texts[i].verdict = verdict(r.*info.requirement);
     if (texts[i].value.empty())
-      texts[i].value = m.accuracy ? "no footprint to judge" : "no truth to compare with";
+      texts[i].value = !m.accuracy                  ? "no truth to compare with"
+                       : (r.*info.requirement).pass ? "no footprint to judge"
+                                                    : "no true positions to compare with";
     if (info.at_least) texts[i].limit.insert(0, ">= ");
   }
   std::ranges::move(own_texts(m.own_requirements), std::back_inserter(texts));

@@ -161,6 +161,9 @@ std::string las_header(const LasContent& content) {
 }
 
 void require_gps_times(const PointReader& points) {
+  if (points.is_imported())
+    throw UsageError("--time gps: " + points.file().name() +
+                     " is imported, and the clock of its times is that of its source: use --time scan");
   const std::vector<double>& since_s = points.pulse_times().since_s;
   const double min_s = since_s.empty() ? 0 : *std::ranges::min_element(since_s);
   if (points.pulse_times().epoch_s + min_s < 0)

@@ -9,6 +9,7 @@
 #include "base/error.h"
 #include "base/parallel.h"
 #include "exports/grid_layers.h"
+#include "files/imported_scan.h"
 #include "hdf5/column_reader.h"
 #include "returns/columns.h"
 
@@ -71,8 +72,10 @@ PointReader::PointReader(const std::filesystem::path& path)
     : file_(path, {"scan"}),
       points_(file_.root(), "points", file_.name()),
       columns_(columns_of(points_)),
+      is_imported_(is_imported_scan(file_)),
       stored_times_s_(stored_times(file_)),
-      pulse_times_(stored_times_s_.empty() ? PulseTimes{} : read_pulse_times_since_first(file_)),
+      pulse_times_(stored_times_s_.empty() ? PulseTimes{.epoch_s = imported_epoch_s(file_)}
+                                           : read_pulse_times_since_first(file_)),
       row_count_(points_.row_count(first_of(points_))) {
   require_positions();
   const std::string first = first_of(points_);
@@ -161,6 +164,7 @@ class PointReader::BatchSource {
     columns_.read(begin, targets);
     select(count, batch);
     if (wants_time_) look_up_times(batch);
+    if (pass_.first_time_s && reader_.is_imported_) shift_times(batch);
     require_finite(batch);
   }
 
@@ -175,7 +179,7 @@ class PointReader::BatchSource {
   std::vector<std::string> stored_columns(const Pass& pass) {
     std::vector<std::string> names;
     for (const std::string& name : pass.columns)
-      if (name == kTime && (pass.first_time_s || !reader_.points_.has(kTime)))
+      if (name == kTime && (!reader_.points_.has(kTime) || (pass.first_time_s && !reader_.is_imported_)))
         wants_time_ = true;
       else
         names.push_back(name);
@@ -192,9 +196,21 @@ class PointReader::BatchSource {
     }
   }
 
+  [[nodiscard]] std::size_t time_column() const {
+    return static_cast<std::size_t>(std::find(pass_.columns.begin(), pass_.columns.end(), kTime) -
+                                    pass_.columns.begin());
+  }
+
+  /// The times that imported points have themselves.
+  void shift_times(PointBatch& batch) const {
+    const std::size_t c = time_column();
+    if (c == pass_.columns.size()) return;
+    for (double& t : std::get<std::vector<double>>(batch.columns[c]))
+      t = t - reader_.pulse_times_.epoch_s + *pass_.first_time_s;
+  }
+
   void look_up_times(PointBatch& batch) const {
-    const auto c = static_cast<std::size_t>(std::find(pass_.columns.begin(), pass_.columns.end(), kTime) -
-                                            pass_.columns.begin());
+    const std::size_t c = time_column();
     if (!std::holds_alternative<std::vector<double>>(batch.columns[c]))
       batch.columns[c] = std::vector<double>();
     auto& times = std::get<std::vector<double>>(batch.columns[c]);

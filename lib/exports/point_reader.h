@@ -59,6 +59,8 @@ class PointReader {
   /// unknown name or one that is given twice.
   [[nodiscard]] std::vector<std::string> choose(const std::vector<std::string>& names) const;
   [[nodiscard]] std::size_t row_count() const { return row_count_; }
+  /// Points that landfall did not make: no truth, and times of their own or none.
+  [[nodiscard]] bool is_imported() const { return is_imported_; }
   /// The times of the pulses; empty if the file has none.
   [[nodiscard]] const PulseTimes& pulse_times() const { return pulse_times_; }
   /// The number of selected rows. Reads the column `status`, once for each selection.
@@ -87,6 +89,7 @@ class PointReader {
   LandfallFileReader file_;
   TableReader points_;
   std::vector<ContentInfo> columns_;
+  bool is_imported_;
   std::vector<double> stored_times_s_;
   PulseTimes pulse_times_;
   std::size_t row_count_ = 0;

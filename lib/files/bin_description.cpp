@@ -60,10 +60,23 @@ Json value_at(const TableReader& points, const char* column, std::size_t row) {
   return std::isfinite(value[0]) ? Json(value[0]) : Json(nullptr);
 }
 
-std::int64_t integer_at(const TableReader& points, const char* column, std::size_t row) {
+/// Null where the scan, an imported one, has no such column.
+Json integer_at(const TableReader& points, const char* column, std::size_t row) {
+  if (!points.has(column)) return nullptr;
   std::array<std::int32_t, 1> value = {0};
   points.read<std::int32_t>(column, row, value);
   return value[0];
+}
+
+/// The time of a return since the scan's epoch.
+Json time_at(const ScanReader& scan, const TableReader& points, const Json& pulse, std::size_t row) {
+  if (!scan.has_truth()) {
+    const Json t = value_at(points, "t", row);
+    return t.is_number() ? Json(t.get<double>() - scan.epoch_s()) : Json(nullptr);
+  }
+  const auto number = pulse.get<std::int64_t>();
+  if (number < 0 || static_cast<std::size_t>(number) >= scan.pulse_times_s().size()) return nullptr;
+  return scan.pulse_times_s()[static_cast<std::size_t>(number)];
 }
 
 /// The weight of a return by the method of a DEM; none where the method has no weights.
@@ -106,11 +119,11 @@ Json returns_json(const LandfallFileReader& dem, const GridSpec& grid, BinIndex 
   if (weight_sum.is_number()) sum = weight_sum.get<double>();
   Json all = Json::array();
   for (const BinReturn& point : found) {
-    const std::int64_t pulse = integer_at(points, "pulse", point.row);
+    const Json pulse = integer_at(points, "pulse", point.row);
     const std::optional<double> weight = weight_of(method, grid, bin, point);
     Json entry = {{"pulse", pulse},
                   {"pixel", integer_at(points, "pixel", point.row)},
-                  {"t_s", nullptr},
+                  {"t_s", time_at(scan, points, pulse, point.row)},
                   {"status", status_name(point.status)},
                   {"range_true_m", value_at(points, "range_true", point.row)},
                   {"range_measured_m", value_at(points, "range_measured", point.row)},
@@ -119,8 +132,6 @@ Json returns_json(const LandfallFileReader& dem, const GridSpec& grid, BinIndex 
                   {"z_est_m", value_at(points, "z_est", point.row)},
                   {"weight", weight ? Json(*weight) : Json(nullptr)},
                   {"share", weight && sum > 0 ? Json(*weight / sum) : Json(nullptr)}};
-    if (pulse >= 0 && static_cast<std::size_t>(pulse) < scan.pulse_times_s().size())
-      entry["t_s"] = scan.pulse_times_s()[static_cast<std::size_t>(pulse)];
     all.push_back(std::move(entry));
   }
   return all;

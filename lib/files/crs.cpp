@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "files/crs.h"
 
+#include <algorithm>
+#include <cmath>
 #include <cstdint>
 #include <optional>
 
@@ -10,6 +12,14 @@
 namespace landfall {
 
 namespace {
+
+/// Equal parameters of two projections but for the rounding of texts.
+bool are_near(const std::pair<std::string, std::vector<double>>& a,
+              const std::pair<std::string, std::vector<double>>& b) {
+  return a.first == b.first && std::ranges::equal(a.second, b.second, [](double p, double q) {
+           return std::abs(p - q) <= 1e-9 + 1e-10 * std::abs(p);
+         });
+}
 
 void write_attributes(hid_t crs, const GridMapping& mapping) {
   for (const auto& [name, text] : mapping.texts) h5::write_attribute(crs, name, text);
@@ -36,6 +46,14 @@ CfFrame write_crs(hid_t root, const std::string& wkt) {
   if (!mapping) return CfFrame::inexpressible;
   write_attributes(crs.get(), *mapping);
   return CfFrame::mapped;
+}
+
+bool may_be_one_frame(const std::string& a, const std::string& b) {
+  if (a == b || a.empty() || b.empty() || is_local_crs(a) || is_local_crs(b)) return true;
+  const std::optional<GridMapping> first = grid_mapping_of(a);
+  const std::optional<GridMapping> second = grid_mapping_of(b);
+  return first && second && first->texts.front() == second->texts.front() &&
+         std::ranges::equal(first->numbers, second->numbers, are_near);
 }
 
 std::string read_crs(hid_t root) {

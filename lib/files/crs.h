@@ -18,6 +18,10 @@ enum class CfFrame {
 /// where CF has one. An empty `wkt` writes the local frame of a site without a CRS.
 CfFrame write_crs(hid_t root, const std::string& wkt);
 
+/// Whether two site frames may be the same: their projections have equal parameters, or one is tied to no
+/// body.
+[[nodiscard]] bool may_be_one_frame(const std::string& a, const std::string& b);
+
 /// The site frame; the local frame if the file gives none.
 [[nodiscard]] std::string read_crs(hid_t root);
 

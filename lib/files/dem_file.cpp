@@ -31,6 +31,10 @@ using Missing = std::string (*)(const DemRequest&);
 
 std::string nothing_missing(const DemRequest& /*request*/) { return ""; }
 std::string terrain_missing(const DemRequest& request) { return request.truth == nullptr ? "--terrain" : ""; }
+std::string true_points_missing(const DemRequest& request) {
+  return request.true_points ? "" : "scans with true points; an imported scan has none";
+}
+std::string times_missing(const DemRequest& request) { return request.times ? "" : "scans with times"; }
 std::string uncertainty_missing(const DemRequest& request) {
   return request.uncertainty ? "" : "--uncertainty";
 }
@@ -62,10 +66,11 @@ void put(const Strip& strip, GridLayerWriter::TileValues& tile, Value value) {
 }
 
 template <class T, class Member>
-Layer simple(const std::string& name, Member BinValues::*member) {
-  return {name, h5::TypeOf<T>::value, {}, [=](const Strip& strip, GridLayerWriter::TileValues& tile) {
-            put<T>(strip, tile, [&](std::size_t i) { return strip.bins[i].*member; });
-          }};
+Layer simple(const std::string& name, Member BinValues::*member, Missing missing = nothing_missing) {
+  const auto put_values = [=](const Strip& strip, GridLayerWriter::TileValues& tile) {
+    put<T>(strip, tile, [&](std::size_t i) { return strip.bins[i].*member; });
+  };
+  return {name, h5::TypeOf<T>::value, {}, put_values, missing};
 }
 
 void put_z_true(const Strip& strip, GridLayerWriter::TileValues& tile) {
@@ -76,13 +81,14 @@ void put_z_true(const Strip& strip, GridLayerWriter::TileValues& tile) {
   });
 }
 
-Layer z_true(TruthAt truth_at) {
-  return {"z_true",
-          h5::Type::float64,
-          {.long_name =
-               truth_at == TruthAt::bin_center ? "true elevation under the bin centre's true position" : ""},
-          put_z_true,
-          terrain_missing};
+/// The long name says at which point the true elevation is taken.
+std::string truth_words(const DemRequest& request) {
+  if (!request.true_points) return "true elevation at the bin centre";
+  return request.truth_at == TruthAt::bin_center ? "true elevation under the bin centre's true position" : "";
+}
+
+Layer z_true(const DemRequest& request) {
+  return {"z_true", h5::Type::float64, {.long_name = truth_words(request)}, put_z_true, terrain_missing};
 }
 
 /// value(bin) for each bin that holds a return, NaN for the others.
@@ -114,16 +120,16 @@ Layer sigma(const std::string& name, double BinSigmas::*member, Missing missing)
   return {name, h5::Type::float32, {}, put_values, missing, true};
 }
 
-std::vector<Layer> all_layers(TruthAt truth_at) {
+std::vector<Layer> all_layers(const DemRequest& request) {
   return {simple<double>("z_est", &BinValues::z_est),
           simple<std::int32_t>("count", &BinValues::count),
           simple<double>("weight_sum", &BinValues::weight_sum),
-          simple<double>("x_true", &BinValues::x_true),
-          simple<double>("y_true", &BinValues::y_true),
-          z_true(truth_at),
+          simple<double>("x_true", &BinValues::x_true, true_points_missing),
+          simple<double>("y_true", &BinValues::y_true, true_points_missing),
+          z_true(request),
           simple<float>("x_est_mean", &BinValues::x_est),
           simple<float>("y_est_mean", &BinValues::y_est),
-          simple<double>(kTime, &BinValues::t),
+          simple<double>(kTime, &BinValues::t, times_missing),
           simple<float>("z_spread", &BinValues::z_spread),
           of_filled_bins("z_corrected", correction_missing, corrected),
           of_filled_bins("z_true_map", map_truth_missing, true_elevation_of_map),
@@ -161,14 +167,14 @@ bool wanted(const DemRequest& request, const Layer& layer) {
 const std::vector<std::string>& dem_layer_names() {
   static const std::vector<std::string> kNames = [] {
     std::vector<std::string> names;
-    for (const Layer& layer : all_layers(TruthAt::bin_center)) names.push_back(layer.name);
+    for (const Layer& layer : all_layers(DemRequest{})) names.push_back(layer.name);
     return names;
   }();
   return kNames;
 }
 
 void check_layers(const DemRequest& request) {
-  const std::vector<Layer> layers = all_layers(request.truth_at);
+  const std::vector<Layer> layers = all_layers(request);
   for (const std::string& name : request.layers) {
     const auto layer =
         std::find_if(layers.begin(), layers.end(), [&](const Layer& known) { return known.name == name; });
@@ -186,7 +192,7 @@ std::int64_t write_dem(LandfallFileWriter& file, const GriddedScans& scans, cons
                        const std::string& crs_wkt, const ProgressCallback& progress) {
   const Accumulator& bins = *scans.bins;
   GridLayerWriter out(file, bins.spec(), crs_wkt);
-  std::vector<Layer> layers = all_layers(request.truth_at);
+  std::vector<Layer> layers = all_layers(request);
   std::erase_if(layers, [&](const Layer& layer) { return !wanted(request, layer); });
   std::vector<GridLayerWriter::TiledLayer> tiled;
   tiled.reserve(layers.size());

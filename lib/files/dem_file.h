@@ -18,6 +18,8 @@ struct DemRequest {
   std::vector<std::string> layers;        ///< names; empty: all that can be computed
   const TerrainSurface* truth = nullptr;  ///< the terrain; without it z_true and z_true_map are left out
   TruthAt truth_at = TruthAt::bin_center;
+  bool true_points = true;    ///< the scans have true points; else x_true and y_true are left out
+  bool times = true;          ///< the scans have times; else t_mean is left out
   bool uncertainty = false;   ///< also z_true_map and the sigmas
   bool corrected = false;     ///< also z_corrected
   std::string left_out = {};  ///< what the sigmas leave out, for their attribute `comment`
@@ -28,7 +30,8 @@ struct DemRequest {
 [[nodiscard]] const std::vector<std::string>& dem_layer_names();
 
 /// Throws UsageError for a name that is not a layer, or for a layer that cannot be computed from the request:
-/// truth without a terrain, a sigma without `uncertainty`, z_corrected without `corrected`.
+/// truth without a terrain or without true points, times without times, a sigma without `uncertainty`,
+/// z_corrected without `corrected`.
 void check_layers(const DemRequest& request);
 
 /// Writes dem.h5 (docs/user/files/dem.md), tile by tile, and commits. The scans must have the maps from which

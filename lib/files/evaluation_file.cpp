@@ -142,9 +142,12 @@ DemInput read_dem(const std::filesystem::path& path) {
                layers.crs_wkt(),
                file.file_id(),
                file.chain()};
-  if (!layers.has("x_true") || !layers.has("y_true") || !layers.has("z_true")) return dem;
-  dem.layers.truth =
-      TrueLayers{layers.read<double>("x_true"), layers.read<double>("y_true"), layers.read<double>("z_true")};
+  if (!layers.has("z_true")) return dem;
+  dem.layers.truth = TrueLayers{.x = {}, .y = {}, .z = layers.read<double>("z_true")};
+  if (layers.has("x_true") && layers.has("y_true")) {
+    dem.layers.truth->x = layers.read<double>("x_true");
+    dem.layers.truth->y = layers.read<double>("y_true");
+  }
   if (layers.has("z_corrected")) dem.layers.z_corrected = layers.read<double>("z_corrected");
   return dem;
 }
@@ -168,8 +171,12 @@ Grid<double> DemWindowReader::read(const std::string& name, const GridSpec& wind
 
 DemLayers DemWindowReader::read(const GridSpec& window) const {
   DemLayers result{.z_est = read("z_est", window), .truth = std::nullopt};
-  if (layers_.has("x_true") && layers_.has("y_true") && layers_.has("z_true"))
-    result.truth = TrueLayers{read("x_true", window), read("y_true", window), read("z_true", window)};
+  if (!layers_.has("z_true")) return result;
+  result.truth = TrueLayers{.x = {}, .y = {}, .z = read("z_true", window)};
+  if (layers_.has("x_true") && layers_.has("y_true")) {
+    result.truth->x = read("x_true", window);
+    result.truth->y = read("y_true", window);
+  }
   return result;
 }
 

@@ -20,8 +20,8 @@ struct DemInput {
   nlohmann::json chain;
 };
 
-/// Reads z_est of a dem.h5 and, if all three exist, x_true, y_true and z_true, then also z_corrected if it
-/// exists. Throws FormatError.
+/// Reads z_est of a dem.h5 and, if it exists, z_true, then also z_corrected if it exists, and x_true and
+/// y_true if both do. Throws FormatError.
 [[nodiscard]] DemInput read_dem(const std::filesystem::path& path);
 
 /// Reads parts of a DEM, one at a time.

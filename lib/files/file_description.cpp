@@ -12,6 +12,7 @@
 #include "base/number_text.h"
 #include "files/crs.h"
 #include "files/grid_file.h"
+#include "files/imported_scan.h"
 #include "files/landfall_file.h"
 #include "files/map_position_json.h"
 #include "files/stored_json.h"
@@ -204,15 +205,20 @@ Json scan_json(const LandfallFileReader& file, const Json& datasets, const Json&
                {"detector_columns", member(config, {"detector", "columns"})},
                {"t_first_s", nullptr},
                {"t_last_s", nullptr}};
-  const TableReader table(file.root(), "pulses", file.name());
   std::array<double, 1> t = {};
   if (pulses > 0) {
+    const TableReader table(file.root(), "pulses", file.name());
     table.read("t", 0, std::span<double>(t));
     json["t_first_s"] = number(t[0]);
     table.read("t", static_cast<std::size_t>(pulses - 1), std::span<double>(t));
     json["t_last_s"] = number(t[0]);
   }
   const TableReader points(file.root(), "points", file.name());
+  if (is_imported_scan(file)) {
+    json["imported_from"] = h5::read_text_attribute(points.group(), "imported_from").value_or("");
+    for (const char* const axis : {"origin_x", "origin_y", "origin_z"})
+      json[axis] = number(h5::read_number_attribute(points.group(), axis).value_or(std::nan("")));
+  }
   for (const PointStatusInfo& info : kPointStatuses) {
     if (!info.is_counted(points.has(name_of(&PointColumns::intensity)))) continue;
     const auto count = h5::read_number_attribute(points.group(), info.count_name);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "files/hazard_file.h"
 
+#include <algorithm>
 #include <cstdint>
 #include <limits>
 #include <string>
@@ -107,6 +108,22 @@ void write_sites(const LandfallFileWriter& file, const HazardMap& map) {
   write_table(file.root(), "sites", std::move(columns), rows, file.compression());
 }
 
+/// Made of data of another program, whose true elevations are those of the bin centres.
+bool is_imported(const LandfallFileReader& dem) {
+  return std::ranges::any_of(
+      dem.chain(), [](const nlohmann::json& step) { return step.value("tool", "") == "landfall-import"; });
+}
+
+TruthCentroids bin_centers(const GridSpec& spec) {
+  TruthCentroids centers{Grid<double>(spec), Grid<double>(spec)};
+  for (std::int64_t row = 0; row < spec.rows; ++row)
+    for (std::int64_t col = 0; col < spec.cols; ++col) {
+      centers.x.at({row, col}) = spec.x(col);
+      centers.y.at({row, col}) = spec.y(row);
+    }
+  return centers;
+}
+
 }  // namespace
 
 HazardSource read_hazard_source(const std::filesystem::path& path, bool with_truth) {
@@ -133,6 +150,7 @@ HazardSource read_hazard_source(const std::filesystem::path& path, bool with_tru
 TruthCentroids read_truth_centroids(const std::filesystem::path& path) {
   const LandfallFileReader file(path, {"dem"});
   const GridLayerReader layers(file);
+  if (is_imported(file) && !layers.has("x_true")) return bin_centers(layers.spec());
   return {layers.read_checked<double>("x_true", LayerValues::finite),
           layers.read_checked<double>("y_true", LayerValues::finite)};
 }

@@ -27,7 +27,8 @@ struct HazardSource {
 /// Reads z_true only if requested. Throws FormatError.
 [[nodiscard]] HazardSource read_hazard_source(const std::filesystem::path& path, bool with_truth);
 
-/// x_true and y_true of a DEM: where its true elevations were taken. Throws FormatError.
+/// The places of the true elevations of a DEM: x_true and y_true, the centres of the bins where it lacks
+/// them and is made of imported data. Throws FormatError.
 struct TruthCentroids {
   Grid<double> x, y;
 };

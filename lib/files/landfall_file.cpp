@@ -22,7 +22,9 @@ namespace {
 constexpr const char* kFormatVersion = "1.0";
 constexpr const char* kIncomplete = "is incomplete (attribute complete is not 1)";
 
-std::string title_of(const std::string& kind) {
+std::string title_of(const std::string& kind, const std::string& tool) {
+  if (kind == "scan" && tool == "landfall-import") return "Points of another program";
+  if (kind == "dem" && tool == "landfall-import") return "Digital elevation model of another program";
   if (kind == "terrain") return "True terrain of a landing site";
   if (kind == "scan") return "Simulated scanning-lidar returns";
   if (kind == "dem") return "Digital elevation model gridded from lidar returns";
@@ -105,7 +107,7 @@ LandfallFileWriter::LandfallFileWriter(const OutputOptions& options, const std::
       kind_(kind),
       compression_(options.compression),
       file_(create_quietly(output_.temporary())) {
-  h5::write_attribute(root(), "title", title_of(kind));
+  h5::write_attribute(root(), "title", title_of(kind, provenance.tool));
   h5::write_attribute(root(), "source", source_line(provenance.tool));
   h5::write_attribute(root(), "history", history_of(provenance));
   h5::write_attribute(root(), "format_name", "landfall." + kind);

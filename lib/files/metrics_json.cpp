@@ -14,6 +14,8 @@ nlohmann::ordered_json metrics_json(const Metrics& metrics) {
   nlohmann::ordered_json json = {{"format", "landfall.metrics"}, {"version", 1}};
   json.update(fields_json(metrics));
   if (!metrics.uncertainty) json["uncertainty"] = nullptr;
+  if (metrics.accuracy && !metrics.requirements.relative_horizontal.pass)  // not judged
+    for (const char* const axis : {"x", "y"}) json["accuracy"]["relative"][axis]["violation_count"] = nullptr;
   return json;
 }
 

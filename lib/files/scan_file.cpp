@@ -9,26 +9,12 @@
 
 #include "base/error.h"
 #include "base/parallel.h"
+#include "files/column_specs.h"
 #include "files/crs.h"
+#include "files/imported_scan.h"
 
 namespace landfall {
 namespace {
-
-/// The description of a column in the file.
-template <class Table, class T>
-ColumnSpec spec_of(const Column<Table, T>& column, bool single_precision) {
-  if constexpr (std::is_same_v<T, PointStatus>) {
-    ColumnSpec spec{column.name, h5::Type::int8, column.units, column.long_name};
-    for (const PointStatusInfo& info : kPointStatuses) {
-      spec.flag_values.push_back(static_cast<std::int8_t>(info.status));
-      spec.flag_meanings += (spec.flag_meanings.empty() ? "" : " ") + std::string(info.meaning);
-    }
-    return spec;
-  } else {
-    const bool as_float = std::is_same_v<T, double> && single_precision;
-    return {column.name, as_float ? h5::Type::float32 : h5::TypeOf<T>::value, column.units, column.long_name};
-  }
-}
 
 template <class Columns>
 std::vector<ColumnSpec> specs_of(const Columns& columns, const ScanFileOptions& options) {
@@ -45,14 +31,7 @@ std::vector<ColumnRows> rows_of(const Columns& columns, const Table& table, cons
   std::vector<ColumnRows> all;
   for_each_column(columns, [&](const auto& column) {
     if (!present.has(column.group)) return;
-    using Value = typename std::decay_t<decltype(column)>::Value;
-    const std::vector<Value>& rows = table.*column.rows;
-    if constexpr (std::is_same_v<Value, PointStatus>) {
-      static_assert(sizeof(PointStatus) == 1);
-      all.emplace_back(std::span(reinterpret_cast<const std::int8_t*>(rows.data()), rows.size()));
-    } else {
-      all.emplace_back(std::span(rows));
-    }
+    all.push_back(rows_of_column(column, table));
   });
   return all;
 }
@@ -77,6 +56,8 @@ void write_detector(LandfallFileWriter& file, const Detector& detector,
               rows, file.compression());
 }
 
+constexpr const char* kPulseTime = name_of(&PulseColumns::t);
+
 bool is_finite(double value) { return std::abs(value) <= std::numeric_limits<double>::max(); }
 
 void move_rows(std::vector<double>& column, std::size_t from, std::size_t count, std::size_t to) {
@@ -85,13 +66,24 @@ void move_rows(std::vector<double>& column, std::size_t from, std::size_t count,
             column.begin() + static_cast<std::ptrdiff_t>(to));
 }
 
-/// The columns from which a DEM is made.
-std::vector<std::string> columns_of_a_dem() {
+/// The columns from which a DEM is made, in the order in which ScanReader::read() takes them.
+std::vector<std::string> columns_of_a_dem(const LandfallFileReader& file) {
+  const bool is_imported = is_imported_scan(file);
   std::vector<std::string> names;
-  for (const auto member : kCoordinates) names.emplace_back(name_of(member));
-  names.emplace_back(name_of(&PointColumns::pulse));
+  for (std::size_t i = 0; i < (is_imported ? 3 : kCoordinates.size()); ++i)
+    names.emplace_back(name_of(kCoordinates[i]));
+  if (!is_imported) names.emplace_back(name_of(&PointColumns::pulse));
   names.emplace_back(name_of(&PointColumns::status));
+  if (is_imported && TableReader(file.root(), "points", file.name()).has(kPulseTime))
+    names.emplace_back(kPulseTime);
   return names;
+}
+
+/// Imported points have no truth: their estimates stand for it, so that no bin has an offset.
+void use_estimates_as_truth(PointColumns& points) {
+  points.x_true = points.x_est;
+  points.y_true = points.y_est;
+  points.z_true = points.z_est;
 }
 
 /// Moves the first kept[i] rows of each piece i to directly after those before it, and removes the rest.
@@ -223,27 +215,37 @@ void ScanReader::count_from(double epoch_s) {
 ScanReader::ScanReader(const std::filesystem::path& path)
     : file_(path, {"scan"}),
       points_(file_.root(), "points", file_.name()),
-      columns_(points_, columns_of_a_dem()),
-      pulse_times_(read_pulse_times_since_first(file_)),
+      is_imported_(is_imported_scan(file_)),
+      has_times_(!is_imported_ || points_.has(kPulseTime)),
+      columns_(points_, columns_of_a_dem(file_)),
+      pulse_times_(is_imported_ ? PulseTimes{.epoch_s = imported_epoch_s(file_)}
+                                : read_pulse_times_since_first(file_)),
       crs_wkt_(read_crs(file_.root())),
-      row_count_(points_.row_count(name_of(&PointColumns::pulse))) {
-  for (const std::string& column : columns_of_a_dem())
+      row_count_(points_.row_count(row_column())) {
+  for (const std::string& column : columns_of_a_dem(file_))
     if (points_.row_count(column) != row_count_)
-      file_.fail("columns /points/pulse and /points/" + column + " differ in length");
+      file_.fail(std::string("columns /points/") + row_column() + " and /points/" + column +
+                 " differ in length");
 }
 
-bool ScanReader::is_valid(const PointColumns& points, std::size_t i) const {
+const char* ScanReader::row_column() const {
+  return is_imported_ ? name_of(&PointColumns::status) : name_of(&PointColumns::pulse);
+}
+
+bool ScanReader::is_valid(const ScanPoints& points, std::size_t i) const {
   return !is_return(PointStatus{status_[i]}) ||
-         (has_pulse(i) &&
-          std::ranges::all_of(kCoordinates, [&](auto member) { return is_finite((points.*member)[i]); }));
+         (has_pulse(i) && is_finite(points.t[i]) && std::ranges::all_of(kCoordinates, [&](auto member) {
+            return is_finite((points.columns.*member)[i]);
+          }));
 }
 
-bool ScanReader::all_valid(const PointColumns& points, std::size_t first, std::size_t end) const {
+bool ScanReader::all_valid(const ScanPoints& points, std::size_t first, std::size_t end) const {
   bool valid = true;  // no early exit, so that the loops run at memory speed
   for (std::size_t i = first; i < end; ++i) valid &= is_return(PointStatus{status_[i]});
   for (std::size_t i = first; i < end; ++i) valid &= has_pulse(i);
+  for (std::size_t i = first; i < end; ++i) valid &= is_finite(points.t[i]);
   for (const auto member : kCoordinates) {
-    const std::span<const double> column = points.*member;
+    const std::span<const double> column = points.columns.*member;
     for (std::size_t i = first; i < end; ++i) valid &= is_finite(column[i]);
   }
   if (valid) return true;
@@ -252,12 +254,15 @@ bool ScanReader::all_valid(const PointColumns& points, std::size_t first, std::s
   return true;
 }
 
-void ScanReader::fail_at_row(const PointColumns& points, std::size_t i, std::size_t row) const {
+void ScanReader::fail_at_row(const ScanPoints& points, std::size_t i, std::size_t row) const {
   if (!has_pulse(i))
     file_.fail("/points/pulse[" + std::to_string(row) + "] = " + std::to_string(pulse_[i]) +
                " is not a row of /pulses (" + std::to_string(pulse_times_.since_s.size()) + ")");
-  const auto* const bad =
-      std::ranges::find_if_not(kCoordinates, [&](auto member) { return is_finite((points.*member)[i]); });
+  if (!is_finite(points.t[i]))
+    file_.fail("/points/" + std::string(kPulseTime) + "[" + std::to_string(row) +
+               "] of a return is not finite");
+  const auto* const bad = std::ranges::find_if_not(
+      kCoordinates, [&](auto member) { return is_finite((points.columns.*member)[i]); });
   file_.fail("/points/" + std::string(name_of(*bad)) + "[" + std::to_string(row) +
              "] of a return is not finite");
 }
@@ -267,7 +272,8 @@ std::size_t ScanReader::keep_returns(ScanPoints& points, std::size_t first, std:
   std::size_t next = first;
   for (std::size_t i = first; i < end; ++i) {
     if (!is_return(PointStatus{status_[i]})) continue;
-    points.t[next] = pulse_times_.since_s[static_cast<std::size_t>(pulse_[i])];
+    points.t[next] = is_imported_ ? points.t[i] - pulse_times_.epoch_s
+                                  : pulse_times_.since_s[static_cast<std::size_t>(pulse_[i])];
     if (next != i)
       for (const auto member : kCoordinates) (points.columns.*member)[next] = (points.columns.*member)[i];
     ++next;
@@ -275,29 +281,37 @@ std::size_t ScanReader::keep_returns(ScanPoints& points, std::size_t first, std:
   return next - first;
 }
 
+/// In the order of columns_of_a_dem().
+void ScanReader::read_columns(std::size_t begin, std::size_t count, ScanPoints& points) {
+  std::vector<ColumnTarget> targets;
+  for (std::size_t i = 0; i < (is_imported_ ? 3 : kCoordinates.size()); ++i) {
+    std::vector<double>& column = points.columns.*kCoordinates[i];
+    column.resize(count);
+    targets.emplace_back(std::span(column));
+  }
+  points.t.assign(count, pulse_times_.epoch_s);
+  pulse_.resize(is_imported_ ? 0 : count);
+  status_.resize(count);
+  if (!is_imported_) targets.emplace_back(std::span(pulse_));
+  targets.emplace_back(std::span(status_));
+  if (is_imported_ && has_times_) targets.emplace_back(std::span(points.t));
+  columns_.read(begin, targets);
+  if (is_imported_) use_estimates_as_truth(points.columns);
+}
+
 void ScanReader::read(std::size_t begin, std::size_t count, ScanPoints& points) {
   constexpr std::size_t kRowsPerPiece = 1U << 14U;
-  std::vector<ColumnTarget> targets;  // in the order of columns_of_a_dem()
-  for (const auto member : kCoordinates) {
-    (points.columns.*member).resize(count);
-    targets.emplace_back(std::span(points.columns.*member));
-  }
-  points.t.resize(count);
-  pulse_.resize(count);
-  status_.resize(count);
-  targets.emplace_back(std::span(pulse_));
-  targets.emplace_back(std::span(status_));
-  columns_.read(begin, targets);
+  read_columns(begin, count, points);
   std::vector<std::size_t> kept((count + kRowsPerPiece - 1) / kRowsPerPiece);
   std::vector<char> valid(kept.size());
   parallel_for(count, kRowsPerPiece, [&](std::size_t first, std::size_t end) {
     const std::size_t piece = first / kRowsPerPiece;
-    valid[piece] = all_valid(points.columns, first, end) ? 1 : 0;
+    valid[piece] = all_valid(points, first, end) ? 1 : 0;
     if (valid[piece] != 0) kept[piece] = keep_returns(points, first, end);
   });
   const auto bad_piece = static_cast<std::size_t>(std::ranges::find(valid, 0) - valid.begin());
   for (std::size_t i = bad_piece * kRowsPerPiece; i < count; ++i)
-    if (!is_valid(points.columns, i)) fail_at_row(points.columns, i, begin + i);
+    if (!is_valid(points, i)) fail_at_row(points, i, begin + i);
   close_gaps(points, kRowsPerPiece, kept);
 }
 

@@ -89,7 +89,7 @@ struct PulseTimes {
 class ScanReader {
  public:
   /// Throws FormatError unless the columns that a DEM needs exist and have one length, and all pulses have a
-  /// time.
+  /// time. Imported points need no truth, no pulses and no times.
   explicit ScanReader(const std::filesystem::path& path);
 
   [[nodiscard]] const LandfallFileReader& file() const { return file_; }
@@ -101,6 +101,10 @@ class ScanReader {
   /// The times of all pulses since the epoch.
   [[nodiscard]] const std::vector<double>& pulse_times_s() const { return pulse_times_.since_s; }
   [[nodiscard]] std::size_t row_count() const { return row_count_; }
+  /// False for imported points (imported_scan.h): read() gives their estimates as their truth.
+  [[nodiscard]] bool has_truth() const { return !is_imported_; }
+  /// False for imported points without times: read() gives the epoch.
+  [[nodiscard]] bool has_times() const { return has_times_; }
   /// Reads the returns (and false returns) among rows [begin, begin + count). Throws FormatError, naming the
   /// row, for a return with a coordinate that is not finite or a pulse number that does not exist in /pulses.
   /// Fastest in order and by whole chunks (kTableChunkRows). Uses HDF5: no other thread may use it meanwhile.
@@ -108,15 +112,21 @@ class ScanReader {
 
  private:
   [[nodiscard]] bool has_pulse(std::size_t i) const {
-    return pulse_[i] >= 0 && static_cast<std::size_t>(pulse_[i]) < pulse_times_.since_s.size();
+    return is_imported_ ||
+           (pulse_[i] >= 0 && static_cast<std::size_t>(pulse_[i]) < pulse_times_.since_s.size());
   }
-  [[nodiscard]] bool is_valid(const PointColumns& points, std::size_t i) const;
-  [[nodiscard]] bool all_valid(const PointColumns& points, std::size_t first, std::size_t end) const;
-  [[noreturn]] void fail_at_row(const PointColumns& points, std::size_t i, std::size_t row) const;
+  [[nodiscard]] bool is_valid(const ScanPoints& points, std::size_t i) const;
+  [[nodiscard]] bool all_valid(const ScanPoints& points, std::size_t first, std::size_t end) const;
+  [[noreturn]] void fail_at_row(const ScanPoints& points, std::size_t i, std::size_t row) const;
   std::size_t keep_returns(ScanPoints& points, std::size_t first, std::size_t end) const;
+
+  void read_columns(std::size_t begin, std::size_t count, ScanPoints& points);
+  [[nodiscard]] const char* row_column() const;
 
   LandfallFileReader file_;
   TableReader points_;
+  bool is_imported_;
+  bool has_times_;
   ColumnReader columns_;
   PulseTimes pulse_times_;
   std::string crs_wkt_;

@@ -99,11 +99,15 @@ Scans open_scans(const std::vector<std::string>& paths, Provenance& provenance) 
   return scans;
 }
 
-void require_scans_of(const Scans& scans, const std::string& terrain_id, const std::string& terrain_path) {
-  for (const auto& scan : scans)
-    if (const std::string scanned = terrain_id_of(*scan); !scanned.empty() && scanned != terrain_id)
+void require_scans_of(const Scans& scans, const TerrainIdentity& terrain, const std::string& terrain_path) {
+  for (const auto& scan : scans) {
+    if (!scan->has_truth() && !may_be_one_frame(scan->crs_wkt(), terrain.crs_wkt))
+      throw FormatError(scan->file().name() + ": its site frame is not that of " + terrain_path +
+                        ": import it with the --center and --crs of the terrain, or give --other-terrain");
+    if (const std::string scanned = terrain_id_of(*scan); !scanned.empty() && scanned != terrain.file_id)
       throw FormatError(scan->file().name() + ": is a scan of another terrain than " + terrain_path +
                         "; give the scanned one, or --other-terrain");
+  }
 }
 
 GriddedScans grid_scans(const Scans& scans, const GriddingRequest& request,

@@ -9,6 +9,7 @@
 
 #include "base/progress.h"
 #include "files/scan_file.h"
+#include "files/terrain_file.h"
 #include "gridding/method.h"
 #include "gridding/uncertainty.h"
 
@@ -20,8 +21,9 @@ using Scans = std::vector<std::unique_ptr<ScanReader>>;
 /// earliest of their first pulses.
 [[nodiscard]] Scans open_scans(const std::vector<std::string>& paths, Provenance& provenance);
 
-/// Throws FormatError, naming the scan, if its history names another terrain than the one with this id.
-void require_scans_of(const Scans& scans, const std::string& terrain_id, const std::string& terrain_path);
+/// Throws FormatError, naming the scan, if its history names another terrain than this one, or if it is
+/// imported and its map is another one than the terrain's.
+void require_scans_of(const Scans& scans, const TerrainIdentity& terrain, const std::string& terrain_path);
 
 struct GriddingRequest {
   GridSpec grid;

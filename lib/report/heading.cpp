@@ -119,6 +119,8 @@ std::string title_of(const nlohmann::json& steps, const std::string& otherwise) 
   std::vector<std::string> parts;
   const std::string site = site_of(config_of(steps, "terrain-gen"));
   if (!site.empty()) parts.push_back(site);
+  const nlohmann::json source = at(config_of(steps, "landfall-import"), "/source");
+  if (source.is_string()) parts.push_back(source.get<std::string>());
   const nlohmann::json scanner = at(config_of(steps, "scan-sim"), "/scanner/type");
   if (scanner.is_string()) parts.push_back(words(scanner) + " scanner");
   return parts.empty() ? otherwise : joined(parts, ", ", ", ");
@@ -129,6 +131,10 @@ std::string origin_of(const nlohmann::json& steps) {
   for (const std::string& part :
        {terrain_in_numbers(config_of(steps, "terrain-gen")), scan_in_numbers(config_of(steps, "scan-sim"))})
     if (!part.empty()) parts.push_back(part);
+  const nlohmann::json source = at(config_of(steps, "landfall-import"), "/source");
+  const nlohmann::json format = at(config_of(steps, "landfall-import"), "/format");
+  if (source.is_string() && format.is_string())
+    parts.push_back("imported from " + source.get<std::string>() + " (" + format.get<std::string>() + ")");
   const nlohmann::json bin = at(config_of(steps, "regrid"), "/resolution_m");
   if (bin.is_number()) parts.push_back("bins of " + length(bin));
   return joined(parts, "; ", "; ");

@@ -69,7 +69,8 @@ std::string verdict_banner_html(const Metrics& metrics) {
   }
   if (missed > 0) text = std::to_string(missed) + " of 6 requirements missed";
   if (unjudged > 0)
-    text += (text.empty() ? "" : ", ") + std::to_string(unjudged) + " of 6 not judged: the DEM has no truth";
+    text += (text.empty() ? "" : ", ") + std::to_string(unjudged) + " of 6 not judged: the DEM has no " +
+            (metrics.accuracy ? "true positions" : "truth");
   if (text.empty()) text = "all 6 requirements met";
   const OwnVerdicts& own = metrics.own_requirements;
   if (!all_pass(own))

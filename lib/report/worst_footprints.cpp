@@ -99,8 +99,11 @@ WorstFootprint measure_footprint(BinIndex bin, const GridSpec& dem, const Evalua
                         bin.col + dem.first_col - result.window.first_col};
   centre.at(within) = 1;
   ErrorLayers errors = errors_of(std::move(*layers.truth), layers.z_est);
+  std::ranges::fill(result.absolute_m, std::numeric_limits<double>::quiet_NaN());
+  std::ranges::fill(result.relative_m, std::numeric_limits<double>::quiet_NaN());
   for (const auto& [axis, error] :
        {std::pair(Axis::x, &errors.x), std::pair(Axis::y, &errors.y), std::pair(Axis::z, &errors.z)}) {
+    if (error->spec().size() == 0) continue;  // not judged
     const FootprintStatistics found = footprint_statistics(*error, centre, rule);
     result.absolute_m[static_cast<std::size_t>(axis)] = found.mean.at(within);
     result.relative_m[static_cast<std::size_t>(axis)] = found.relative.at(within);

@@ -98,7 +98,7 @@ Scene open_truth(const DemSources& sources, const Scans& scans, const GridSpec& 
     truth = open_scene({.terrain = sources.terrain, .use = SceneUse::surface}, progress);
   });
   output.provenance.add_input("terrain", truth.file_id, truth.chain);
-  if (!sources.other_terrain) require_scans_of(scans, truth.file_id, sources.terrain);
+  if (!sources.other_terrain) require_scans_of(scans, truth, sources.terrain);
   if (truth.window)
     truth.window->require({grid.x(0), grid.x(grid.cols - 1), grid.y(0), grid.y(grid.rows - 1)});
   return truth;
@@ -116,11 +116,30 @@ void compute_error_maps(GriddedScans& gridded, const std::optional<UncertaintyIn
   });
 }
 
+/// Imported points have no poses and no true positions.
+void require_possible(const Scans& scans, const RegridConfig& config, const DemRequest& layers) {
+  const auto truths = std::ranges::count_if(scans, [](const auto& scan) { return scan->has_truth(); });
+  if (truths > 0 && truths < std::ssize(scans))
+    throw UsageError(
+        "imported scans and scans of scan-sim cannot be gridded together: only the latter have "
+        "true points");
+  for (const auto& scan : scans) {
+    if (scan->has_truth()) continue;
+    const std::string& name = scan->file().name();
+    if (layers.uncertainty)
+      throw UsageError("--uncertainty: " + name + " is imported: it has no poses from which sigmas follow");
+    if (config.truth_at == TruthAt::centroid)
+      throw UsageError("truth_at centroid: " + name +
+                       " is imported: it has no true positions; use bin_center");
+  }
+}
+
 }  // namespace
 
 BinnedReturns make_dem(const RegridConfig& config, const DemSources& sources, DemRequest layers,
                        DemOutput output) {
   const Scans scans = open_scans(sources.scans, output.provenance);
+  require_possible(scans, config, layers);
   std::optional<UncertaintyInputs> uncertainty;
   std::vector<std::string> warnings;
   if (layers.uncertainty) {
@@ -131,6 +150,8 @@ BinnedReturns make_dem(const RegridConfig& config, const DemSources& sources, De
   }
   const Scene truth = open_truth(sources, scans, config.grid, output);
   layers.epoch_s = scans.front()->epoch_s();
+  layers.true_points = std::ranges::all_of(scans, [](const auto& scan) { return scan->has_truth(); });
+  layers.times = std::ranges::all_of(scans, [](const auto& scan) { return scan->has_times(); });
   layers.truth = truth.surface.get();
   layers.truth_at = config.truth_at;
   check_layers(layers);

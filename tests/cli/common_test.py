@@ -32,7 +32,7 @@ class Information(ToolTest):
             self.assertEqual(run(name, "-h").stdout, text)
 
     def test_texts_fit_80_columns(self):
-        for name in [*TOOLS, "landfall-info", "landfall-export"]:
+        for name in [*TOOLS, "landfall-info", "landfall-export", "landfall-import"]:
             for line in self.succeed(name, "--help").stdout.splitlines():
                 self.assertLessEqual(len(line), 80, f"{name}: {line}")
         for line in self.succeed("scan-sim", "--list-presets").stdout.splitlines():
@@ -126,7 +126,7 @@ class Usage(ToolTest):
 
     def test_arguments_must_be_utf_8(self):
         foreign = os.fsdecode(b"a\xf8")
-        for name in [*TOOLS, "landfall-info", "landfall-export"]:
+        for name in [*TOOLS, "landfall-info", "landfall-export", "landfall-import"]:
             self.refuse(2, name, foreign + ".h5", words=["argument 1, 'a?.h5'", "UTF-8"])
             self.refuse(2, name, "-q", "-o", foreign, words=["argument 3, 'a?'", "UTF-8"])
         self.refuse(2, "scan-sim", "--check", "--set", f"seed.{foreign}=1", words=["argument 3, 'seed.a?=1'", "UTF-8"])

@@ -11,7 +11,7 @@ import unittest
 from harness import TOOLS, ToolTest, run, tool
 
 ROOT = os.environ["LANDFALL_ROOT"]
-ALL = [*TOOLS, "landfall-info", *(["landfall-export"] if os.path.exists(tool("landfall-export")) else [])]
+ALL = [*TOOLS, "landfall-info", *(name for name in ("landfall-export", "landfall-import") if os.path.exists(tool(name)))]
 CONFIGURED = {"terrain-gen": "terrain", "scan-sim": "scan", "regrid": "regrid", "dem-eval": "eval", "hazard-map": "hazard", "monte-carlo": "draws"}
 
 COMPLETE = """
@@ -122,7 +122,7 @@ class ManPage(ToolTest):
                         "EXAMPLES", "FILES", "SEE ALSO"]
             if name not in CONFIGURED:
                 expected.remove("CONFIGURATION")
-            if name not in ("terrain-gen", "landfall-export"):  # the others read no rasters
+            if name not in ("terrain-gen", "landfall-export", "landfall-import"):  # the others read no rasters
                 expected.remove("ENVIRONMENT")
             self.assertEqual(heads, expected, name)
 

@@ -25,7 +25,7 @@ RELEASES = re.findall(r"^## (\S+)(?: - (\S+))?$", text("CHANGELOG.md"), re.MULTI
 
 class Versions(unittest.TestCase):
     def test_tools_and_packages_have_the_version(self):
-        for tool in ["terrain-gen", "scan-sim", "regrid", "dem-eval", "hazard-map", "monte-carlo", "landfall-info", "landfall-export", "landfall"]:
+        for tool in ["terrain-gen", "scan-sim", "regrid", "dem-eval", "hazard-map", "monte-carlo", "landfall-info", "landfall-export", "landfall-import", "landfall"]:
             words = subprocess.run([os.path.join(os.environ["LANDFALL_BIN"], tool), "--version"], check=True,
                                   capture_output=True, text=True).stdout
             self.assertIn(VERSION, words.split(), tool)

@@ -66,6 +66,23 @@ std::vector<std::string> dem_files(const DemBase& dem, RasterLinks links) {
   return plugin_for(dem).dem_files(dem, links);
 }
 
+PointFrame point_frame(const PointFrameRequest& request) {
+  if (!request.crs.is_given()) return local_point_frame(request);
+  try {
+    return plugin().point_frame(request);
+  } catch (const IoError& error) {
+    throw FormatError(request.name + ": " + error.what());
+  }
+}
+
+RasterGrid raster_grid(const DemBase& dem, RasterLinks links) {
+  return plugin_for(dem).raster_grid(dem, links);
+}
+
+SampledRaster sample_raster(const DemBase& raster, const RasterGrid& grid, RasterLinks links) {
+  return plugin_for(raster).sample_raster(raster, grid, links);
+}
+
 void write_geotiff(const OutputOptions& options, const GeotiffContent& content,
                    const ProgressCallback& progress) {
   OutputPath output(options.path, options.overwrite);

@@ -10,7 +10,9 @@
 #include "output/output_path.h"
 #include "raster/grid_spec.h"
 #include "terrain/gdal/geotiff.h"
+#include "terrain/gdal/point_frame.h"
 #include "terrain/gdal/point_layer.h"
+#include "terrain/gdal/raster_grid.h"
 #include "terrain/gdal/raster_links.h"
 #include "terrain/relief/dem_raster.h"
 #include "terrain/relief/site_fit.h"
@@ -59,6 +61,29 @@ namespace landfall {
 /// but does not throw if that fails; throws FormatError without the plugin.
 [[nodiscard]] std::vector<std::string> dem_files(const DemBase& dem,
                                                  RasterLinks links = RasterLinks::refused);
+
+/// The site frame of points, as load_dem() makes it of a raster: the map's own axes shifted to the centre in
+/// metres, or, of longitudes and latitudes and of a map whose scale at the site is not that of the ground,
+/// the orthographic frame of the body around the centre. Without a CRS metres are assumed, with a sentence in
+/// `assumed`; only with one is the plugin needed.
+///
+/// Throws UsageError for a CRS option that is not known, FormatError for a CRS of the file that cannot be
+/// read, one that is no map, and coordinates that it cannot have.
+[[nodiscard]] PointFrame point_frame(const PointFrameRequest& request);
+
+/// The grid whose bins are the pixels of a raster; the pixel nearest to `dem.center`, by default the middle,
+/// is its origin. Without a CRS metres are assumed, with a sentence in `assumed`.
+///
+/// Throws UsageError, with the gdalwarp command that makes such a raster, for pixels that are not square and
+/// north up within 1e-6, for longitudes and latitudes, and for a map whose scale at the middle is not 1
+/// within 1e-3; for a centre outside the raster; FormatError as load_dem() does.
+[[nodiscard]] RasterGrid raster_grid(const DemBase& dem, RasterLinks links = RasterLinks::refused);
+
+/// Another raster at the centres of the bins, bilinear, reprojected by GDAL where its CRS is another one.
+/// Throws FormatError if only one of the two has a CRS, if there is no transformation, for more than 2^28
+/// pixels, and as load_dem() does.
+[[nodiscard]] SampledRaster sample_raster(const DemBase& raster, const RasterGrid& grid,
+                                          RasterLinks links = RasterLinks::refused);
 
 /// Writes grids as the bands of a cloud-optimized GeoTIFF: deflate with a predictor, tiles of 512 x 512, each
 /// node at the centre of its pixel, row 0 northernmost. All bands have one type: float64 if a band is float64

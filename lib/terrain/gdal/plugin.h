@@ -8,7 +8,9 @@
 #include "geometry/map_position.h"
 #include "raster/grid_spec.h"
 #include "terrain/gdal/geotiff.h"
+#include "terrain/gdal/point_frame.h"
 #include "terrain/gdal/point_layer.h"
+#include "terrain/gdal/raster_grid.h"
 #include "terrain/gdal/raster_links.h"
 #include "terrain/relief/dem_raster.h"
 #include "terrain/relief/site_fit.h"
@@ -24,12 +26,22 @@ struct GdalPlugin {
   SiteSize (*fit_dem_site)(const DemBase& dem, const SiteRequest& request, RasterLinks links);
   std::vector<std::string> (*named_files)(const std::string& path, RasterLinks links);
   std::vector<std::string> (*dem_files)(const DemBase& dem, RasterLinks links);
+  PointFrame (*point_frame)(const PointFrameRequest& request);
+  RasterGrid (*raster_grid)(const DemBase& dem, RasterLinks links);
+  SampledRaster (*sample_raster)(const DemBase& raster, const RasterGrid& grid, RasterLinks links);
   void (*write_geotiff)(const std::string& path, const GeotiffContent& content, const GeotiffOptions& options,
                         const ProgressCallback& progress);
   void (*write_geopackage_points)(const std::string& path, const PointLayer& layer);
   std::vector<MapPosition> (*map_positions)(const std::string& site_wkt,
                                             const std::vector<SitePoint>& points);
 };
+
+/// point_frame() of gdal_loader.h for points with a CRS.
+[[nodiscard]] PointFrame point_frame_in_map(const PointFrameRequest& request);
+
+/// raster_grid() and sample_raster() of gdal_loader.h.
+[[nodiscard]] RasterGrid grid_of_raster(const DemBase& asked, RasterLinks links);
+[[nodiscard]] SampledRaster sample_at_bins(const DemBase& truth, const RasterGrid& grid, RasterLinks links);
 
 /// The name of the plugin's one object, of type GdalPlugin.
 inline constexpr const char* kGdalPluginSymbol = "landfall_gdal_plugin";

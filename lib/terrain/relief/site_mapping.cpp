@@ -57,6 +57,18 @@ LonLat OrthographicFrame::difference(const SitePoint& point) const {
   return {portable::atan2(q.y(), q.x()), lat_rad - center_.lat_rad};
 }
 
+SitePoint OrthographicFrame::point(const LonLat& difference) const {
+  const double lat_rad = center_.lat_rad + difference.lat_rad;
+  const double s = std::sin(lat_rad);
+  const double c = std::cos(lat_rad);
+  const double e2 = body_.flattening * (2 - body_.flattening);
+  const double normal_m = body_.semi_major_m / std::sqrt(1 - e2 * s * s);
+  const Eigen::Vector3d ground(normal_m * c * std::cos(difference.lon_rad),
+                               normal_m * c * std::sin(difference.lon_rad), normal_m * (1 - e2) * s);
+  const Eigen::Vector3d step = ground - origin_m_;
+  return {R_body_plane_.col(0).dot(step), R_body_plane_.col(1).dot(step)};
+}
+
 SitePoint OrthographicFrame::pole() const {
   const double sign = center_.lat_rad < 0 ? -1 : 1;
   const Eigen::Vector3d p(0, 0, sign * body_.semi_major_m * (1 - body_.flattening));

@@ -73,6 +73,9 @@ class OrthographicFrame {
   /// Longitude and latitude of the surface under a point of the plane, both relative to the centre; NaN
   /// beyond the body's limb. The longitude difference lies in [-pi, pi].
   [[nodiscard]] LonLat difference(const SitePoint& point) const;
+  /// The point of the plane over the ground at a longitude and latitude, both relative to the centre: the
+  /// inverse of difference().
+  [[nodiscard]] SitePoint point(const LonLat& difference) const;
   /// The pole of the centre's hemisphere.
   [[nodiscard]] SitePoint pole() const;
 

@@ -1,6 +1,6 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Writes the first inputs of the fuzzers to FOLDER/config, table, mesh and hdf5, one per file, named by its hash.
+"""Writes the first inputs of the fuzzers to FOLDER/config, table, mesh, cloud and hdf5, one per file, named by its hash.
 
 usage: make_seeds.py FOLDER
        make_seeds.py --words FILE      the dictionary of the configurations
@@ -9,6 +9,7 @@ The configurations come from studies/, from the alternatives of the schemas and 
 The head of each fuzz_*.cpp describes the format of its inputs.
 """
 import hashlib
+import importlib.util
 import itertools
 import json
 import pathlib
@@ -16,6 +17,8 @@ import re
 import shlex
 import struct
 import sys
+
+import numpy as np
 
 ROOT = pathlib.Path(__file__).resolve().parents[3]
 TOOLS = {"terrain-gen": "t", "scan-sim": "s", "regrid": "r", "dem-eval": "e", "hazard-map": "h", "monte-carlo": "m"}
@@ -163,6 +166,28 @@ def meshes():
             yield b"p" + (head.format(name, *[real] * 3) + tail.format("int")).encode() + body
 
 
+def clouds():
+    """Small files of every format, by the writers of the tests."""
+    spec = importlib.util.spec_from_file_location("clouds", ROOT / "tests" / "harness" / "clouds.py")
+    write = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(write)
+    points = write.las_points(3)
+    keys = struct.pack("<8H", 1, 1, 0, 1, 3072, 0, 1, 32632)
+    for minor, fmt in ((0, 0), (1, 1), (2, 3), (3, 4), (4, 6), (4, 10)):
+        yield b"n" + write.las(points, fmt, minor, extra=minor, records=[write.las_vlr("LASF_Projection", 34735, keys)])
+    table = np.zeros(4, [("x", "f4"), ("y", "f4"), ("z", "f4"), ("intensity", "u1"), ("gps_time", "f8")])
+    table["x"] = range(4)
+    for form in ("ascii", "binary", "binary_compressed"):
+        yield b"n" + write.pcd(table, form)
+    for form in ("ascii", "binary_little_endian", "binary_big_endian"):
+        yield b"n" + write.ply(table, form, faces=1)
+    yield "nx,y,z,t\n1,2,3,4\n5,6,7,8\n"
+    yield "c1;2;3;4\r\n5;6;7;8\r\n"
+    yield "n# a b\n//X Y Z\n1 2 3\n\n4\t5 6\n"
+    yield "n2\n1 2 3 4\n5 6 7 8\n"
+    yield "n1.0 2.0 3.0 4.0 0.0 1 2 7 3 0 0.5\n"
+
+
 def hdf5_files():
     """Each file with each of its readers, unchanged and with one edit of each kind."""
     for file, reader in itertools.product(range(9), range(6)):
@@ -203,7 +228,7 @@ def main():
     if sys.argv[1] == "--words":
         pathlib.Path(sys.argv[2]).write_text(dictionary())
         return
-    for name, seeds in (("config", configs()), ("table", tables()), ("mesh", meshes()), ("hdf5", hdf5_files())):
+    for name, seeds in (("config", configs()), ("table", tables()), ("mesh", meshes()), ("cloud", clouds()), ("hdf5", hdf5_files())):
         folder = pathlib.Path(sys.argv[1]) / name
         folder.mkdir(parents=True, exist_ok=True)
         for seed in map(encoded, seeds):

@@ -288,6 +288,28 @@ TEST(Evaluate, WithoutTruthOnlyCoverageIsJudged) {
   EXPECT_FALSE(evaluation.layers.z);
 }
 
+TEST(Evaluate, WithTrueElevationsOnlyNothingHorizontalIsJudged) {
+  DemLayers dem = noisy(12);
+  dem.truth->x = dem.truth->y = {};
+  EvaluationParameters parameters = small();
+  parameters.limits.relative_elevation_m = 1;
+  parameters.limits.invalid_frac = 1;
+  const Collected evaluation = collected(dem, parameters);
+  EXPECT_EQ(evaluation.metrics.requirements.relative_elevation.pass, true);
+  for (const Requirement& horizontal : {evaluation.metrics.requirements.relative_horizontal,
+                                        evaluation.metrics.requirements.absolute_horizontal}) {
+    EXPECT_EQ(horizontal.value, std::nullopt);
+    EXPECT_EQ(horizontal.pass, std::nullopt);
+  }
+  EXPECT_EQ(evaluation.metrics.pass, std::nullopt);
+  EXPECT_EQ(evaluation.metrics.statistics.x.count, std::nullopt);
+  EXPECT_TRUE(evaluation.metrics.statistics.z.mean_m.has_value());
+  EXPECT_TRUE(evaluation.layers.z);
+  EXPECT_FALSE(evaluation.layers.x);
+  parameters.limits.relative_elevation_m = 0;
+  EXPECT_EQ(collected(dem, parameters).metrics.pass, false);
+}
+
 TEST(Evaluate, DemWithoutAValidBinFails) {
   DemLayers dem = perfect(5);
   for (Grid<double>* layer : {&dem.z_est, &dem.truth->x, &dem.truth->y, &dem.truth->z})

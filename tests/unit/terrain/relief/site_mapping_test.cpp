@@ -62,6 +62,18 @@ TEST(SiteMapping, PostingIsThatOfTheNearerNeighbour) {
 }
 
 // On a sphere an orthographic place at distance d along a meridian is the angle asin(d / R).
+TEST(OrthographicFrame, PointIsTheInverseOfDifference) {
+  for (const double flattening : {0.0, 1 / 298.257223563})
+    for (const LonLat& center : {LonLat{0.3, 0.7}, LonLat{-2, -1.2}}) {
+      const OrthographicFrame frame({6378137, flattening}, center);
+      for (const SitePoint& point : {SitePoint{0, 0}, SitePoint{12.5, -70}, SitePoint{-30000, 45000}}) {
+        const SitePoint back = frame.point(frame.difference(point));
+        EXPECT_NEAR(back.x_m, point.x_m, 1e-8);
+        EXPECT_NEAR(back.y_m, point.y_m, 1e-8);
+      }
+    }
+}
+
 TEST(OrthographicFrame, SphereInClosedForm) {
   const double radius_m = 500;
   const OrthographicFrame equator({radius_m, 0}, {1, 0});

@@ -1,0 +1,96 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "imports/cloud_fields.h"
+
+namespace landfall {
+
+/// The keys of a GeoTIFF, by which LAS files describe their CRS.
+struct CloudGeoKeys {
+  std::vector<std::uint16_t> directory;
+  std::vector<double> numbers;
+  std::string texts;
+};
+
+/// Coordinates that are stored as integers: X = (x - offset)/scale.
+struct CloudSteps {
+  std::array<double, 3> scale;
+  std::array<double, 3> offset;
+};
+
+/// The statements of a file before its points are read.
+struct CloudInfo {
+  std::string format;                         ///< "LAS 1.4, point format 6"
+  CloudColumns columns;                       ///< which fields its points have
+  std::optional<std::int64_t> point_count{};  ///< as declared; text declares none
+  std::string crs_wkt{};                      ///< empty: none
+  std::optional<CloudGeoKeys> geo_keys{};     ///< only without a crs_wkt
+  std::optional<CloudSteps> steps{};
+  std::string clock{};               ///< what t counts, where the file says so
+  std::vector<std::string> notes{};  ///< what was ignored or assumed; sentences without the file's name
+
+  [[nodiscard]] bool has(CloudField field) const {
+    return columns[static_cast<std::size_t>(field)].has_value();
+  }
+};
+
+/// Consecutive points. A column that the file lacks is empty; the others have one length.
+struct CloudBatch {
+  std::array<std::vector<double>, kCloudFieldCount> columns;
+
+  [[nodiscard]] std::vector<double>& operator[](CloudField field) {
+    return columns[static_cast<std::size_t>(field)];
+  }
+  [[nodiscard]] const std::vector<double>& operator[](CloudField field) const {
+    return columns[static_cast<std::size_t>(field)];
+  }
+  [[nodiscard]] std::size_t size() const { return columns[0].size(); }
+};
+
+/// The classification of points that LAS marks as withheld: they are deleted but still in the file.
+inline constexpr double kWithheld = -1;
+
+/// Reads the points of a file batch by batch, in bounded memory; the values of a batch are decoded on all
+/// threads and do not depend on them.
+class CloudReader {
+ public:
+  virtual ~CloudReader() = default;
+  CloudReader(const CloudReader&) = delete;
+  CloudReader& operator=(const CloudReader&) = delete;
+
+  [[nodiscard]] const CloudInfo& info() const { return info_; }
+  /// Reads the next points; false after the last one. Throws FormatError, naming the file and the line or the
+  /// point, for one that cannot be read.
+  virtual bool next(CloudBatch& batch) = 0;
+  /// Begins again with the first point.
+  virtual void rewind() = 0;
+  /// The part of the file that next() has read.
+  [[nodiscard]] virtual double progress() const = 0;
+
+ protected:
+  CloudReader() = default;
+  CloudInfo info_;
+};
+
+/// True for a file that is read as points: LAS, PLY, PCD and E57 by their first bytes, text and .laz by the
+/// extension (.csv, .txt, .xyz, .pts, .dat, .las, .laz, .ply, .pcd, .e57).
+[[nodiscard]] bool is_cloud_file(const std::filesystem::path& path);
+
+/// Opens LAS 1.0 to 1.4 (point formats 0 to 10), PLY, PCD (ascii, binary, binary_compressed) and text: comma,
+/// semicolon, tab or blanks, with or without a header, and HELIOS++ xyz (11 columns without a header).
+///
+/// Throws FormatError, naming the file and what to do: LAZ and E57, other formats, a file that is shorter
+/// than its header says, counts and offsets that do not fit, points without x, y or z, no points; UsageError
+/// for a `choice` that does not fit.
+[[nodiscard]] std::unique_ptr<CloudReader> open_cloud(const std::filesystem::path& path,
+                                                      const ColumnChoice& choice = {});
+
+}  // namespace landfall

@@ -1,0 +1,105 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The vertices of a PLY as points.
+#include <algorithm>
+#include <utility>
+
+#include "base/abbreviated.h"
+#include "base/error.h"
+#include "imports/cloud_formats.h"
+#include "imports/row_reader.h"
+#include "meshio/ply_header.h"
+
+namespace landfall {
+namespace {
+
+constexpr std::size_t kMaxPlyHeader = 1U << 18U;
+
+std::uint64_t row_bytes(const CloudBytes& file, const PlyElement& element) {
+  std::uint64_t bytes = 0;
+  for (const PlyProperty& property : element.properties) {
+    if (property.length)
+      file.fail("its element " + shown_word(element.name) + " has a list: only numbers are read");
+    bytes += size_of(property.type);
+  }
+  return bytes;
+}
+
+/// The elements before the vertices: rows of known size, or lines.
+std::uint64_t skipped_rows(const CloudBytes& file, const PlyHeader& header, const PlyElement& vertex,
+                           bool as_lines) {
+  std::uint64_t skipped = 0;
+  for (const PlyElement& element : header.elements) {
+    if (&element == &vertex) break;
+    const std::uint64_t size = as_lines ? 1 : row_bytes(file, element);
+    const auto count = static_cast<std::uint64_t>(element.count);
+    if (size > 0 && count > (file.size() - std::min(skipped, file.size())) / size)
+      file.fail("is shorter than its elements before the vertices");
+    skipped += size * count;
+  }
+  return skipped;
+}
+
+std::uint64_t after_lines(const CloudBytes& file, std::uint64_t at, std::uint64_t lines) {
+  while (lines > 0) {
+    const std::vector<std::byte> bytes = file.up_to(at, 1U << 16U);
+    if (bytes.empty()) file.fail("ends before its vertices");
+    for (const std::byte byte : bytes) {
+      ++at;
+      if (byte == std::byte{'\n'} && --lines == 0) break;
+    }
+  }
+  return at;
+}
+
+const PlyElement& vertex_of(const CloudBytes& file, const PlyHeader& header) {
+  const auto found = std::ranges::find(header.elements, "vertex", &PlyElement::name);
+  if (found == header.elements.end()) file.fail("has no element vertex");
+  return *found;
+}
+
+std::string ignored_elements(const PlyHeader& header) {
+  std::string names;
+  for (const PlyElement& element : header.elements)
+    if (element.name != "vertex" && element.count > 0)
+      names += (names.empty() ? "" : ", ") + std::to_string(element.count) + " " + shown_word(element.name);
+  return names;
+}
+
+}  // namespace
+
+std::unique_ptr<CloudReader> open_ply_cloud(std::unique_ptr<CloudBytes> file, const ColumnChoice& choice) {
+  const std::vector<std::byte> bytes = file->up_to(0, kMaxPlyHeader);
+  const std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+  const PlyHeader header = read_ply_header(text, file->name());
+  const PlyElement& vertex = vertex_of(*file, header);
+  std::vector<std::string> names;
+  for (const PlyProperty& property : vertex.properties) names.push_back(property.name);
+  CloudInfo info{.format = "PLY", .columns = cloud_columns(names, choice, file->name())};
+  if (const std::string ignored = ignored_elements(header); !ignored.empty())
+    info.notes.push_back("its elements beside the vertices are ignored: " + ignored);
+  RowLayout rows{.begin = header.end,
+                 .row_size = static_cast<std::size_t>(row_bytes(*file, vertex)),
+                 .count = static_cast<std::uint64_t>(vertex.count),
+                 .is_big_endian = header.encoding == PlyEncoding::big_endian,
+                 .columns = {}};
+  if (header.encoding == PlyEncoding::text) {
+    const std::uint64_t lines = skipped_rows(*file, header, vertex, true);
+    const auto before = static_cast<std::size_t>(std::ranges::count(text.substr(0, header.end), '\n'));
+    const TextRows in_text{.begin = after_lines(*file, header.end, lines),
+                           .first_line = before + lines + 1,
+                           .count = vertex.count,
+                           .may_continue = true,
+                           .separator = ' ',
+                           .column_count = names.size()};
+    return read_text_rows(std::move(file), in_text, std::move(info));
+  }
+  rows.begin += skipped_rows(*file, header, vertex, false);
+  std::size_t offset = 0;
+  for (const PlyProperty& property : vertex.properties) {
+    rows.columns.push_back({property.name, property.type, offset});
+    offset += size_of(property.type);
+  }
+  return read_rows(std::move(file), std::move(rows), std::move(info));
+}
+
+}  // namespace landfall

@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "imports/row_reader.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "base/parallel.h"
+
+namespace landfall {
+namespace {
+
+constexpr std::size_t kRowsPerPiece = 1U << 14U;
+
+class PlainRowReader final : public RowReader {
+ public:
+  PlainRowReader(std::unique_ptr<CloudBytes> file, RowLayout layout, CloudInfo info)
+      : RowReader(std::move(file), std::move(layout)) {
+    info_ = std::move(info);
+    info_.point_count = static_cast<std::int64_t>(this->layout().count);
+  }
+
+ protected:
+  void decode(std::span<const std::byte> bytes, std::size_t begin, std::size_t end,
+              CloudBatch& batch) const override {
+    for (std::size_t f = 0; f < kCloudFieldCount; ++f) {
+      if (!info_.columns[f]) continue;
+      const RowColumn& column = layout().columns[*info_.columns[f]];
+      const std::byte* at = bytes.data() + begin * layout().row_size + column.offset;
+      for (std::size_t i = begin; i < end; ++i, at += layout().row_size)
+        batch.columns[f][i] = stored_number(column.type, at, layout().is_big_endian);
+    }
+  }
+};
+
+}  // namespace
+
+void require_rows(const CloudBytes& file, const RowLayout& layout) {
+  if (layout.count == 0) file.fail("has no points");
+  const std::uint64_t left = file.size() > layout.begin ? file.size() - layout.begin : 0;
+  const std::uint64_t rows = layout.row_size > 0 ? left / layout.row_size : 0;
+  if (rows < layout.count)
+    file.fail("declares " + std::to_string(layout.count) + " points, but has the bytes of " +
+              std::to_string(rows) + ": it is truncated, or its header is wrong");
+}
+
+RowReader::RowReader(std::unique_ptr<CloudBytes> file, RowLayout layout)
+    : file_(std::move(file)), layout_(std::move(layout)) {
+  require_rows(*file_, layout_);
+}
+
+bool RowReader::next(CloudBatch& batch) {
+  const auto count =
+      static_cast<std::size_t>(std::min<std::uint64_t>(kCloudBatchPoints, layout_.count - next_));
+  if (count == 0) return false;
+  bytes_.resize(count * layout_.row_size);
+  file_->read(layout_.begin + next_ * layout_.row_size, bytes_);
+  for (std::size_t f = 0; f < kCloudFieldCount; ++f) batch.columns[f].resize(info_.columns[f] ? count : 0);
+  parallel_for(count, kRowsPerPiece,
+               [&](std::size_t begin, std::size_t end) { decode(bytes_, begin, end, batch); });
+  next_ += count;
+  return true;
+}
+
+std::unique_ptr<CloudReader> read_rows(std::unique_ptr<CloudBytes> file, RowLayout layout, CloudInfo info) {
+  return std::make_unique<PlainRowReader>(std::move(file), std::move(layout), std::move(info));
+}
+
+}  // namespace landfall

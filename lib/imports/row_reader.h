@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "imports/cloud_bytes.h"
+#include "imports/cloud_reader.h"
+#include "meshio/ply_header.h"
+
+namespace landfall {
+
+/// Points that a file reads at a time.
+inline constexpr std::size_t kCloudBatchPoints = std::size_t{1} << 18U;
+
+/// A number in each row of a binary file.
+struct RowColumn {
+  std::string name;
+  PlyType type;
+  std::size_t offset;  ///< bytes from the beginning of the row
+};
+
+/// Rows of equal length.
+struct RowLayout {
+  std::uint64_t begin = 0;   ///< offset of the first row in the file
+  std::size_t row_size = 0;  ///< bytes
+  std::uint64_t count = 0;
+  bool is_big_endian = false;
+  std::vector<RowColumn> columns;
+};
+
+/// Throws FormatError unless the file holds all rows, naming the count and what there is.
+void require_rows(const CloudBytes& file, const RowLayout& layout);
+
+/// Reads rows of a binary file batch by batch; a derived class decodes them.
+class RowReader : public CloudReader {
+ public:
+  bool next(CloudBatch& batch) override;
+  void rewind() override { next_ = 0; }
+  [[nodiscard]] double progress() const override {
+    return static_cast<double>(next_) / static_cast<double>(layout_.count);
+  }
+
+ protected:
+  /// require_rows() of the layout, at least one.
+  RowReader(std::unique_ptr<CloudBytes> file, RowLayout layout);
+  /// Decodes the rows [begin, end) of `bytes`, a batch; from several threads.
+  virtual void decode(std::span<const std::byte> bytes, std::size_t begin, std::size_t end,
+                      CloudBatch& batch) const = 0;
+  [[nodiscard]] const CloudBytes& file() const { return *file_; }
+  [[nodiscard]] const RowLayout& layout() const { return layout_; }
+
+ private:
+  std::unique_ptr<CloudBytes> file_;
+  RowLayout layout_;
+  std::uint64_t next_ = 0;
+  std::vector<std::byte> bytes_;
+};
+
+/// A reader of rows whose columns are RowColumns, which `info.columns` numbers.
+[[nodiscard]] std::unique_ptr<CloudReader> read_rows(std::unique_ptr<CloudBytes> file, RowLayout layout,
+                                                     CloudInfo info);
+
+}  // namespace landfall

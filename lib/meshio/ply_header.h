@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace landfall {
+
+/// The number types of PLY, which other formats of points have too.
+enum class PlyType { int8, uint8, int16, uint16, int32, uint32, float32, float64 };
+
+[[nodiscard]] std::size_t size_of(PlyType type);
+
+/// The number in size_of(type) bytes.
+[[nodiscard]] double stored_number(PlyType type, const void* bytes, bool is_big_endian);
+
+struct PlyProperty {
+  std::string name;
+  PlyType type;
+  std::optional<PlyType> length;  ///< type of a list's length
+};
+
+struct PlyElement {
+  std::string name;
+  std::int64_t count;
+  std::vector<PlyProperty> properties = {};
+};
+
+enum class PlyEncoding { text, little_endian, big_endian };
+
+/// The elements that a file declares, in their order.
+struct PlyHeader {
+  PlyEncoding encoding = PlyEncoding::text;
+  std::vector<PlyElement> elements;
+  std::size_t end = 0;  ///< offset of the first element
+};
+
+/// Reads the header at the beginning of `bytes`. Throws FormatError, naming `name` and the line.
+[[nodiscard]] PlyHeader read_ply_header(std::string_view bytes, const std::string& name);
+
+}  // namespace landfall

@@ -1,0 +1,153 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "runs/raster_import.h"
+
+#include <cmath>
+#include <filesystem>
+#include <limits>
+#include <utility>
+
+#include "base/error.h"
+#include "base/parallel.h"
+#include "files/crs.h"
+#include "files/grid_file.h"
+#include "files/raster_screening.h"
+#include "files/terrain_file.h"
+#include "scene/scene.h"
+#include "terrain/gdal/gdal_loader.h"
+
+namespace landfall {
+namespace {
+
+constexpr std::size_t kRowsPerPiece = 64;
+
+/// The true elevations of the bins, and the words of their layer.
+struct Truth {
+  Grid<double> z;
+  std::string comment;
+};
+
+std::string file_name(const std::string& path) { return std::filesystem::path(path).filename().string(); }
+
+Grid<double> values_of(const DemRaster& raster, const RasterGrid& grid) {
+  const double scale = grid.dem.vertical_scale.value_or(1);
+  auto z = Grid<double>::unset(grid.spec);
+  parallel_for(
+      static_cast<std::size_t>(grid.spec.rows), kRowsPerPiece, [&](std::size_t begin, std::size_t end) {
+        for (auto row = static_cast<std::int64_t>(begin); row < static_cast<std::int64_t>(end); ++row)
+          for (std::int64_t col = 0; col < grid.spec.cols; ++col)
+            z.at({row, col}) =
+                scale * interpolate(raster.samples, Interpolation::nearest,
+                                    raster.mapping.pixel({grid.spec.x(col), grid.spec.y(row)}));
+      });
+  return z;
+}
+
+Grid<double> elevations(const TerrainSurface& surface, const GridSpec& spec) {
+  auto z = Grid<double>::unset(spec);
+  parallel_for(static_cast<std::size_t>(spec.rows), kRowsPerPiece, [&](std::size_t begin, std::size_t end) {
+    for (auto row = static_cast<std::int64_t>(begin); row < static_cast<std::int64_t>(end); ++row)
+      for (std::int64_t col = 0; col < spec.cols; ++col)
+        z.at({row, col}) = surface.elevation(spec.x(col), spec.y(row));
+  });
+  return z;
+}
+
+Truth truth_of_terrain(const RasterImport& import, const GridSpec& spec, const std::string& crs_wkt,
+                       Provenance& provenance) {
+  const Scene scene = open_scene({.terrain = import.terrain, .use = SceneUse::surface});
+  provenance.add_input("terrain", scene.file_id, scene.chain);
+  if (!import.other_terrain && !may_be_one_frame(crs_wkt, scene.crs_wkt))
+    throw FormatError(import.dem.path + ": its site frame is not that of " + import.terrain +
+                      ": give the --center of the terrain, or --other-terrain");
+  if (scene.window)
+    scene.window->require({spec.x(0), spec.x(spec.cols - 1), spec.y(0), spec.y(spec.rows - 1)});
+  return {elevations(*scene.surface, spec), "elevation of the terrain at the bin centre"};
+}
+
+Truth truth_of_raster(const RasterImport& import, const RasterGrid& grid, Provenance& provenance,
+                      std::vector<std::string>& warnings) {
+  DemBase base{.path = import.truth, .center = {}, .center_pixel = {}, .horizontal_scale_m = {}};
+  screen_raster(base, import.links);
+  SampledRaster sampled = sample_raster(base, grid, import.links);
+  for (const std::string& sentence : sampled.assumed) warnings.push_back(import.truth + ": " + sentence);
+  provenance.add_input("raster", sampled.source_id, nlohmann::json::array(), sampled.assumed);
+  return {std::move(sampled.z), "bilinear interpolation of " + file_name(import.truth) +
+                                    (sampled.is_reprojected ? ", reprojected by GDAL" : "")};
+}
+
+void check_truth(const Grid<double>& z, const Grid<double>& truth, const std::string& name,
+                 ImportedDem& result) {
+  std::int64_t both = 0;
+  std::int64_t filled = 0;
+  for (std::size_t i = 0; i < z.values().size(); ++i) {
+    if (std::isnan(z.values()[i])) continue;
+    ++filled;
+    both += std::isnan(truth.values()[i]) ? 0 : 1;
+  }
+  if (filled > 0 && both == 0)
+    throw FormatError(name + ": has no value at any bin of the DEM: is it the truth of another place?");
+  result.bins_with_truth = both;
+  if (both < filled)
+    result.warnings.push_back(name + ": has no value at " + std::to_string(filled - both) + " of " +
+                              std::to_string(filled) + " bins with an elevation");
+}
+
+void write(LandfallFileWriter& file, const Grid<double>& z, const std::optional<Truth>& truth,
+           const std::string& crs_wkt) {
+  GridLayerWriter layers(file, z.spec(), crs_wkt);
+  layers.write("z_est", z, {.long_name = "elevation", .ancillary_variables = "count"});
+  auto count = Grid<std::int32_t>(z.spec());
+  for (std::size_t i = 0; i < z.values().size(); ++i) count.values()[i] = std::isnan(z.values()[i]) ? 0 : 1;
+  layers.write("count", count, {.long_name = "1 where the raster has a value"});
+  if (truth)
+    layers.write("z_true", truth->z,
+                 {.long_name = "true elevation at the bin centre", .comment = truth->comment});
+  file.commit();
+}
+
+nlohmann::json config_of(const RasterImport& import, const RasterGrid& grid, const DemSource& source) {
+  nlohmann::json config = {{"source", file_name(import.dem.path)},
+                           {"format", source.driver},
+                           {"band", source.band},
+                           {"center", {grid.center.x, grid.center.y}},
+                           {"crs", grid.crs_name.empty() ? nlohmann::json() : nlohmann::json(grid.crs_name)},
+                           {"resolution_m", grid.spec.resolution_m}};
+  if (import.dem.vertical_scale) config["vertical_scale"] = *import.dem.vertical_scale;
+  if (!import.truth.empty()) config["truth"] = file_name(import.truth);
+  return config;
+}
+
+}  // namespace
+
+ImportedDem import_raster(const RasterImport& import, ImportOutput output) {
+  screen_raster(import.dem, import.links);
+  const RasterGrid grid = raster_grid(import.dem, import.links);
+  ImportedDem result{.grid = grid.spec, .center = {grid.center.x, grid.center.y}};
+  std::optional<DemRaster> raster;
+  Grid<double> z;
+  output.phase("read", [&](const ProgressCallback&) {
+    raster = dem_loader(import.links)(grid.dem, grid.spec);
+    z = values_of(*raster, grid);
+  });
+  std::vector<std::string> assumed = grid.assumed;
+  assumed.insert(assumed.end(), raster->source.assumed.begin(), raster->source.assumed.end());
+  for (const std::string& sentence : assumed) result.warnings.push_back(import.dem.path + ": " + sentence);
+  output.provenance.config = config_of(import, grid, raster->source);
+  output.provenance.add_input("raster", raster_id(*raster), nlohmann::json::array(), std::move(assumed));
+  std::optional<Truth> truth;
+  output.phase("truth", [&](const ProgressCallback&) {
+    if (!import.terrain.empty())
+      truth = truth_of_terrain(import, grid.spec, raster->crs_wkt, output.provenance);
+    else if (!import.truth.empty())
+      truth = truth_of_raster(import, grid, output.provenance, result.warnings);
+  });
+  for (const double value : z.values()) result.empty_bins += std::isnan(value) ? 1 : 0;
+  if (result.empty_bins == static_cast<std::int64_t>(z.values().size()))
+    throw FormatError(import.dem.path + ": has no pixel with a value");
+  if (truth) check_truth(z, truth->z, import.truth.empty() ? import.terrain : import.truth, result);
+  LandfallFileWriter file(output.file, "dem", output.provenance);
+  output.phase("write", [&](const ProgressCallback&) { write(file, z, truth, raster->crs_wkt); });
+  return result;
+}
+
+}  // namespace landfall

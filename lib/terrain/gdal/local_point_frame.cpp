@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <cmath>
+
+#include "terrain/gdal/point_frame.h"
+#include "terrain/relief/dem_raster.h"
+
+namespace landfall {
+
+MapPoint rounded_center(const MapPoint& low, const MapPoint& high, double metres_per_unit) {
+  const double steps = std::pow(10, -std::floor(-std::log10(metres_per_unit) + 1e-9));  // per unit
+  const auto rounded = [&](double a, double b) { return std::round((a / 2 + b / 2) * steps) / steps; };
+  return {rounded(low.x, high.x), rounded(low.y, high.y)};
+}
+
+PointFrame local_point_frame(const PointFrameRequest& request) {
+  PointFrame frame;
+  frame.center = request.center.value_or(rounded_center(request.low, request.high, 1));
+  frame.metres_per_height = request.vertical_scale.value_or(1);
+  frame.crs_wkt = kLocalSiteCrsWkt;
+  frame.assumed.emplace_back("has no CRS: its coordinates are taken as metres (--crs gives one)");
+  return frame;
+}
+
+}  // namespace landfall

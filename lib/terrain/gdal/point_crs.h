@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <ogr_spatialref.h>
+
+#include <optional>
+#include <string>
+
+#include "terrain/gdal/point_frame.h"
+
+namespace landfall {
+
+/// The CRS of points, axes in longitude-latitude or easting-northing order, and the size of a unit of their
+/// heights where one is declared. Opens no file and no connection.
+struct ReadCrs {
+  OGRSpatialReference crs;
+  std::optional<double> metres_per_height;
+};
+
+/// Throws UsageError for an `option` that GDAL does not know, FormatError for a CRS of the file that it
+/// cannot read; `name` begins messages.
+[[nodiscard]] ReadCrs read_point_crs(const PointCrs& points, const std::string& name);
+
+}  // namespace landfall

@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "raster/grid.h"
+#include "terrain/relief/dem_raster.h"
+#include "terrain/relief/site_mapping.h"
+#include "terrain/terrain_model.h"
+
+namespace landfall {
+
+/// A raster whose pixels are the bins of a grid in the site frame: square and north up.
+struct RasterGrid {
+  GridSpec spec;         ///< the bin (0, 0) of the site is the pixel that is the origin
+  PixelPosition origin;  ///< that pixel
+  MapPoint center;       ///< its centre, units of the raster's CRS
+  DemBase dem;           ///< the raster with `center_pixel`, read without interpolation and with its own zero
+  std::string crs_name;  ///< empty: none
+  std::vector<std::string> assumed{};  ///< sentences without the raster's name
+};
+
+/// Another raster at the bins of a grid.
+struct SampledRaster {
+  Grid<double> z;               ///< metres; NaN off the raster and in its holes
+  std::string source_id;        ///< a hash of its samples and georeference
+  bool is_reprojected = false;  ///< its CRS is another one: GDAL transformed the bins' centres
+  std::vector<std::string> assumed{};
+};
+
+}  // namespace landfall

@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "terrain/gdal/map_projection.h"
+#include "terrain/relief/site_mapping.h"
+
+namespace landfall {
+
+/// The same projection in metres with its false origin moved to the site centre; the local CRS where the
+/// projection has no false origin or PROJ refuses. `center` in the units of `crs`.
+[[nodiscard]] std::string shifted_wkt(const OGRSpatialReference& crs,
+                                      const std::optional<MapProjection>& projection, const MapPoint& center);
+
+/// Longitude and latitude in the units of `geographic`, the longitude within half a turn.
+[[nodiscard]] MapPoint lon_lat_of(const OGRSpatialReference& geographic, const LonLat& ground);
+
+/// The CRS of the orthographic frame around a longitude and latitude.
+[[nodiscard]] std::string orthographic_wkt(const OGRSpatialReference& geographic, const MapPoint& center);
+
+}  // namespace landfall

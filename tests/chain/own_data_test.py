@@ -1,0 +1,553 @@
+#!/usr/bin/python3
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""landfall-import: points and elevation models that landfall did not make, and the chain behind them."""
+import json
+import math
+import os
+import struct
+import unittest
+
+import h5py
+import numpy as np
+
+from harness import ToolTest, clouds, columns, run
+
+OUTSIDE = os.path.join(os.environ.get("LANDFALL_DATA", os.path.join(os.environ["LANDFALL_ROOT"], "..", "shared", "data")), "outside")
+
+
+class Imports(ToolTest):
+    def write(self, name, content):
+        path = self.path(name)
+        with open(path, "wb") as file:
+            file.write(content if isinstance(content, bytes) else content.encode())
+        return path
+
+    def imported(self, name, content, *arguments, silent=True):
+        """The columns and attributes of /points."""
+        done = self.succeed("landfall-import", self.write(name, content), "-o", self.path("scan.h5"), "-O", *arguments)
+        self.said = done.stderr
+        if silent:
+            self.assertEqual(done.stderr, "")
+        with h5py.File(self.path("scan.h5")) as file:
+            self.assertNotIn("pulses", file)
+            self.assertFalse([name for name in file["points"] if name.endswith("_true")])
+            return {name: data[()] for name, data in file["points"].items()}, dict(file["points"].attrs)
+
+    def refused(self, name, content, expected, *arguments, code=1):
+        path = name if content is None else self.write(name, content)
+        self.refuse(code, "landfall-import", path, "-o", self.path("bad.h5"), *arguments, words=[expected], output=self.path("bad.h5"))
+
+
+UTM = ["--crs", "EPSG:32632"]
+OFFSET = (548351.0, 5389938.0, 235.0)
+
+
+class Las(Imports):
+    def test_every_version_and_point_format_reads_back_to_the_last_unit(self):
+        points = clouds.las_points()
+        units = np.array([p["xyz"] for p in points])
+        for minor, formats in {0: (0, 1), 1: (0, 1), 2: (0, 1, 2, 3), 3: range(6), 4: range(11)}.items():
+            for fmt in formats:
+                with self.subTest(minor=minor, fmt=fmt):
+                    data, attributes = self.imported("a.las", clouds.las(points, fmt, minor, offset=OFFSET, extra=3), *UTM)
+                    center = [attributes["origin_" + axis] for axis in "xyz"]
+                    for k, axis in enumerate("xyz"):
+                        back = (data[axis + "_est"] + center[k] - OFFSET[k]) / 0.001
+                        np.testing.assert_array_equal(np.round(back), units[:, k])
+                        self.assertLess(np.abs(back - np.round(back)).max(), 1e-3)
+                    np.testing.assert_array_equal(data["intensity"], [p["intensity"] for p in points])
+                    np.testing.assert_array_equal(data["return_number"], [p["return"] for p in points])
+                    np.testing.assert_array_equal(data["status"], [6 if p["class"] == 7 else 0 for p in points])
+                    self.assertEqual("t" in data, fmt in clouds.LAS_TIMED)
+                    if "t" in data:
+                        np.testing.assert_array_equal(data["t"], [p["t"] for p in points])
+                    self.assertEqual(attributes["imported_from"], f"LAS 1.{minor}, point format {fmt}".encode())
+
+    def test_the_middle_of_the_extent_rounded_to_a_metre_is_the_origin(self):
+        points = clouds.las_points()
+        xyz = np.array([p["xyz"] for p in points]) * 0.001 + OFFSET
+        _, attributes = self.imported("a.las", clouds.las(points, offset=OFFSET), *UTM)
+        middle = np.round((xyz.min(axis=0) + xyz.max(axis=0)) / 2)
+        self.assertEqual([attributes["origin_x"], attributes["origin_y"], attributes["origin_z"]], [middle[0], middle[1], 0])
+
+    def test_a_given_center_is_the_origin_of_all_three_axes(self):
+        points = clouds.las_points(40)
+        data, _ = self.imported("a.las", clouds.las(points, offset=OFFSET), *UTM, "--center", "548300.5,5389900.25,200")
+        xyz = np.array([p["xyz"] for p in points]) * 0.001 + OFFSET
+        for k, axis in enumerate("xyz"):
+            np.testing.assert_allclose(data[axis + "_est"], xyz[:, k] - (548300.5, 5389900.25, 200)[k], atol=1e-9)
+
+    def test_withheld_points_are_left_out_and_counted(self):
+        points = clouds.las_points(30)
+        for p in points[:4]:
+            p["withheld"] = 1
+        for fmt, minor in ((1, 2), (6, 4)):
+            data, _ = self.imported("a.las", clouds.las(points, fmt, minor), *UTM, silent=False)
+            self.assertEqual(len(data["x_est"]), 26)
+            self.assertIn("4 points that it marks as withheld are left out", self.said)
+
+    def test_the_crs_of_the_file_is_kept(self):
+        keys = struct.pack("<16H", 1, 1, 0, 3, 1024, 0, 1, 1, 3072, 0, 1, 32632, 3076, 0, 1, 9001)
+        points = clouds.las_points(40)
+        for record in (clouds.las_vlr("LASF_Projection", 34735, keys),):
+            self.imported("a.las", clouds.las(points, offset=OFFSET, records=[record]))
+            with h5py.File(self.path("scan.h5")) as file:
+                self.assertIn("landfall site frame", file["crs"].attrs["crs_wkt"].decode())
+                self.assertIn("Transverse Mercator", file["crs"].attrs["crs_wkt"].decode())
+
+    def test_feet_and_degrees_become_metres(self):
+        foot = 1200 / 3937
+        points = [{**p, "xyz": xyz} for p, xyz in zip(clouds.las_points(3), [(0, 0, 0), (100000, 0, 5000), (0, 100000, 0)])]
+        data, attributes = self.imported("a.las", clouds.las(points, offset=(6000000.0, 2100000.0, 0.0)), "--crs", "EPSG:2227", "--center",
+                                         "6000000,2100000", silent=False)
+        np.testing.assert_allclose(data["x_est"], [0, 100 * foot, 0], atol=1e-9)
+        np.testing.assert_allclose(data["z_est"], [0, 5, 0], atol=1e-9)
+        self.assertIn("the unit of its heights is not declared", self.said)
+        data, _ = self.imported("a.las", clouds.las(points, offset=(6000000.0, 2100000.0, 0.0)), "--crs", "EPSG:2227", "--vertical-scale", str(foot))
+        np.testing.assert_allclose(data["z_est"], [0, 5 * foot, 0], atol=1e-9)
+        data, attributes = self.imported("d.csv", "lon,lat,z\n9.1,48.7,1\n9.10001,48.7,2\n9.1,48.70001,3\n", "--crs", "EPSG:4326", "--center", "9.1,48.7")
+        phi, e2 = math.radians(48.7), (2 - 1 / 298.257223563) / 298.257223563
+        normal = 6378137 / math.sqrt(1 - e2 * math.sin(phi) ** 2)
+        meridian = 6378137 * (1 - e2) / math.sqrt(1 - e2 * math.sin(phi) ** 2) ** 3
+        step = math.radians(1e-5)
+        np.testing.assert_allclose(data["x_est"], [0, normal * math.cos(phi) * step, 0], atol=1e-6)
+        np.testing.assert_allclose(data["y_est"], [0, 0, meridian * step], atol=1e-6)
+        self.assertEqual(attributes["origin_x"], 9.1)
+
+    def test_a_map_whose_scale_is_not_one_gives_ground_distances(self):
+        data, _ = self.imported("m.csv", "x,y,z\n1000000,8399737.89,1\n1000010,8399737.89,2\n", "--crs", "EPSG:3857")  # 60 degrees north: scale 2
+        self.assertAlmostEqual(data["x_est"][1] - data["x_est"][0], 5.0, delta=0.02)
+
+    def test_damaged_files_are_refused(self):
+        good = clouds.las(clouds.las_points(20), 1, offset=OFFSET)
+
+        def patched(at, form, value):
+            return good[:at] + struct.pack(form, value) + good[at + struct.calcsize(form):]
+
+        cases = {"truncated": (good[:-1], "declares 20 points, but has the bytes of 19"), "in the header": (good[:100], "ends within its header"),
+                 "no points": (clouds.las([], 0), "has no points"), "many points": (patched(107, "<I", 2**32 - 1), "declares 4294967295 points"),
+                 "offset": (patched(96, "<I", 10), "its points begin at byte 10"), "offset beyond": (patched(96, "<I", 2**31), "has the bytes of 0"),
+                 "records": (patched(100, "<I", 9), "reaches beyond its place"), "scale": (patched(131, "<d", 0.0), "scale or offset of axis x"),
+                 "not finite": (patched(163, "<d", math.nan), "scale or offset of axis y"), "record": (patched(105, "<H", 20), "declares points of 20 bytes"),
+                 "format": (patched(104, "<B", 11), "point format 11"), "version": (patched(25, "<B", 5), "is LAS 1.5"),
+                 "header size": (patched(94, "<H", 100), "declares a header of 100 bytes"), "laz": (patched(104, "<B", 0x81), "pdal translate"),
+                 "laz record": (clouds.las(clouds.las_points(3), records=[clouds.las_vlr("laszip encoded", 22204, b"x" * 34)]), "pdal translate")}
+        for name, (content, expected) in cases.items():
+            with self.subTest(name):
+                self.refused("b.las", content, expected)
+        self.refused("b.las", b"hello world, this is text", "does not begin with LASF")
+        self.refused("b.e57", b"ASTM-E57" + bytes(100), "is an E57 file")
+        self.refused("b.las", good, "--columns is for text", "--columns", "x=1", code=2)
+        self.refused("b.las", good, "is not a CRS", "--crs", "EPSG:99999999", code=2)
+        self.refused("b.las", good, "lies beyond a pole", "--crs", "EPSG:4326")
+        self.refused("b.las", good, "geocentric", "--crs", "EPSG:4978")
+        self.refused("b.las", good, "is not E,N or E,N,H", "--center", "1", code=2)
+        self.refused("b.las", good, "is not a number", "--center", "1,b", code=2)
+        self.refused(self.path("missing.las"), None, "no such file")
+
+    def test_real_files(self):
+        files = [("riegl_fwf_2535pt_UTM.las", 2535, True), ("laspy_vegetation_1_3.las", 10683, False), ("leeward_points.las", 1325, True)]
+        for name, count, has_crs in files:
+            path = os.path.join(OUTSIDE, name)
+            if not os.path.exists(path):
+                self.skipTest(f"{path} is not there")
+            done = self.succeed("landfall-import", path, "-o", self.path("real.h5"), "-O")
+            self.assertEqual("has no CRS" in done.stderr, not has_crs)
+            with open(path, "rb") as file:
+                content = file.read()
+            begin, = struct.unpack_from("<I", content, 96)
+            size, = struct.unpack_from("<H", content, 105)
+            scale = struct.unpack_from("<3d", content, 131)
+            offset = struct.unpack_from("<3d", content, 155)
+            with h5py.File(self.path("real.h5")) as file:
+                points = file["points"]
+                self.assertEqual(len(points["x_est"]), count)
+                for k, axis in enumerate("xyz"):
+                    stored = np.array([struct.unpack_from("<i", content, begin + i * size + 4 * k)[0] for i in range(count)])
+                    back = (points[axis + "_est"][()] + points.attrs["origin_" + axis] - offset[k]) / scale[k]
+                    np.testing.assert_array_equal(np.round(back), stored)
+
+
+def table(count=300, seed=2):
+    random = np.random.default_rng(seed)
+    kinds = [("x", "f4"), ("y", "f4"), ("z", "f4"), ("rgb", "u4"), ("intensity", "f4"), ("return_number", "u1"), ("gps_time", "f8"), ("pulse", "i4")]
+    data = np.zeros(count, kinds)
+    for axis in "xyz":
+        data[axis] = random.uniform(-30, 30, count)
+    data["rgb"] = 7
+    data["intensity"] = random.integers(0, 50, count)
+    data["return_number"] = random.integers(1, 4, count)
+    data["gps_time"] = np.arange(count) / 64
+    data["pulse"] = np.arange(count) // 3
+    return data
+
+
+class PcdAndPly(Imports):
+    def check(self, data, expected):
+        for name, column in (("x_est", "x"), ("y_est", "y"), ("z_est", "z"), ("intensity", "intensity"), ("return_number", "return_number"),
+                             ("t", "gps_time"), ("pulse", "pulse")):
+            np.testing.assert_array_equal(data[name], expected[column].astype(data[name].dtype), name)
+
+    def test_pcd_in_its_three_forms(self):
+        expected = table()
+        for form in ("ascii", "binary", "binary_compressed"):
+            with self.subTest(form):
+                data, attributes = self.imported("a.pcd", clouds.pcd(expected, form), "--center", "0,0", silent=False)
+                self.check(data, expected)
+                self.assertEqual(self.said.count("warning"), 1)  # no CRS
+                self.assertEqual(attributes["imported_from"].decode(), "PCD, " + form)
+
+    def test_points_of_pcd_without_a_position_are_left_out(self):
+        expected = table()
+        expected["x"][5] = np.nan
+        data, _ = self.imported("a.pcd", clouds.pcd(expected, "binary_compressed"), "--center", "0,0", silent=False)
+        self.check(data, np.delete(expected, 5))
+        self.assertIn("1 points without a finite position are left out", self.said)
+
+    def test_a_viewpoint_is_said_to_be_ignored(self):
+        self.imported("a.pcd", clouds.pcd(table(), "ascii", "VIEWPOINT 1 2 3 1 0 0 0"), silent=False)
+        self.assertIn("its VIEWPOINT is ignored", self.said)
+
+    def test_ply_in_its_three_forms(self):
+        expected = table()
+        for form in ("ascii", "binary_little_endian", "binary_big_endian"):
+            for faces in (0, 3):
+                with self.subTest(form=form, faces=faces):
+                    data, _ = self.imported("a.ply", clouds.ply(expected, form, faces), "--center", "0,0", silent=False)
+                    self.check(data, expected)
+                    self.assertEqual("3 face" in self.said, faces == 3)
+
+    def test_damaged_files_are_refused(self):
+        packed = clouds.pcd(table(), "binary_compressed")
+        body = packed.index(b"binary_compressed\n") + len(b"binary_compressed\n")
+        flat = table()[["x", "y"]]
+        cases = {"a.pcd": [(clouds.pcd(table(), "binary")[:-1], "truncated"), (packed[:-9], "truncated"), (packed[:-9] + bytes(9), "compressed points"),
+                           (packed[:body + 8] + b"\xff\xff\xff" + packed[body + 11:], "before their beginning"),
+                           (packed[:body + 4] + struct.pack("<I", 5) + packed[body + 8:], "unpacked bytes"), (packed[:60], "ends within its PCD header"),
+                           (clouds.pcd(table(), "ascii")[:-30], "line 311"), (clouds.pcd(np.repeat(flat, 1), "binary"), "no column is recognised as z"),
+                           (clouds.pcd(table(0), "binary"), "has no points"), (packed.replace(b"SIZE 4", b"SIZE 3"), "SIZE 3"),
+                           (packed.replace(b"COUNT 1", b"COUNT 9999999"), "COUNT")],
+                 "a.ply": [(clouds.ply(table())[:-1], "truncated"), (clouds.ply(table(), "ascii")[:-30], "cells"), (clouds.ply(table(0)), "has no points"),
+                           (clouds.ply(np.repeat(flat, 1)), "no column is recognised as z"), (clouds.ply(table())[:36], "ends within the header"),
+                           (clouds.ply(table()).replace(b"element vertex 300", b"element vertex 99999999999"), "truncated")]}
+        for name, contents in cases.items():
+            for content, expected in contents:
+                with self.subTest(name + ": " + expected):
+                    self.refused(name, content, expected)
+
+
+class Text(Imports):
+    POINTS = [(10.5, 20.25, 1.5), (11.5, 21.25, 2.5), (12.5, 22.25, 3.5)]
+
+    def check(self, name, content, *arguments, silent=False, warned=("has no CRS",)):
+        data, attributes = self.imported(name, content, "--center", "10,20", *arguments, silent=silent)
+        np.testing.assert_array_equal(np.column_stack([data["x_est"], data["y_est"], data["z_est"]]), np.array(self.POINTS) - [10, 20, 0])
+        self.assertEqual(self.said.count("warning"), len(warned), self.said)
+        for text in warned:
+            self.assertIn(text, self.said)
+        return data, attributes
+
+    def rows(self, separator, end="\n", form="{}"):
+        return end.join(separator.join(form.format(v) for v in row) for row in self.POINTS) + end
+
+    def test_dialects(self):
+        for separator in (",", ";", "\t", " ", "   ", ", ", ";\t"):
+            for end in ("\n", "\r\n", "\r"):
+                with self.subTest(separator=separator, end=end):
+                    self.check("a.csv", f"E{separator}N{separator}H{end}" + self.rows(separator, end))
+                    self.check("a.txt", "\ufeff" + self.rows(separator, end), warned=("has no CRS", "has no header"))
+        self.check("a.csv", '"x","y","z"\n' + self.rows(",", form='"{}"'))
+        self.check("a.xyz", "# by a test\n//X Y Z\n" + self.rows(" "))
+        self.check("a.xyz", "\n" + self.rows(" ") + "\n# end\n\n", warned=("has no CRS", "has no header"))
+        self.check("a.pts", "3\n" + self.rows(" "), warned=("has no CRS", "has no header"))
+        self.check("a.csv", "x,y,z\n" + self.rows(",")[:-1])
+        self.check("a.csv", "x,y,z\n1e1,2e1,nan\n" + self.rows(","), warned=("has no CRS", "1 points without a finite position"))
+
+    def test_names_of_columns(self):
+        for names in ("Easting,Northing,Elevation", "x_est_m,y_est_m,z_est_m", "X [m],Y [m],Z [m]", "//X,Y,Z"):
+            with self.subTest(names):
+                self.check("a.csv", names + "\n" + self.rows(","))
+
+    def test_columns_are_chosen_by_name_and_by_number(self):
+        swapped = "\n".join(f"{z},{y},{x},{i}" for i, (x, y, z) in enumerate(self.POINTS)) + "\n"
+        for arguments in (("--columns", "x=c,y=b,z=a,pulse=d"), ("--columns", "x=3,y=2,z=1,pulse=4")):
+            data, _ = self.check("a.csv", "a,b,c,d\n" + swapped, *arguments)
+            np.testing.assert_array_equal(data["pulse"], [0, 1, 2])
+        data, _ = self.check("a.csv", swapped, "--columns", "x=3,y=2,z=1,t=4")
+        np.testing.assert_array_equal(data["t"], [0, 1, 2])
+
+    def test_helios(self):
+        lines = "".join(f"{x:.4f} {y:.4f} {z:.4f} {100.5 + i} 0.0000 {1 + i % 2} 2 {i // 2} 3 0 {0.5 + i}\n" for i, (x, y, z) in enumerate(self.POINTS))
+        data, attributes = self.check("leg000_points.xyz", lines)
+        self.assertEqual(attributes["imported_from"], b"HELIOS++ xyz")
+        np.testing.assert_array_equal(data["intensity"], [100.5, 101.5, 102.5])
+        np.testing.assert_array_equal(data["return_number"], [1, 2, 1])
+        np.testing.assert_array_equal(data["pulse"], [0, 0, 1])
+        np.testing.assert_array_equal(data["t"], [0.5, 1.5, 2.5])
+        self.assertEqual(attributes["first_t_s"], 0.5)
+
+    def test_the_result_does_not_depend_on_threads(self):
+        random = np.random.default_rng(3)
+        lines = "x,y,z\n" + "".join(f"{a:.3f},{b:.3f},{c:.3f}\n" for a, b, c in random.uniform(-50, 50, (30000, 3)))
+        contents = []
+        for threads in (1, 4):
+            self.imported("a.csv", lines, "--threads", threads, silent=False)
+            with open(self.path("scan.h5"), "rb") as file:
+                contents.append(file.read())
+        self.assertEqual(*contents)
+
+    def test_wrong_files_are_refused(self):
+        cases = [("", "is empty", ()), ("# only\n", "has no points", ()), ("x,y,z\n", "has no points", ()), ("x,y\n1,2\n", "no column is recognised as z", ()),
+                 ("1 2\n", "a point has x, y and z", ()), ("x,y,z\n1,2,3\n4,5\n", "line 3: has 2 cells, not 3", ()),
+                 ("x,y,z\n1,2,3\n4,b,6\n", "line 3: 'b' is not a number", ()), ("x;y;z\n1,5;2;3\n", "decimal commas", ()),
+                 ("x,y,z,x\n1,2,3,4\n", "two of its columns could be x", ()), ("x,y,z\n1,2,nan\n", "has no points but 1 without a position", ()),
+                 ("x,y,z\n1,2,3\n\0", "is not a point cloud", ()), ("x,y,z,pulse\n1,2,3,4.5\n", "a pulse of 4.5 is not an integer", ())]
+        for content, expected, arguments in cases:
+            with self.subTest(expected):
+                self.refused("a.csv", content, expected, *arguments)
+        for columns_text, expected in (("x", "is not FIELD=COLUMN"), ("q=1", "is not one of x, y, z"), ("x=1,x=2", "gives x twice"), ("x=9", "has no such column"),
+                                       ("x=E", "has no such column")):
+            self.refused("a.csv", "x,y,z\n1,2,3\n", expected, "--columns", columns_text, code=2)
+
+
+class Chain(Imports):
+    """Points sampled on a known terrain, gridded and judged without true positions."""
+
+    def setUp(self):
+        super().setUp()
+        self.terrain = self.path("terrain.h5")
+        self.succeed("terrain-gen", "-o", self.terrain, "--set", "grid.half_width_m=12", "--set", "grid.resolution_m=0.25",
+                     "--set", 'base={"type":"plane","slope_x":0.1,"slope_y":-0.05}')
+        random = np.random.default_rng(5)
+        x, y = random.uniform(-11, 11, (2, 40000))
+        z = 0.1 * x - 0.05 * y + random.normal(0, 0.01, 40000)
+        rows = np.column_stack([x, y, z, np.arange(40000) / 1000, np.arange(40000) // 4])
+        self.scan = self.path("points.h5")
+        self.succeed("landfall-import", self.write("points.csv", "x,y,z,t,pulse\n" + "\n".join(",".join(f"{v:.6f}" for v in row[:4]) + f",{row[4]:.0f}" for row in rows)),
+                     "-o", self.scan, "--center", "0,0", "-q")
+        self.dem = self.path("dem.h5")
+        self.grid = ("--set", "half_width_m=10", "--set", "resolution_m=0.25")
+
+    def regrid(self, *arguments):
+        return self.succeed("regrid", self.scan, "-o", self.dem, "-O", *self.grid, *arguments)
+
+    def evaluate(self, *arguments):
+        self.succeed("dem-eval", self.dem, "-o", self.path("eval.h5"), "-O", "--metrics", self.path("metrics.json"), "--set", "region_radius_m=8", *arguments)
+        with open(self.path("metrics.json"), encoding="utf-8") as file:
+            return json.load(file)
+
+    def test_regrid_takes_the_truth_at_the_centre_of_the_bin(self):
+        self.regrid("--terrain", self.terrain)
+        with h5py.File(self.dem) as file:
+            self.assertNotIn("x_true", file)
+            self.assertNotIn("y_true", file)
+            x, y = np.meshgrid(file["x"][()], file["y"][()])
+            z_true = file["z_true"][()]
+            np.testing.assert_array_equal(np.isnan(z_true), file["count"][()] == 0)
+            self.assertLess(np.nanmax(np.abs(z_true - (0.1 * x - 0.05 * y))), 1e-9)
+            self.assertEqual(file["z_true"].attrs["long_name"], b"true elevation at the bin centre")
+            self.assertLess(np.nanmax(np.abs(file["t_mean"][()])), 40)
+            count = int(file["count"][()].sum())
+        points = columns(self.scan, "points")
+        bins = np.floor(np.stack([points["x_est"], points["y_est"]]) / 0.25 + 0.5)
+        self.assertEqual(count, int(np.all(np.abs(bins) <= 40, axis=0).sum()))
+
+    def test_only_what_is_known_is_judged(self):
+        self.regrid("--terrain", self.terrain)
+        metrics = self.evaluate()
+        self.assertIs(metrics["requirements"]["relative_elevation"]["pass"], True)
+        for name in ("relative_horizontal", "absolute_horizontal"):
+            self.assertIsNone(metrics["requirements"][name]["pass"])
+            self.assertIsNone(metrics["requirements"][name]["value"])
+        self.assertIsNone(metrics["pass"])
+        self.assertIsNone(metrics["accuracy"]["relative"]["x"]["violation_count"])
+        self.assertEqual(metrics["accuracy"]["relative"]["z"]["violation_count"], 0)
+        self.assertIsNone(metrics["accuracy"]["absolute"]["horizontal"]["within_limit_frac"])
+        with h5py.File(self.path("eval.h5")) as file:
+            self.assertIn("rel_z", file)
+            self.assertNotIn("rel_x", file)
+        result = self.succeed("dem-eval", self.dem, "--table", "--set", "region_radius_m=8")
+        self.assertRegex(result.stdout, "relative_horizontal +no true positions to compare with .* not judged")
+        metrics = self.evaluate("--set", "limits.relative_elevation_m=0.001")
+        self.assertIs(metrics["pass"], False)
+        self.assertEqual(run("dem-eval", self.dem, "--metrics-only", "--require-pass", "--set", "region_radius_m=8").returncode, 3)
+
+    def test_without_a_terrain_only_the_coverage_is_judged(self):
+        self.regrid()
+        metrics = self.evaluate("--set", "limits.invalid_frac=0", "--set", "limits.hole_bins=0")
+        self.assertIsNone(metrics["pass"])
+        self.assertIsNone(metrics["accuracy"]["quantile"])
+
+    def test_reports_hazards_and_exports_say_where_the_data_come_from(self):
+        self.regrid("--terrain", self.terrain)
+        self.evaluate("--report", self.path("report.html"))
+        with open(self.path("report.html"), encoding="utf-8") as file:
+            self.assertIn("imported from points.csv (text with a header)", file.read())
+        self.succeed("hazard-map", self.dem, "--terrain", self.terrain, "-o", self.path("hazards.h5"), "--report", self.path("hazards.html"),
+                     "--score", self.path("score.json"))
+        with open(self.path("hazards.html"), encoding="utf-8") as file:
+            self.assertIn("points.csv", file.read())
+        shown = self.succeed("landfall-info", self.scan).stdout
+        self.assertIn("text with a header, origin at 0, 0, 0", shown)
+        self.assertIn("40000, one per point", shown)
+        for extension in ("csv", "ply", "las", "xmf", "png"):
+            self.succeed("landfall-export", self.scan, "-o", self.path("points." + extension), *(["--time", "scan"] if extension == "las" else []), "-O")
+        self.refuse(2, "landfall-export", self.scan, "-o", self.path("true.ply"), "--position", "true", words=["no column 'x_true'"])
+        self.refuse(2, "landfall-export", self.scan, "-o", self.path("gps.las"), "--time", "gps", words=["the clock of its times is that of its source"])
+        for extension in ("ply", "las", "csv"):
+            self.succeed("landfall-import", self.path("points." + extension), "-o", self.path("again.h5"), "--center", "0,0", "-O", "-q")
+            with h5py.File(self.scan) as a, h5py.File(self.path("again.h5")) as b:
+                for name in ("x_est", "y_est", "z_est"):
+                    np.testing.assert_allclose(a["points"][name][()], b["points"][name][()], atol=0.51e-6)
+
+    def test_a_bin_and_a_comparison(self):
+        self.regrid("--terrain", self.terrain)
+        result = json.loads(self.succeed("landfall-info", self.dem, "--at", "1,2", "--scan", self.scan, "--json").stdout)
+        text = json.dumps(result)
+        self.assertIn('"range_true_m": null', text)
+        self.assertIn('"pixel": null', text)
+        self.assertNotIn('"t_s": null', text)
+        other = self.path("other.h5")
+        self.succeed("regrid", self.scan, "-o", other, *self.grid, "--method", "mean")
+        self.succeed("landfall-info", "--compare", self.dem, other, "--json")
+        self.succeed("landfall-info", "--compare", self.scan, self.scan)
+
+    def test_what_an_imported_scan_cannot_give_is_refused(self):
+        for arguments, expected in ((("--uncertainty",), "it has no poses"), (("--truth-at", "centroid", "--terrain", self.terrain), "no true positions"),
+                                    (("--layers", "z_est,x_true"), "x_true needs scans with true points")):
+            self.refuse(2, "regrid", self.scan, "-o", self.path("x.h5"), *self.grid, *arguments, words=[expected], output=self.path("x.h5"))
+
+    def test_points_without_times_give_no_mean_time(self):
+        self.succeed("landfall-import", self.write("p.csv", "x,y,z\n0,0,1\n1,1,2\n"), "-o", self.path("p.h5"), "-q", "--center", "0,0")
+        self.succeed("regrid", self.path("p.h5"), "-o", self.dem, "-O", *self.grid)
+        with h5py.File(self.dem) as file:
+            self.assertNotIn("t_mean", file)
+        self.refuse(2, "landfall-export", self.path("p.h5"), "-o", self.path("p.las"), words=["no column 't'"])
+
+    def test_a_terrain_of_another_place_is_refused(self):
+        points = self.write("u.csv", "x,y,z\n500000,5400000,1\n500004,5400004,2\n")
+        self.succeed("landfall-import", points, "-o", self.path("a.h5"), *UTM, "--center", "500000,5400000")
+        self.succeed("landfall-import", points, "-o", self.path("b.h5"), *UTM, "--center", "500001,5400000")
+        with h5py.File(self.path("a.h5")) as file:
+            wkt = file["crs"].attrs["crs_wkt"].decode()
+        self.assertIn("landfall site frame", wkt)
+        self.assertNotEqual(wkt, h5py.File(self.path("b.h5"))["crs"].attrs["crs_wkt"].decode())
+
+
+class Rasters(Imports):
+    """Elevation models as ESRI grids, which need no library to write."""
+
+    PRJ = ('PROJCS["WGS 84 / UTM zone 32N",GEOGCS["WGS 84",DATUM["WGS_1984",SPHEROID["WGS 84",6378137,298.257223563]],PRIMEM["Greenwich",0],'
+           'UNIT["degree",0.0174532925199433]],PROJECTION["Transverse_Mercator"],PARAMETER["latitude_of_origin",0],PARAMETER["central_meridian",9],'
+           'PARAMETER["scale_factor",0.9996],PARAMETER["false_easting",500000],PARAMETER["false_northing",0],UNIT["metre",1]]')
+
+    DEGREES = 'GEOGCS["WGS 84",DATUM["WGS_1984",SPHEROID["WGS 84",6378137,298.257223563]],PRIMEM["Greenwich",0],UNIT["degree",0.0174532925199433]]'
+
+    def grid(self, name, values, west, south, step, prj=PRJ):
+        """`values` from north to south; west and south are the centres of the first pixels."""
+        rows = "".join(" ".join("-9999" if np.isnan(v) else repr(float(v)) for v in row) + "\n" for row in values)
+        path = self.write(name + ".asc", f"ncols {values.shape[1]}\nnrows {values.shape[0]}\nxllcenter {west}\nyllcenter {south}\ncellsize {step}\nNODATA_value -9999\n" + rows)
+        if prj:
+            self.write(name + ".prj", prj)
+        return path
+
+    def setUp(self):
+        super().setUp()
+        self.values = np.arange(21 * 31, dtype=float).reshape(21, 31) / 64 + 100
+        self.values[3, 4] = np.nan
+        self.dem = self.grid("dem", self.values, 500000, 5400000, 0.5)
+        self.out = self.path("dem.h5")
+
+    def imported_dem(self, *arguments):
+        return self.succeed("landfall-import", *arguments, "-o", self.out, "-O").stderr
+
+    def test_pixels_become_bins_of_a_rectangular_grid(self):
+        self.assertEqual(self.imported_dem(self.dem), "")
+        with h5py.File(self.out) as file:
+            np.testing.assert_array_equal(file["z_est"][()], self.values[::-1])
+            np.testing.assert_array_equal(file["count"][()], ~np.isnan(self.values[::-1]))
+            np.testing.assert_allclose(file["x"][()], (np.arange(31) - 15) * 0.5, atol=1e-12)
+            np.testing.assert_allclose(file["y"][()], (np.arange(21) - 10) * 0.5, atol=1e-12)
+            self.assertNotIn("z_true", file)
+            self.assertIn("Transverse Mercator", file["crs"].attrs["crs_wkt"].decode())
+        self.succeed("dem-eval", self.out, "--table", "--set", "region_radius_m=5", "--set", "footprint_m=1")
+        self.succeed("hazard-map", self.out, "-o", self.path("h.h5"), "--set", "region_radius_m=4", "--set", "lander.leg_radius_m=1", "--set",
+                     "lander.body_radius_m=1")
+        self.refuse(2, "dem-eval", self.out, "--table", "--set", "region_radius_m=6", words=["the largest that fits is 5"])
+
+    def test_the_center_moves_to_the_nearest_pixel(self):
+        self.imported_dem(self.dem, "--center", "500002.2,5400001.6")
+        with h5py.File(self.out) as file:
+            self.assertEqual((file["x"][0], file["y"][0]), (-2.0, -1.5))
+        self.refuse(2, "landfall-import", self.dem, "-o", self.path("x.h5"), "--center", "499000,5400000", words=["the centre lies outside"], output=self.path("x.h5"))
+
+    def test_a_truth_raster_on_another_grid_is_interpolated_bilinearly(self):
+        north, east = np.meshgrid(np.arange(60) * 0.3 - 3, np.arange(80) * 0.3 - 3, indexing="ij")
+        truth = self.grid("truth", (50 + 2 * east - north)[::-1], 499997, 5399997, 0.3)
+        self.assertEqual(self.imported_dem(self.dem, "--truth", truth), "")
+        with h5py.File(self.out) as file:
+            x, y = np.meshgrid(file["x"][()] + 7.5, file["y"][()] + 5)
+            np.testing.assert_allclose(file["z_true"][()], 50 + 2 * x - y, atol=1e-6)
+            self.assertEqual(file["z_true"].attrs["comment"], b"bilinear interpolation of truth.asc")
+        self.succeed("dem-eval", self.out, "--metrics", self.path("m.json"), "--set", "region_radius_m=4", "--set", "footprint_m=1")
+        with open(self.path("m.json"), encoding="utf-8") as file:
+            metrics = json.load(file)
+        self.assertIs(metrics["pass"], False)
+        self.assertIsNone(metrics["requirements"]["relative_horizontal"]["pass"])
+
+    def test_a_truth_in_degrees_is_reprojected(self):
+        step = 2e-6
+        rows, cols = 60, 90
+        lat0, lon0 = 48.753, 9.0 - 4e-6  # the meridian arc of 5,400,000 m / 0.9996 ends at 48.753013 degrees
+        truth = self.grid("truth", np.tile(np.arange(cols, dtype=float), (rows, 1)), lon0, lat0, step, prj=self.DEGREES)
+        self.imported_dem(self.grid("small", self.values[:5, :9], 500000, 5400000, 0.5), "--truth", truth)
+        with h5py.File(self.out) as file:
+            z = file["z_true"][()]
+            self.assertEqual(file["z_true"].attrs["comment"], b"bilinear interpolation of truth.asc, reprojected by GDAL")
+        phi, e2 = math.radians(48.7528), (2 - 1 / 298.257223563) / 298.257223563
+        metres = math.radians(step) * 6378137 / math.sqrt(1 - e2 * math.sin(phi) ** 2) * math.cos(phi) * 0.9996
+        np.testing.assert_allclose(z, np.tile(2 + np.arange(9) * 0.5 / metres, (5, 1)), atol=1e-3)
+
+    def test_the_truth_of_a_terrain(self):
+        terrain = self.path("t.h5")
+        north, east = np.meshgrid(np.arange(60) * 0.5 - 10, np.arange(80) * 0.5 - 10, indexing="ij")
+        ground = self.grid("ground", (10 + east + 2 * north)[::-1], 499990, 5399990, 0.5)
+        self.succeed("terrain-gen", "--from", ground, "-o", terrain, "--center", "500007.5,5400005", "--datum", "none", "--half-width", "8", "--resolution", "0.5")
+        self.imported_dem(self.dem, "--terrain", terrain)
+        with h5py.File(self.out) as file:
+            x, y = np.meshgrid(file["x"][()] + 7.5, file["y"][()] + 5)
+            np.testing.assert_allclose(file["z_true"][()], 10 + x + 2 * y, atol=1e-6)
+        self.refuse(1, "landfall-import", self.dem, "-o", self.path("x.h5"), "--terrain", terrain, "--center", "500008,5400005",
+                    words=["its site frame is not that of"], output=self.path("x.h5"))
+        self.imported_dem(self.dem, "--terrain", terrain, "--center", "500008,5400005", "--other-terrain")
+
+    def test_the_truth_of_another_place_is_refused(self):
+        truth = self.grid("truth", self.values, 600000, 5400000, 0.5)
+        self.refuse(1, "landfall-import", self.dem, "-o", self.path("x.h5"), "--truth", truth, words=["is it the truth of another place?"], output=self.path("x.h5"))
+        truth = self.grid("plain", self.values, 500000, 5400000, 0.5, prj=None)
+        self.refuse(1, "landfall-import", self.dem, "-o", self.path("x.h5"), "--truth", truth, words=["has no CRS, but"], output=self.path("x.h5"))
+        part = self.grid("part", self.values[:, :20], 500000, 5400000, 0.5)
+        self.assertRegex(self.imported_dem(self.dem, "--truth", part), r"has no value at 231 of 650 bins with an elevation")
+
+    def test_pixels_that_are_not_squares_on_the_ground_are_refused_with_a_command(self):
+        degrees = self.grid("degrees", self.values, 9.0, 48.7, 1e-5, prj=self.DEGREES)
+        self.refuse(2, "landfall-import", degrees, "-o", self.path("x.h5"), words=["gdalwarp -t_srs \"+proj=ortho +lat_0=48.7", "degrees"], output=self.path("x.h5"))
+        wide = self.write("wide.asc", "ncols 3\nnrows 3\nxllcorner 0\nyllcorner 0\ndx 1\ndy 2\n" + "1 2 3\n" * 3)
+        self.refuse(2, "landfall-import", wide, "-o", self.path("x.h5"), words=["its pixels are not square: gdalwarp -tr 1 1"], output=self.path("x.h5"))
+
+    def test_a_raster_without_a_crs_is_in_metres(self):
+        plain = self.grid("plain", self.values, 100, 200, 2, prj=None)
+        self.assertIn("are taken as metres", self.imported_dem(plain))
+        with h5py.File(self.out) as file:
+            self.assertEqual(file["x"][1] - file["x"][0], 2)
+
+    def test_options_of_points_and_rasters_are_not_mixed(self):
+        for arguments, expected in ((("--crs", "EPSG:32632"), "are for points"), (("--center", "1,2,3"), "a raster keeps its heights"),
+                                    (("--truth", self.dem, "--terrain", "t.h5"), "mutually exclusive")):
+            self.refuse(2, "landfall-import", self.dem, "-o", self.path("x.h5"), *arguments, words=[expected], output=self.path("x.h5"))
+        self.refused("p.csv", "x,y,z\n1,2,3\n", "are for rasters", "--truth", self.dem, code=2)
+        self.refuse(1, "landfall-import", self.path("none.tif"), "-o", self.path("x.h5"))
+
+
+if __name__ == "__main__":
+    unittest.main()

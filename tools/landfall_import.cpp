@@ -1,0 +1,177 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// landfall-import: makes a scan or a DEM of data that landfall did not make.
+#include <CLI/CLI.hpp>
+#include <array>
+#include <charconv>
+#include <cmath>
+#include <optional>
+#include <system_error>
+#include <vector>
+
+#include "base/abbreviated.h"
+#include "base/number_text.h"
+#include "cli/tool.h"
+#include "imports/cloud_reader.h"
+#include "runs/cloud_import.h"
+#include "runs/raster_import.h"
+#include "tools.h"
+
+namespace landfall {
+namespace {
+
+constexpr const char* kExamples = R"(Examples:
+  landfall-import strip.las -o scan.h5
+  landfall-import strip.las -o scan.h5 --center 548356,5389943,320
+  landfall-import points.csv -o scan.h5 --crs EPSG:32632 \
+    --columns x=E,y=N,z=H
+  landfall-import leg000_points.xyz -o scan.h5     HELIOS++
+  landfall-import dem.tif --truth truth.tif -o dem.h5
+  landfall-import dem.tif --terrain terrain.h5 --center 3800,3380 -o dem.h5
+The next steps are regrid, dem-eval and hazard-map, as for a scan of scan-sim.
+docs/user/judge-your-own-data.md has whole examples.)";
+
+constexpr const char* kDescription =
+    R"(Writes points as scan.h5 in a site frame, so that regrid, dem-eval and hazard-map judge them. Read are LAS 1.0 to 1.4, PLY, PCD, CSV and other text, and the .xyz files of HELIOS++. LAZ and E57 must be converted first.
+
+A raster that GDAL reads becomes dem.h5 on its own grid, with the true elevations of another raster or of a terrain. Its pixels must be square and north up, in metres or another unit of length.
+
+Coordinates become metres around the centre. The CRS is that of the file or of --crs; longitudes and latitudes, and maps whose scale at the site is not 1, are projected to a plane at the centre. Without a CRS they are taken as metres.)";
+
+struct Options {
+  CloudImport cloud;
+  RasterImport raster;
+  std::string center;
+  std::string vertical_scale;
+};
+
+void bind(CLI::App& app, Options& o) {
+  app.add_option("input", o.cloud.path,
+                 "File to import: points (.las, .ply, .pcd, .csv, .xyz, .txt), or a raster that GDAL reads")
+      ->type_name("FILE");
+  app.add_option("--center", o.center,
+                 "Origin of the site frame in the units of the data; default: the middle of the data, to a "
+                 "metre, and height 0")
+      ->type_name("E,N[,H]");
+  CLI::Option* const truth =
+      app.add_option("--truth", o.raster.truth, "Raster of the true elevations of a raster")
+          ->type_name("FILE");
+  app.add_option("--terrain", o.raster.terrain, "True terrain (terrain.h5) of a raster")
+      ->type_name("FILE")
+      ->excludes(truth);
+  app.add_flag("--other-terrain", o.raster.other_terrain,
+               "Accept a --terrain whose site frame is another one than that of the raster");
+  app.add_option("--crs", o.cloud.crs,
+                 "CRS of the points: EPSG:NUMBER, a PROJ text or WKT; default: that of the file")
+      ->type_name("DEF");
+  app.add_option("--columns", o.cloud.columns,
+                 "Columns of a text, PLY or PCD by name or number; FIELD is x, y, z, intensity, "
+                 "return_number, t, pulse, pixel or classification")
+      ->type_name("FIELD=COLUMN,...");
+  app.add_option("--vertical-scale", o.vertical_scale,
+                 "Metres per unit of the heights; default: the unit of the CRS, else 1")
+      ->type_name("FACTOR");
+}
+
+double number_of(const std::string& text, const char* option) {
+  double number = 0;
+  const char* const end = text.data() + text.size();
+  const auto [stop, error] = std::from_chars(text.data(), end, number);
+  if (error != std::errc() || stop != end || !std::isfinite(number))
+    throw UsageError(std::string(option) + ": '" + abbreviated(text) + "' is not a number");
+  return number;
+}
+
+/// E,N or E,N,H.
+std::vector<double> center_of(const std::string& text) {
+  std::vector<double> center;
+  if (text.empty()) return center;
+  for (const std::string& part : CLI::detail::split(text, ',')) center.push_back(number_of(part, "--center"));
+  if (center.size() != 2 && center.size() != 3)
+    throw UsageError("--center: '" + abbreviated(text) + "' is not E,N or E,N,H");
+  return center;
+}
+
+void report_cloud(cli::Session& session, const ImportedCloud& cloud) {
+  session.count("point_count", cloud.point_count);
+  session.count("format", cloud.format);
+  session.count("center", cloud.center);
+  session.count("crs", cloud.crs_name.empty() ? nlohmann::json() : nlohmann::json(cloud.crs_name));
+  session.count("x_m", cloud.bounds_m[0]);
+  session.count("y_m", cloud.bounds_m[1]);
+  session.count("z_m", cloud.bounds_m[2]);
+  for (const std::string& warning : cloud.warnings) session.warn(warning);
+  const auto range = [&](std::size_t axis) {
+    return short_number(cloud.bounds_m[axis][0]) + " to " + short_number(cloud.bounds_m[axis][1]);
+  };
+  session.conclude(grouped(cloud.point_count) + " points of " + cloud.format + "; x " + range(0) + " m, y " +
+                   range(1) + " m, z " + range(2) + " m around " + number_text(cloud.center[0]) + ", " +
+                   number_text(cloud.center[1]) + ", " + number_text(cloud.center[2]));
+}
+
+void report_dem(cli::Session& session, const ImportedDem& dem) {
+  session.count("rows", dem.grid.rows);
+  session.count("columns", dem.grid.cols);
+  session.count("resolution_m", dem.grid.resolution_m);
+  session.count("center", dem.center);
+  session.count("empty_bin_count", dem.empty_bins);
+  session.count("bins_with_truth",
+                dem.bins_with_truth ? nlohmann::json(*dem.bins_with_truth) : nlohmann::json());
+  for (const std::string& warning : dem.warnings) session.warn(warning);
+  session.conclude(grouped(dem.grid.cols) + " x " + grouped(dem.grid.rows) + " bins of " +
+                   number_text(dem.grid.resolution_m) + " m around " + number_text(dem.center[0]) + ", " +
+                   number_text(dem.center[1]) + "; " + grouped(dem.empty_bins) + " empty");
+}
+
+std::optional<double> vertical_scale_of(const std::string& text) {
+  if (text.empty()) return std::nullopt;
+  const double scale = number_of(text, "--vertical-scale");
+  if (scale == 0) throw UsageError("--vertical-scale: 0 is not allowed");
+  return scale;
+}
+
+void import_dem(cli::Session& session, const Options& o) {
+  if (!o.cloud.crs.empty() || !o.cloud.columns.empty())
+    throw UsageError("--crs and --columns are for points; " + o.cloud.path +
+                     " is read as a raster: assign a CRS with gdal_translate -a_srs");
+  RasterImport import = o.raster;
+  import.dem.path = o.cloud.path;
+  import.dem.vertical_scale = vertical_scale_of(o.vertical_scale);
+  const std::vector<double> center = center_of(o.center);
+  if (center.size() == 3) throw UsageError("--center: a raster keeps its heights: give E,N");
+  if (!center.empty()) import.dem.center = std::array<double, 2>{center[0], center[1]};
+  const OutputOptions output = session.output({o.cloud.path, import.truth, import.terrain});
+  report_dem(session, import_raster(import, {output, session.provenance(), session.phases()}));
+}
+
+ExitCode run(cli::Session& session, const Options& o) {
+  if (o.cloud.path.empty()) throw UsageError("a file to import is required");
+  const bool has_truth = !o.raster.truth.empty() || !o.raster.terrain.empty();
+  if (!is_cloud_file(o.cloud.path)) {
+    import_dem(session, o);
+    return ExitCode::done;
+  }
+  if (has_truth)
+    throw UsageError("--truth and --terrain are for rasters; give regrid the --terrain of points");
+  CloudImport import = o.cloud;
+  import.center = center_of(o.center);
+  import.vertical_scale = vertical_scale_of(o.vertical_scale);
+  const OutputOptions output = session.output({import.path});
+  report_cloud(session, import_cloud(import, {output, session.provenance(), session.phases()}));
+  return ExitCode::done;
+}
+
+}  // namespace
+
+int landfall_import(int argc, const char* const* argv, cli::Invocation* invocation) {
+  Options options;
+  cli::Tool tool;
+  tool.name = "landfall-import";
+  tool.summary = "Imports points and elevation models that landfall did not make, to judge them.";
+  tool.description = kDescription;
+  tool.examples = kExamples;
+  tool.bind = [&](CLI::App& app) { bind(app, options); };
+  tool.run = [&](cli::Session& session) { return run(session, options); };
+  return cli::tool_main(argc, argv, tool, invocation);
+}
+
+}  // namespace landfall
