@@ -5,12 +5,14 @@
 #include "cli/tool.h"
 #include "exports/file_export.h"
 #include "output/byte_sink.h"
+#include "runs/cloud_output.h"
 #include "tools.h"
 
 namespace landfall {
 namespace {
 
 constexpr const char* kExamples = R"(Examples:
+  landfall-export scan.h5 -o scan.html             a browser; up to a million points
   landfall-export scan.h5 -o scan.ply              CloudCompare, ParaView
   landfall-export scan.h5 -o scan.las --time gps
   landfall-export scan.h5 -o scan.pcd              PCL, Open3D, ROS
@@ -49,6 +51,10 @@ void bind(CLI::App& app, ExportOptions& o) {
          "las: times as seconds since the first pulse (scan, default), or as adjusted standard GPS time "
          "(gps) if the trajectory's clock shows GPS seconds")
       ->check(CLI::IsMember({"scan", "gps"}));
+  app.add_option("--max-points", o.max_points,
+                 "html: the most points to show, thinned by a grid; default: 1000000")
+      ->type_name("N")
+      ->check(CLI::Range(std::size_t{1}, kMaxCloudPoints));
   app.add_flag("--sites", o.sites, "csv, gpkg: the landing sites of a hazard map, not its layers");
 }
 
@@ -64,7 +70,10 @@ ExitCode run(cli::Session& session, const ExportOptions& o) {
   std::string remark;
   try {
     session.phase("export", [&](const ProgressCallback& progress) {
-      remark = file_export.write(output, session.tool(), progress);
+      if (file_export.format() == "html")
+        write_cloud_page(o.input, output, o.max_points == 0 ? kMaxCloudPoints : o.max_points, progress);
+      else
+        remark = file_export.write(output, session.tool(), progress);
     });
   } catch (const ClosedPipe&) {
     session.log("the reader of standard output has closed it");

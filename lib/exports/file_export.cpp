@@ -76,13 +76,13 @@ void require_possible(const LandfallFileReader& file, const std::string& format)
   const std::string kind = kind_of(file);
   const bool is_scan = kind == "scan";
   const bool has_sites = kind == "hazards";
-  if (has(is_scan     ? "csv las pcd ply png xmf"
+  if (has(is_scan     ? "csv html las pcd ply png xmf"
           : has_sites ? "csv gpkg png tif xmf"
                       : "csv png tif xmf",
           format))
     return;
   throw UsageError(input + " is a landfall." + kind + " file, which can become " +
-                   (is_scan     ? ".csv, .las, .pcd, .ply, .png or .xmf"
+                   (is_scan     ? ".csv, .html, .las, .pcd, .ply, .png or .xmf"
                     : has_sites ? ".csv, .gpkg, .png, .tif or .xmf"
                                 : ".csv, .png, .tif or .xmf") +
                    "; not ." + format);
@@ -101,6 +101,7 @@ void require_no_stray_option(const ExportOptions& o, bool is_scan) {
                             {!o.position.empty(), "--position", "las pcd ply xmf", ""},
                             {o.every != 1, "--every", "csv las pcd ply", "csv"},
                             {o.keep_misses, "--keep-misses", "csv", ""},
+                            {o.max_points != 0, "--max-points", "html", ""},
                             {!o.time.empty(), "--time", "las", ""},
                             {o.sites, "--sites", "", "csv gpkg"}};
   for (const Option& option : options)
@@ -233,7 +234,8 @@ void export_picture(const ExportOptions& o, const OutputOptions& output, const P
 }  // namespace
 
 const std::vector<std::string>& export_formats() {
-  static const std::vector<std::string> formats = {"csv", "gpkg", "las", "pcd", "ply", "png", "tif", "xmf"};
+  static const std::vector<std::string> formats = {"csv", "gpkg", "html", "las", "pcd",
+                                                   "ply", "png",  "tif",  "xmf"};
   return formats;
 }
 

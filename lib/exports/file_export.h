@@ -23,6 +23,7 @@ struct ExportOptions {
   std::size_t every = 1;             ///< points, or lines of a .csv: the first and every N-th after it
   bool keep_misses = false;          ///< of a scan, only as .csv
   std::string time;                  ///< of a scan, as .las: "scan" or "gps"
+  std::size_t max_points = 0;        ///< of a scan, as .html; 0: the default
   bool sites = false;                ///< of a hazard map, as .csv or .gpkg: its landing sites, no layers
 };
 
@@ -34,12 +35,13 @@ class FileExport {
   /// landfall-export, and FormatError if the input is not a landfall file.
   FileExport(ExportOptions options, const std::string& output);
 
+  [[nodiscard]] const std::string& format() const { return options_.format; }
   /// The second output beside the first: the points' positions of an .xmf. Empty if there is none.
   [[nodiscard]] std::string second_output() const;
 
-  /// Writes `output`, whose path is that of the constructor; `tool` is the software name in the file. Returns
-  /// a remark about its values that the user should see, or nothing. Throws ClosedPipe (byte_sink.h), and as
-  /// the formats' writers do.
+  /// Writes `output`, in any format but html (runs/cloud_output.h), whose path is that of the constructor;
+  /// `tool` is the software name in the file. Returns a remark about its values that the user should see, or
+  /// nothing. Throws ClosedPipe (byte_sink.h), and as the formats' writers do.
   [[nodiscard]] std::string write(const OutputOptions& output, const std::string& tool,
                                   const ProgressCallback& progress) const;
 

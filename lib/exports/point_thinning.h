@@ -8,20 +8,21 @@
 
 namespace landfall {
 
-using PointPlace = std::array<double, 3>;
+/// x and y, metres.
+using PointPlace = std::array<double, 2>;
 
-/// Some points of a cloud: their rows, ascending, and the cubes of which each keeps one.
+/// Some points of a cloud: their rows, ascending, and the squares of which each keeps one.
 struct ThinnedPoints {
   std::vector<std::uint64_t> rows;
   double cell_m = 0;  ///< 0: no point is left out
 };
 
-/// Chooses at most a given number of points of a cloud so that they cover it evenly, whatever their order: of
-/// the points in each cube of a grid, the one nearest to the middle of the cube. Points are added in rows
-/// ascending; the choice depends on nothing else. Memory: 200 bytes for each point to keep.
+/// Chooses at most a given number of points of a cloud so that they cover it evenly from above, whatever
+/// their order: of the points in each square of a grid, one at random, by a hash of its row (D418). The
+/// choice depends on nothing but the points. Memory: about 200 bytes for each point to keep.
 class PointThinning {
  public:
-  /// All points lie between `low` and `high`. `cell_m`: cubes that are certainly small enough; any value is
+  /// All points lie between `low` and `high`. `cell_m`: squares that are certainly small enough; any value is
   /// allowed, but a much smaller one takes longer. `most` is at least 1.
   PointThinning(const PointPlace& low, const PointPlace& high, double cell_m, std::size_t most);
 
@@ -29,20 +30,14 @@ class PointThinning {
   [[nodiscard]] ThinnedPoints finish();
 
  private:
-  static constexpr int kBits = 21;          ///< of the number of a cube along one axis
-  static constexpr int kFineBits = 32;      ///< of a place along one axis
-  static constexpr std::size_t kSpare = 4;  ///< cubes for each point to keep, before the last choice
+  static constexpr std::size_t kSpare = 4;  ///< squares for each point to keep, before the last choice
 
   struct Candidate {
-    std::array<std::uint32_t, 3> place{};  ///< in units of unit_m_
+    std::array<std::uint32_t, 2> place{};  ///< in units of unit_m_
     std::uint64_t row = 0;
   };
-  struct Cell {
-    std::uint64_t number;
-    double distance;  ///< from the middle to the candidate, squared, units
-  };
-  /// Of cubes of `edge` units.
-  [[nodiscard]] static Cell cell_of(const Candidate& candidate, std::uint64_t edge);
+  /// The number of the candidate's square, of squares of `edge` units.
+  [[nodiscard]] static std::uint64_t cell_of(const Candidate& candidate, std::uint64_t edge);
   [[nodiscard]] static std::vector<Candidate> one_per_cell(const std::vector<Candidate>& candidates,
                                                            std::uint64_t edge);
   /// About, if there are many.

@@ -57,7 +57,8 @@ class Raster {
   }
 }
 
-async function inflate(text) {
+/** The bytes of a deflate stream in base64. */
+export async function inflate(text) {
   const packed = atob(text);
   const bytes = new Uint8Array(packed.length);
   for (let i = 0; i < packed.length; ++i) bytes[i] = packed.charCodeAt(i);
@@ -66,7 +67,7 @@ async function inflate(text) {
 }
 
 /** Undoes what packed() in lib/report/quantised.h describes. */
-function unpackCodes(bytes) {
+export function unpackCodes(bytes) {
   const count = bytes.length / 2;
   const codes = new Uint16Array(count);
   let code = 0;

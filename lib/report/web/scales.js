@@ -8,6 +8,8 @@ import {BLUE} from "./palette.js";
 import {report} from "./report_data.js";
 import {LIMIT_INSIDE, MIN_RANGE, OUTLIERS} from "./scale_rules.js";
 
+const FROM_LEAST = ["elevation", "quantity"];  // the styles whose colours begin at the least value, not at 0
+
 export const display = {limits: true};  // whether scales reach the limits
 
 /** The mapping of a raster's values to colours: {colors, low, high, clipped: [below, above], factor, unit, limit}. The
@@ -37,7 +39,7 @@ function errorEnds(raster) {
 function ordinaryEnds(peers, low, high) {
   const values = sampleOf(peers).sort();
   const least = quantileOf(values, OUTLIERS), most = quantileOf(values, 1 - OUTLIERS);
-  if (peers[0].layer.style !== "elevation") return [0, most >= 1 && high > 2 * most ? most : Math.max(high, 1)];
+  if (!FROM_LEAST.includes(peers[0].layer.style)) return [0, most >= 1 && high > 2 * most ? most : Math.max(high, 1)];
   const ends = most > least && high - low > 2 * (most - least) ? [least, most] : [low, high];
   return [ends[0], Math.max(ends[1], ends[0] + MIN_RANGE)];
 }

@@ -5,14 +5,13 @@
 import {parseColor} from "./color_maps.js";
 import {failLegend, horizontalColorBar} from "./colorbar.js";
 import {htmlElement} from "./elements.js";
+import {HANDLING, OrbitView, pixelsAtUnitDistance} from "./orbit_view.js";
 import {blocksOf, layerNamed, rasterOf} from "./rasters.js";
 import {report} from "./report_data.js";
 import {colorOf, flagColor, scaleOf} from "./scales.js";
 import {onThemeChange} from "./theme.js";
 
 const MAX_VERTICES = 512;  // along either axis
-const ZOOM = 1.8;           // the distance divided by half the width that is visible at that distance
-const FILLED = 0.97;        // the part of the canvas, along x or y, that the surface spans
 const HULL_CELLS = 48;      // along either axis, of the blocks whose extremes stand for the surface
 
 const VERTEX_SHADER = `#version 300 es
@@ -74,8 +73,6 @@ function surfaceIndices({rows, cols, values}) {
   return {corners, points};
 }
 
-const FIRST_VIEW = {azimuth: -0.4, tilt: 0.62, zoom: 1};
-
 /** The lowest and the highest vertex of each block of the surface, relative to the middle of the map: what must be in
  * sight. */
 function hullOf({rows, cols, values, cell_m}, middle_m) {
@@ -98,18 +95,13 @@ function hullOf({rows, cols, values, cell_m}, middle_m) {
   return points;
 }
 
-class TerrainView {
+class TerrainView extends OrbitView {
   cornerCount; pointCount;
 
   /** Throws if WebGL 2 is missing. */
   constructor(surface, left_m, bottom_m) {
+    super("terrain", "The DEM in three dimensions. Arrow keys turn it, plus and minus zoom.", VERTEX_SHADER, FRAGMENT_SHADER);
     this.surface = surface;
-    this.view = {...FIRST_VIEW, exaggeration: 1};
-    this.canvas = htmlElement("canvas", {id: "terrain", tabindex: "0", role: "img", "aria-label":
-      "The DEM in three dimensions. Arrow keys turn it, plus and minus zoom."});
-    this.gl = this.canvas.getContext("webgl2", {antialias: true, preserveDrawingBuffer: true});
-    if (!this.gl) throw new Error("no WebGL 2");
-    this.program = this.link();
     this.place(left_m, bottom_m);
     this.upload("elevation", 1, surface.values.map((v) => Number.isNaN(v) ? 0 : v));
     const {corners, points} = surfaceIndices(surface);
@@ -117,23 +109,6 @@ class TerrainView {
     this.gl.bindBuffer(this.gl.ELEMENT_ARRAY_BUFFER, this.gl.createBuffer());
     this.gl.bufferData(this.gl.ELEMENT_ARRAY_BUFFER, Uint32Array.from([...corners, ...points]), this.gl.STATIC_DRAW);
     this.listen();
-    new ResizeObserver(() => this.draw()).observe(this.canvas);
-  }
-
-  link() {
-    const {gl} = this;
-    const program = gl.createProgram();
-    for (const [kind, source] of [[gl.VERTEX_SHADER, VERTEX_SHADER], [gl.FRAGMENT_SHADER, FRAGMENT_SHADER]]) {
-      const shader = gl.createShader(kind);
-      gl.shaderSource(shader, source);
-      gl.compileShader(shader);
-      gl.attachShader(program, shader);
-    }
-    gl.linkProgram(program);
-    if (!gl.getProgramParameter(program, gl.LINK_STATUS)) throw new Error(gl.getProgramInfoLog(program));
-    gl.useProgram(program);
-    gl.enable(gl.DEPTH_TEST);
-    return program;
   }
 
   /** Sets the positions of the vertices relative to the middle of the map. */
@@ -154,16 +129,6 @@ class TerrainView {
     this.gl.uniform1i(at("columns"), cols);
   }
 
-  upload(name, size, data) {
-    const {gl} = this;
-    const at = gl.getAttribLocation(this.program, name);
-    gl.bindBuffer(gl.ARRAY_BUFFER, gl.createBuffer());
-    gl.bufferData(gl.ARRAY_BUFFER, data, gl.STATIC_DRAW);
-    gl.enableVertexAttribArray(at);
-    gl.vertexAttribPointer(at, size, data instanceof Uint8Array ? gl.UNSIGNED_BYTE : gl.FLOAT,
-                           data instanceof Uint8Array, 0, 0);
-  }
-
   /** Shows the colours of another layer's raster. */
   show(raster) {
     const {values} = coarseRaster(raster);
@@ -179,117 +144,16 @@ class TerrainView {
   }
 
   draw() {
-    const {gl, canvas} = this;
-    const ratio = Math.min(2, Math.max(1, window.devicePixelRatio));
-    const width = Math.max(1, Math.round(canvas.clientWidth * ratio));
-    const height = Math.max(1, Math.round(canvas.clientHeight * ratio));
-    if (canvas.width !== width || canvas.height !== height) Object.assign(canvas, {width, height});
-    gl.viewport(0, 0, width, height);
-    const paper = parseColor(getComputedStyle(canvas).getPropertyValue("--shade").trim());
-    gl.clearColor(...paper.map((part) => part / 255), 1);
-    gl.clear(gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT);
+    const {gl} = this;
+    const {width, height} = this.beginFrame();
     const at = (name) => gl.getUniformLocation(this.program, name);
-    gl.uniformMatrix4fv(at("projection"), false, viewMatrix(this.view, this.hull, width / height));
     gl.uniform1f(at("exaggeration"), this.view.exaggeration);
-    gl.uniform1f(at("pointScale"), this.surface.cell_m * ZOOM / Math.max(1, width / height) * width / 2);
+    gl.uniform1f(at("pointScale"), this.surface.cell_m * pixelsAtUnitDistance(width, height));
     gl.uniform1i(at("level"), 0);
     gl.drawElements(gl.TRIANGLES, this.cornerCount, gl.UNSIGNED_INT, 0);
     gl.uniform1i(at("level"), 1);
     gl.drawElements(gl.POINTS, this.pointCount, gl.UNSIGNED_INT, 4 * this.cornerCount);
   }
-
-  turn(azimuth, tilt) {
-    this.view.azimuth += azimuth;
-    this.view.tilt = Math.min(Math.PI / 2, Math.max(0.05, this.view.tilt + tilt));
-    this.draw();
-  }
-
-  zoom(factor) {
-    this.view.zoom = Math.min(4, Math.max(0.05, this.view.zoom * factor));
-    this.draw();
-  }
-
-  reset() {
-    Object.assign(this.view, FIRST_VIEW);
-    this.draw();
-  }
-
-  listen() {
-    const pointers = new Map();
-    const spread = () => {
-      const [a, b] = [...pointers.values()];
-      return Math.hypot(a.x - b.x, a.y - b.y);
-    };
-    this.canvas.addEventListener("pointerdown", (event) => {
-      this.canvas.setPointerCapture(event.pointerId);
-      pointers.set(event.pointerId, {x: event.clientX, y: event.clientY});
-    });
-    this.canvas.addEventListener("pointermove", (event) => {
-      const before = pointers.get(event.pointerId);
-      if (!before) return;
-      const apart = pointers.size === 2 ? spread() : 0;
-      pointers.set(event.pointerId, {x: event.clientX, y: event.clientY});
-      if (pointers.size === 1) this.turn((before.x - event.clientX) / 200, (event.clientY - before.y) / 200);
-      if (apart > 0) this.zoom(apart / Math.max(1, spread()));
-    });
-    for (const name of ["pointerup", "pointercancel"]) {
-      this.canvas.addEventListener(name, (event) => pointers.delete(event.pointerId));
-    }
-    this.canvas.addEventListener("wheel", (event) => {
-      if (!event.ctrlKey && document.activeElement !== this.canvas) return;  // otherwise the wheel scrolls the page
-      event.preventDefault();
-      this.zoom(Math.exp(event.deltaY / 600));
-    }, {passive: false});
-    const keys = {ArrowLeft: () => this.turn(0.1, 0), ArrowRight: () => this.turn(-0.1, 0),
-                  ArrowUp: () => this.turn(0, 0.1), ArrowDown: () => this.turn(0, -0.1),
-                  "+": () => this.zoom(0.9), "-": () => this.zoom(1 / 0.9)};
-    this.canvas.addEventListener("keydown", (event) => {
-      if (!keys[event.key]) return;
-      event.preventDefault();
-      keys[event.key]();
-    });
-  }
-}
-
-/** Transforms map coordinates relative to the middle to screen coordinates, column-major. The eye looks from `tilt` above
- * the horizon, `azimuth` from the south, counter-clockwise, and is so far away that `hull`, points of the surface, fills
- * the canvas; then the distance is multiplied by `zoom`. */
-function viewMatrix({azimuth, tilt, zoom, exaggeration}, hull, aspect) {
-  const [ca, sa, ct, st] = [Math.cos(azimuth), Math.sin(azimuth), Math.cos(tilt), Math.sin(tilt)];
-  const right = [ca, sa, 0], up = [-st * sa, st * ca, ct], back = [sa * ct, -ca * ct, st];
-  const sx = ZOOM / Math.max(1, aspect), sy = sx * aspect;
-  const dot = (axis, [x, y, z]) => axis[0] * x + axis[1] * y + axis[2] * z * exaggeration;
-  const seen = hull.map((point) => [dot(right, point), dot(up, point), dot(back, point)]);
-  const {shift, away} = fittedView(seen, sx, sy);
-  const distance = away * zoom;
-  const size = Math.max(...seen.map((point) => Math.hypot(...point))) + Math.hypot(...shift);
-  const near = Math.max(distance - size, size / 500) / 2, far = distance + 2 * size;
-  const a = (far + near) / (near - far), b = 2 * far * near / (near - far);
-  const matrix = [];
-  for (let k = 0; k < 3; ++k) {
-    // Heights are exaggerated by the shader.
-    matrix.push(sx * right[k], sy * up[k], a * back[k], -back[k]);
-  }
-  matrix.push(-sx * shift[0], -sy * shift[1], -a * distance + b, distance);
-  return new Float32Array(matrix);
-}
-
-/** The shift [to the right, up] and the distance of the eye with which points (right, up, towards the eye) span the part
- * FILLED of the canvas and lie in its middle. */
-function fittedView(seen, sx, sy) {
-  const shift = [0, 0];
-  let away = 0;
-  for (let round = 0; round < 40; ++round) {
-    away = Math.max(...seen.map(([x, y, z]) => z + Math.max(sx * Math.abs(x - shift[0]), sy * Math.abs(y - shift[1])) / FILLED));
-    // Moves the middle of what is seen to the middle of the canvas; a longer step would swing about it.
-    const nearest = away - Math.max(...seen.map((point) => point[2]));
-    for (const [axis, scale] of [[0, sx], [1, sy]]) {
-      const places = seen.map((point) => scale * (point[axis] - shift[axis]) / (away - point[2]));
-      shift[axis] += (Math.min(...places) + Math.max(...places)) / 2 * nearest / scale;
-    }
-  }
-  away = Math.max(...seen.map(([x, y, z]) => z + Math.max(sx * Math.abs(x - shift[0]), sy * Math.abs(y - shift[1])) / FILLED));
-  return {shift, away: Math.max(away, 1e-3)};
 }
 
 /** Creates the view with its controls. */
@@ -305,11 +169,11 @@ export async function fillTerrainView(section) {
     return say(`This browser has no WebGL 2, which the 3-D view needs (${error.message}). The maps show the same.`);
   }
   const bins = surface.stride * report.grid.factor;
-  const legend = htmlElement("div", {id: "terrain-legend"}, terrainLegend(elevation));
+  const legend = htmlElement("div", {id: "terrain-legend", class: "orbit-legend"}, terrainLegend(elevation));
   section.append(terrainControls(view, legend), view.canvas, legend, htmlElement("p", {class: "note"},
       `${surface.rows} x ${surface.cols} vertices, ${bins === 1 ? "one for each bin" : `one for ${bins} x ${bins} bins`}; ` +
       "a bin without an elevation is omitted, one without neighbours is a point. Light from the north-west shades " +
-      "the surface. Drag or use the arrow keys to turn, + and \u2212 (or Ctrl and the wheel) to zoom."));
+      `the surface. ${HANDLING}`));
   view.show(elevation);
   onThemeChange(() => view.draw());
   return undefined;

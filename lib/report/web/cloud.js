@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+
+// A page that shows the points of a scan.
+
+import {boxFields} from "./cloud_box.js";
+import {choiceTable} from "./cloud_choice.js";
+import {columnOf} from "./cloud_columns.js";
+import {CloudView} from "./cloud_view.js";
+import {horizontalColorBar} from "./colorbar.js";
+import {htmlElement} from "./elements.js";
+import {swatchEntry} from "./legend.js";
+import {HANDLING} from "./orbit_view.js";
+import {pageSection, startPage} from "./page.js";
+import {report} from "./report_data.js";
+import {onThemeChange} from "./theme.js";
+
+const FIRST_COLORS = ["e_range", "e_z", "z_est"];  // the errors, if the file has the truth
+
+function legendOf(column) {
+  if (!column.layer.flags) return horizontalColorBar(column);
+  const entries = column.layer.flags.map(({text, color, count}) => swatchEntry(`${text}: ${count.toLocaleString("en")}`, {fill: color}));
+  return htmlElement("div", {class: "legend"}, htmlElement("span", {}, column.layer.title), ...entries);
+}
+
+function controls(view, legend, first) {
+  const layers = report.layers.filter(({style}) => style !== "");
+  const select = htmlElement("select", {id: "color"}, ...layers.map(({name, title}) => htmlElement(
+      "option", {value: name, selected: name === first}, title)));
+  select.addEventListener("change", async () => {
+    const column = await columnOf(select.value);
+    view.show(column);
+    legend.replaceChildren(legendOf(column));
+  });
+  const size = htmlElement("input", {type: "range", id: "dots", min: "-1", max: "1", step: "0.05", value: "0"});
+  size.addEventListener("input", () => {
+    view.dotScale = 10 ** Number(size.value);
+    view.draw();
+  });
+  const reset = htmlElement("button", {type: "button"}, "reset the view");
+  reset.addEventListener("click", () => view.reset());
+  return htmlElement("div", {class: "controls"}, htmlElement("label", {}, "colour", select),
+                     htmlElement("label", {}, "size of the points", size), reset);
+}
+
+async function fillCloud(section) {
+  const columns = await Promise.all(["x_est", "y_est", "z_est"].map(columnOf));
+  let view;
+  try {
+    view = new CloudView(columns);
+  } catch (error) {
+    section.append(htmlElement("p", {}, `This browser has no WebGL 2, which the view needs (${error.message}).`));
+    return;
+  }
+  const first = FIRST_COLORS.find((name) => report.layers.some((layer) => layer.name === name));
+  const column = await columnOf(first);
+  const legend = htmlElement("div", {id: "points-legend", class: "orbit-legend"}, legendOf(column));
+  const box = boxFields(view);
+  section.append(controls(view, legend, first), view.canvas, legend, htmlElement("p", {class: "note"}, HANDLING),
+                 htmlElement("div", {class: "beside"}, box.element, choiceTable(view, box)));
+  view.show(column);
+  onThemeChange(() => view.draw());
+}
+
+startPage(() => {}, () => fillCloud(pageSection("cloud")));

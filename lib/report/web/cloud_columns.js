@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+
+// The columns of a cloud unpacked: 32-bit codes, value = offset + code * step.
+
+import {inflate, unpackCodes} from "./rasters.js";
+import {report} from "./report_data.js";
+
+const NO_WIDE_CODE = 0xffffffff;
+
+/** The values of all points; scales.js takes it for a raster. */
+class Column {
+  constructor(layer, codes) {
+    this.layer = layer;
+    this.codes = codes;
+  }
+
+  /** NaN where the point has no value. */
+  value(index) {
+    const code = this.codes[index];
+    return code === NO_WIDE_CODE ? NaN : this.layer.offset + code * this.layer.step;
+  }
+}
+
+/** The halves of the codes, packed apart; null where all are 0. */
+async function halfOf(name) {
+  const element = document.getElementById("layer-" + name);
+  return element === null ? null : unpackCodes(await inflate(element.textContent));
+}
+
+async function readColumn(layer) {
+  const [low, high] = await Promise.all([halfOf(layer.name + "-low"), halfOf(layer.name + "-high")]);
+  const codes = Uint32Array.from(low);
+  if (high !== null) high.forEach((part, i) => { codes[i] += 65536 * part; });
+  return new Column(layer, codes);
+}
+
+const columns = new Map();
+
+/** A column of the report, unpacked on first use; null if it has none of this name. */
+export function columnOf(name) {
+  const layer = report.layers.find((candidate) => candidate.name === name);
+  if (!layer) return null;
+  if (!columns.has(name)) columns.set(name, readColumn(layer));
+  return columns.get(name);
+}
+
+/** The value between the lowest and the highest below which this share of the values lies, from a sample. */
+export function quantileOfColumn(column, share) {
+  const stride = Math.max(1, Math.floor(column.codes.length / 20000)), sample = [];
+  for (let i = 0; i < column.codes.length; i += stride) sample.push(column.value(i));
+  return Float64Array.from(sample).sort()[Math.round(share * (sample.length - 1))];
+}

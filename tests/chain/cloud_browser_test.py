@@ -1,0 +1,249 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The page of a scan's points in a browser: points drawn, click, box, colours, schemes, and that it requests no other file."""
+import unittest
+
+import h5py
+import numpy as np
+
+from harness import browser, read_bytes, returns_of, run
+from harness.page import CONTRAST, PageTest
+
+# The fraction of the canvas that shows points, and the number of its colours.
+DRAWN = """
+const canvas = document.getElementById("points"), flat = document.createElement("canvas");
+const {width, height} = Object.assign(flat, {width: canvas.width, height: canvas.height});
+const context = flat.getContext("2d", {willReadFrequently: true});
+context.drawImage(canvas, 0, 0);
+const data = new Uint32Array(context.getImageData(0, 0, width, height).data.buffer);
+return [data.filter((pixel) => pixel !== data[0]).length / data.length, new Set(data).size];
+"""
+# Counts the pixels of a colour [r, g, b].
+COLORED = """
+const canvas = document.getElementById("points"), flat = document.createElement("canvas");
+const {width, height} = Object.assign(flat, {width: canvas.width, height: canvas.height});
+const context = flat.getContext("2d", {willReadFrequently: true});
+context.drawImage(canvas, 0, 0);
+const data = context.getImageData(0, 0, width, height).data;
+let found = 0;
+for (let i = 0; i < data.length; i += 4) found += arguments[0].every((c, k) => c === data[i + k]) ? 1 : 0;
+return found;
+"""
+# A click, or a drag, from and to a fraction of the canvas.
+POINTER = """
+const [from, to, shift] = arguments, canvas = document.getElementById("points"), box = canvas.getBoundingClientRect();
+canvas.setPointerCapture = () => {};
+const event = (type, [x, y], buttons) => canvas.dispatchEvent(new PointerEvent(type, {pointerId: 1, button: 0, buttons, bubbles: true,
+  shiftKey: shift, clientX: box.left + x * box.width, clientY: box.top + y * box.height}));
+event("pointerdown", from, 1);
+if (from.some((value, k) => value !== to[k])) event("pointermove", to, 1);
+event("pointerup", to, 0);
+"""
+SET = "const field = document.querySelector(arguments[0]); field.value = arguments[1]; field.dispatchEvent(new Event('change'));"
+COLORS = "return [...document.querySelectorAll('#color option')].map((o) => o.value)"
+TRUTH = ["e_z", "e_horizontal", "e_range"]
+MAGENTA = [255, 0, 255]
+
+
+@unittest.skipIf(browser.missing(), browser.missing())
+class CloudTest(PageTest):
+    def cloud(self, scan=None, *arguments):
+        """Opens the page of a scan."""
+        self.succeed("landfall-export", scan or self.chain.scan, "-o", self.path("scan.html"), "-O", *arguments)
+        self.open("scan.html")
+        self.clicks = 0
+
+    def drawn(self):
+        self.settle()
+        return self.window.run(DRAWN)
+
+    def color(self, name):
+        self.window.run(SET, "#color", name)
+        self.window.wait(f"return document.getElementById('points').dataset.color === '{name}'", 10)
+        self.settle()
+
+    def click(self, x=0.5, y=0.5):
+        self.clicks += 1
+        self.window.run(POINTER, [x, y], [x, y], False)
+        self.window.wait("return document.getElementById('choice').dataset.clicks === arguments[0]".replace("arguments[0]", f"'{self.clicks}'"), 10)
+        self.settle()
+
+    def chosen(self):
+        """The shown values of the point that was clicked on."""
+        return self.window.run("return Object.fromEntries([...document.querySelectorAll('#chosen tr')].map("
+                               "(row) => [row.dataset.column, row.cells[1].textContent]))")
+
+    @staticmethod
+    def number(text):
+        """In metres, seconds, or as it is."""
+        value, *unit = text.split()
+        return float(value.replace("\u2212", "-")) * {"cm": 0.01, "mm": 0.001}.get("".join(unit), 1)
+
+    def changed(self, path, change):
+        """A copy of the scan that `change(file)` has changed."""
+        copy = self.path(path)
+        with open(copy, "wb") as file:
+            file.write(read_bytes(self.chain.scan))
+        with h5py.File(copy, "r+") as file:
+            change(file)
+        return copy
+
+    def test_points_are_drawn_in_the_colours_of_every_column(self):
+        self.cloud()
+        share, colors = self.drawn()
+        self.assertGreater(share, 0.1)
+        self.assertGreater(colors, 20)
+        self.assertEqual(self.window.run(COLORS), ["z_est", *TRUTH, "range_measured", "t", "status", "pulse", "pixel"])
+        seen = {}
+        for name in self.window.run(COLORS):
+            self.color(name)
+            seen.setdefault(self.canvas("#points")["sum"], name)
+            self.assertGreater(self.drawn()[0], 0.1, name)
+        self.assertEqual(len(seen), 8, seen)  # time and pulse grow alike
+        count = len(returns_of(self.chain.scan)["x_est"])
+        self.assertEqual(self.text("#thinning"), f"All {count:,} returns of the scan are shown.")
+        self.check_log_and_requests()
+        self.check_layout()
+
+    def test_a_click_shows_the_values_of_the_file(self):
+        self.cloud()
+        self.click()
+        shown = self.chosen()
+        points = returns_of(self.chain.scan)
+        mine = (points["pulse"] == int(shown["pulse"])) & (points["pixel"] == int(shown["pixel"]))
+        self.assertEqual(mine.sum(), 1)
+        row = int(np.flatnonzero(mine)[0])
+        for name in ("x_est", "y_est", "z_est", "range_measured", "range_true"):
+            self.assertAlmostEqual(self.number(shown[name]), points[name][row], delta=2e-3, msg=name)
+        self.assertAlmostEqual(self.number(shown["e_range"]), points["range_measured"][row] - points["range_true"][row], delta=1e-3)
+        with h5py.File(self.chain.scan) as file:
+            self.assertAlmostEqual(self.number(shown["t"]), file["pulses/t"][int(shown["pulse"])] - file["pulses/t"][0], delta=1e-6)
+        self.assertEqual(shown["status"], "return")
+        others = int((points["pulse"] == int(shown["pulse"])).sum()) - 1
+        self.assertTrue(self.text("#siblings").startswith(f"{others} other returns of its pulse are"), self.text("#siblings"))
+        self.assertGreater(self.window.run(COLORED, MAGENTA), 5 * others)
+        self.click(0.01, 0.01)
+        self.assertIn("No point there.", self.text("#choice"))
+        self.assertEqual(self.window.run(COLORED, MAGENTA), 0)
+        self.check_log_and_requests()
+
+    def test_a_box_cuts_the_cloud(self):
+        self.cloud()
+        whole = self.drawn()[0]
+        points = returns_of(self.chain.scan)
+        self.window.run(SET, "#box tbody tr:nth-child(1) td:nth-child(2) input", "0.5")
+        self.window.run(SET, "#box tbody tr:nth-child(2) td:nth-child(3) input", "-0.25")
+        step = self.window.run("return Math.max(...report.layers.slice(0, 2).map((l) => l.step))")
+        inside = [int(((points["x_est"] >= 0.5 + d) & (points["y_est"] <= -0.25 - d)).sum()) for d in (step, -step)]
+        shown = int(self.text("#inside").split()[0].replace(",", ""))
+        self.assertTrue(inside[0] <= shown <= inside[1], f"{shown} {inside}")
+        self.assertLess(self.drawn()[0], 0.5 * whole)
+        self.window.run("document.getElementById('whole').click()")
+        self.assertAlmostEqual(self.drawn()[0], whole, delta=0.001)
+        self.click()
+        self.window.run("[...document.querySelectorAll('#choice button')].at(-1).click()")
+        around = int(self.text("#inside").split()[0].replace(",", ""))
+        self.assertTrue(0 < around < len(points["x_est"]) / 10, around)
+        self.window.run(SET, "#box tbody tr:nth-child(1) td:nth-child(2) input", "")
+        self.assertEqual(int(self.text("#inside").split()[0].replace(",", "")), around)
+        self.check_log_and_requests()
+        self.check_layout()
+
+    def test_the_view_turns_moves_and_zooms(self):
+        self.cloud()
+        self.settle()
+        seen = {self.canvas("#points")["sum"]}
+        share = self.drawn()[0]
+        for act in (lambda: self.window.run(POINTER, [0.5, 0.5], [0.6, 0.5], False), lambda: self.window.run(POINTER, [0.5, 0.5], [0.6, 0.6], True)):
+            act()
+            self.settle()
+            seen.add(self.canvas("#points")["sum"])
+        self.assertEqual(len(seen), 3)
+        key = "document.getElementById('points').dispatchEvent(new KeyboardEvent('keydown', {key: arguments[0]}))"
+        for _ in range(20):
+            self.window.run(key, "-")
+        self.assertLess(self.drawn()[0], 0.5 * share)
+        self.window.run("[...document.querySelectorAll('#cloud button')].find((b) => b.textContent === 'reset the view').click()")
+        self.assertAlmostEqual(self.drawn()[0], share, delta=1e-9)
+        self.assertIsNone(self.text("#chosen"), "a drag is not a click")
+        self.check_log_and_requests()
+
+    def test_both_schemes(self):
+        self.cloud()
+        background = "const c = document.createElement('canvas'); Object.assign(c, {width: 1, height: 1}); const x = c.getContext('2d');" \
+                     "x.drawImage(document.getElementById('points'), 0, 0); return [...x.getImageData(0, 0, 1, 1).data].slice(0, 3)"
+        self.click()
+        texts = ["h1", "h2", ".note", "#thinning", "#inside", "#siblings", "#chosen td", "#chosen th", "#box th", "label", "nav a"]
+        found = []
+        for scheme in ("light", "dark"):
+            self.window.driver.execute_cdp_cmd("Emulation.setEmulatedMedia", {"features": [{"name": "prefers-color-scheme", "value": scheme}]})
+            self.addCleanup(self.window.driver.execute_cdp_cmd, "Emulation.setEmulatedMedia", {"features": []})
+            self.settle()
+            found.append(self.window.run(background))
+            self.assertGreater(self.drawn()[0], 0.1, scheme)
+            for text, contrast in zip(texts, self.window.run(CONTRAST, texts)):
+                self.assertGreater(contrast, 4.5, f"{scheme} {text}")
+        self.assertGreater(min(found[0]), 200)
+        self.assertLess(max(found[1]), 60)
+
+    def test_a_thinned_cloud_says_so(self):
+        self.cloud(None, "--max-points", "500")
+        count = len(returns_of(self.chain.scan)["x_est"])
+        shown = self.window.run("return report.count")
+        self.assertTrue(300 < shown <= 500, shown)
+        self.assertRegex(self.text("#thinning"), rf"^{shown} of the scan's {count:,} returns are shown: of each square of [\d.]+ c?m, seen from above, one at random\.")
+        self.assertGreater(self.drawn()[0], 0.001)
+        self.check_log_and_requests()
+
+    def test_an_imported_scan(self):
+        def change(file):
+            for name in list(file["points"]):
+                if name not in ("x_est", "y_est", "z_est"):
+                    del file["points"][name]
+            del file["pulses"]
+        self.cloud(self.changed("imported.h5", change))
+        self.assertEqual(self.window.run(COLORS), ["z_est"])
+        self.assertGreater(self.drawn()[0], 0.1)
+        self.click()
+        self.assertEqual(list(self.chosen()), ["x_est", "y_est", "z_est"])
+        self.assertEqual(self.text("#siblings"), "The file has no pulse numbers.")
+        self.check_log_and_requests()
+
+    def test_an_imported_scan_with_times_and_intensities(self):
+        def change(file):
+            count = len(file["points/x_est"])
+            for name in [name for name in file["points"] if name.endswith("_true") or name == "range_measured"]:
+                del file["points"][name]
+            del file["pulses"]
+            for name, values in (("t", 1.4e9 + 0.001 * np.arange(count)), ("intensity", np.float32(np.arange(count) % 7)),
+                                 ("return_number", np.int8(1 + np.arange(count) % 3))):
+                file["points"].create_dataset(name, data=values)
+        self.cloud(self.changed("imported.h5", change))
+        self.assertEqual(self.window.run(COLORS), ["z_est", "t", "status", "intensity", "return_number", "pulse", "pixel"])
+        self.color("intensity")
+        self.click()
+        shown = self.chosen()
+        rows = returns_of(self.path("imported.h5"))
+        row = int(np.flatnonzero((rows["pulse"] == int(shown["pulse"])) & (rows["pixel"] == int(shown["pixel"])))[0])
+        self.assertAlmostEqual(self.number(shown["t"]), 0.001 * row, delta=1e-5)
+        self.assertEqual(int(shown["return_number"]), rows["return_number"][row])
+        self.assertEqual(float(shown["intensity"]), rows["intensity"][row])
+        self.check_log_and_requests()
+        self.check_layout()
+
+    def test_the_same_bytes_at_any_number_of_threads(self):
+        pages = set()
+        for threads in (1, 3):
+            self.succeed("landfall-export", self.chain.scan, "-o", self.path("scan.html"), "-O", "--max-points", 2000, "-t", threads)
+            pages.add(read_bytes(self.path("scan.html")))
+        self.assertEqual(len(pages), 1)
+
+    def test_an_existing_page_is_kept(self):
+        page = self.path("kept.html")
+        with open(page, "w", encoding="utf-8") as file:
+            file.write("mine")
+        self.assertEqual(run("landfall-export", self.chain.scan, "-o", page).returncode, 2)
+        self.assertEqual(read_bytes(page), b"mine")
+
+
+if __name__ == "__main__":
+    unittest.main()
