@@ -74,7 +74,7 @@ void check(const cli::CommonOptions& common, const Options& o) {
 
 ExitCode run(cli::Session& session, const Options& o) {
   check(session.options(), o);
-  const HazardParameters parameters = hazard_config(session.config());
+  const HazardParameters parameters = hazard_config(session.config(), session.config_name());
   // The outputs are refused before the map is read, and appear together or not at all.
   const std::vector<std::string> inputs = {o.map, o.terrain};
   const OutputOptions output = session.output(inputs);
@@ -121,7 +121,7 @@ int hazard_map(int argc, const char* const* argv, cli::Invocation* invocation) {
   tool.examples = kExamples;
   tool.schema = "hazard";
   tool.bind = [&](CLI::App& app) { bind(app, options); };
-  tool.check = [](const cli::Session& s) { static_cast<void>(hazard_config(s.config())); };
+  tool.check = [](const cli::Session& s) { static_cast<void>(hazard_config(s.config(), s.config_name())); };
   tool.run = [&](cli::Session& session) { return run(session, options); };
   return cli::tool_main(argc, argv, tool, invocation);
 }

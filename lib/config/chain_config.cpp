@@ -18,7 +18,7 @@ void check_section(const std::string& stage, const JsonSource& section) {
   if (stage == "scan") static_cast<void>(scan_model(resolved, section.name, {}));
   if (stage == "regrid") static_cast<void>(regrid_config(resolved, section.name));
   if (stage == "eval") static_cast<void>(evaluation_config(resolved, section.name));
-  if (stage == "hazard") static_cast<void>(hazard_config(resolved));
+  if (stage == "hazard") static_cast<void>(hazard_config(resolved, section.name));
 }
 
 }  // namespace

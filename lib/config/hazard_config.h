@@ -2,12 +2,15 @@
 #pragma once
 
 #include <nlohmann/json.hpp>
+#include <string>
 
 #include "hazards/hazard_map.h"
 
 namespace landfall {
 
-/// hazard.json (docs/user/hazard-map.md); the schema checks all bounds that do not depend on the map.
-[[nodiscard]] HazardParameters hazard_config(const nlohmann::json& resolved);
+/// hazard.json (docs/user/hazard-map.md); the schema checks all bounds that do not depend on the map. Throws
+/// UsageError "NAME: /sites/reach/..." for a divert that cannot be flown.
+[[nodiscard]] HazardParameters hazard_config(const nlohmann::json& resolved,
+                                             const std::string& name = "configuration");
 
 }  // namespace landfall

@@ -81,7 +81,7 @@ std::string banner_html(const HazardMap& map, double min_p) {
   const std::vector<LandingSite>& sites = map.sites;
   const auto best = std::ranges::max_element(sites, {}, &LandingSite::p_touchdown);
   const bool accepted = best != sites.end() && best->p_touchdown >= min_p;
-  std::string text = "no landing site: no safe place within the divert radius";
+  std::string text = "no landing site: no safe place within reach";
   if (!sites.empty())
     text = (accepted ? "" : "no site has a p_touchdown of " + number_text(min_p) + " or more: ") +
            std::string("the best site ") + place_text(sites.front(), map.p_safe.has_value());

@@ -146,6 +146,16 @@ class Equality(TracedTest):
         self.assertIn("uncertainty.absolute.within_1_sigma_frac", rows)
         self.assertFalse(np.isnan(rows["site.p_safe"]).all())
 
+    def test_places_within_reach(self):
+        """The drift at the start of the divert varies, so that draws have other sites; also in the landing."""
+        reach = {"height_m": 20, "descent_mps": 4, "position_m": [-1, 0], "tilt_deg": 2, "thrust_accel_mps2": 3, "gravity_mps2": 1.3}
+        config = campaign(hazard=with_values({**HAZARD, "region_radius_m": 3}, sites__reach=reach), landing={"yaw_deg": 10},
+                          vary={"hazard.sites.reach.velocity_mps.0": {"type": "list", "values": [0.3, -0.3, 0]}})
+        rows = self.draws(config)
+        for draw in range(3):
+            self.check_draw(config, rows, draw)
+        self.assertGreater(rows["site.x_m"][0], rows["site.x_m"][1])
+
     def test_a_value_that_decides_a_default(self):
         """The period of a spiral follows the scan time of the draw."""
         scan = {**SCAN, "scanner": {"type": "fsm", "pattern": {"type": "spiral", "radius_m": 4, "pitch_m": 0.4}}}
@@ -211,6 +221,12 @@ class Refusals(TracedTest):
                            "hazard.limits.slope_deg": "no section hazard", "other.key": "first part"}.items():
             self.refused(campaign(vary={key: uniform}), words=[key, words])
         self.refused(campaign(vary={"scan.noise.dropout_frac": {"type": "list", "values": [0, 0.1, 1.5]}}), words=["draw 2", "/noise/dropout_frac"])
+
+    def test_a_divert_that_cannot_be_flown(self):
+        reach = {"height_m": 20, "descent_mps": 4, "tilt_deg": 2, "thrust_accel_mps2": 3, "gravity_mps2": 1.3}
+        config = campaign(hazard=with_values(HAZARD, sites__reach=reach),
+                          vary={"hazard.sites.reach.thrust_accel_mps2": {"type": "list", "values": [3, 2, 1.6]}})
+        self.refused(config, words=["mc.json: draw 2: /hazard: /sites/reach/thrust_accel_mps2: 1.6"])
 
     def test_grounds(self):
         self.refused(campaign(), "--terrain", self.chain.terrain, words=["--terrain", "section terrain", "one of them"])
