@@ -18,6 +18,7 @@ from landfall.errors import ToolError, UsageError
 ALL_REQUIREMENTS = "all six"
 CHOSEN_PLACE_SAFE = "chosen place safe"
 ACCEPTED_PLACE_SAFE = "accepted place safe"
+SAFE_LANDING = "safe landing"
 COSTS = ("ranges", "pulses", "pixels", "scan_time_s", "pulse_rate_hz")
 # Methods that put a return into the one bin whose centre is nearest.
 NEAREST = ("bilinear_nearest", "mean", "min", "max", "median")
@@ -37,13 +38,15 @@ class Problem:
         search = self.tree.get("search", {})
         self.candidates, self.seed, self.start = search.get("candidates", 60), search.get("seed", 1), search.get("start", [])
         self.moves = search.get("moves", 8)
-        self.vary = self.tree.get("vary", {})
+        self.vary, self.traced = self.tree.get("vary", {}), self.tree.get("traced_draws")
         self._check()
         self.reference_cost = self.cost(self.base)
 
     def _check(self):
         if self.requirement != ALL_REQUIREMENTS and "hazard" not in self.base:
             raise UsageError(f"{self.path}: /base: the requirement \"{self.requirement}\" needs a configuration of hazard-map: hazard")
+        if self.requirement == SAFE_LANDING and "landing" not in (self.traced or {}):
+            raise UsageError(f"{self.path}: /requirement: \"{SAFE_LANDING}\" needs /traced_draws/landing")
         for name, variable in self.variables.items():
             where = f"{self.path}: /variables/{name}"
             if ("values" in variable) == ("low" in variable or "high" in variable):
@@ -98,6 +101,10 @@ class Problem:
         parts = dict(zip(COSTS, (pulses * pixels, pulses, pixels, laser["scan_time_s"], laser["pulse_rate_hz"])))
         return sum(weight * parts[name] for name, weight in self.tree.get("cost", {"ranges": 1}).items())
 
+    def campaign(self, runner, configs):
+        """The draws of a candidate's configurations: over a traced scan, or traced each."""
+        return runs.Scan(runner, configs, 1) if self.traced is None else runs.TracedDraws(runner, configs, self.traced)
+
     def draws(self, **changes):
         """A configuration of monte-carlo; `seed` goes to the scan."""
         seed = changes.pop("seed")
@@ -107,6 +114,8 @@ class Problem:
         """Whether a draw meets the requirement. An accepted place is one that hazard-map --require-safe accepts."""
         if self.requirement == ALL_REQUIREMENTS:
             return bool(row["pass"])
+        if self.requirement == SAFE_LANDING:
+            return bool(row["landing.safe"])
         return bool(row["site.true_safe"]) and (self.requirement == CHOSEN_PLACE_SAFE or row["site.p_touchdown"] >= self.base["hazard"]["sites"]["min_p"])
 
     def why_not(self, row, margins):
@@ -114,6 +123,8 @@ class Problem:
         if self.requirement != ALL_REQUIREMENTS:
             if row["site.p_touchdown"] is None:
                 return "no place is safe"
+            if self.requirement == SAFE_LANDING:
+                return "the landing is not safe"
             if not row["site.true_safe"]:
                 return "the chosen place is not known to be safe on the true ground"
             return f"the chosen place has p_touchdown {row['site.p_touchdown']:.3g}, less than {self.base['hazard']['sites']['min_p']:g}"
@@ -123,7 +134,8 @@ class Problem:
     def margins(self, row):
         """{requirement: ln(value/limit)} of a draw: below 0 it is met."""
         if self.requirement != ALL_REQUIREMENTS:
-            risk = 1 if not row["site.true_safe"] else 1 - row["site.p_touchdown"]
+            is_safe = row["landing.safe" if self.requirement == SAFE_LANDING else "site.true_safe"]
+            risk = 1 if not is_safe or row["site.p_touchdown"] is None else 1 - row["site.p_touchdown"]
             return {self.requirement: model.margin(risk, 1 - self.base["hazard"]["sites"]["min_p"])}
         limits = self.base["eval"]["limits"]
         found = {}
@@ -207,7 +219,8 @@ class Look:
             if gap is not None and gap > widest:
                 return {**result, "stage": "geometry", "reason": f"frames are {gap:.3g} bins apart at the end of the scan; at most {widest:g} can pass",
                         "violation": math.log(gap / widest) + 1}
-        found, is_earlier = self.runner.cached("look", [configs, self.problem.vary, self.problem.seed, self.problem.requirement],
+        found, is_earlier = self.runner.cached("look", [configs, self.problem.vary, self.problem.seed, self.problem.requirement,
+                                                        *([] if self.problem.traced is None else [self.problem.traced])],
                                                lambda: self._run(configs), runs.is_steady)
         self.made += not is_earlier
         return {**result, **found}
@@ -218,7 +231,7 @@ class Look:
                 refused = self._plan(configs)
                 if refused:
                     return refused
-            scan = runs.Scan(self.runner, configs, 1)
+            scan = self.problem.campaign(self.runner, configs)
             try:
                 [row] = scan.rows(self.problem.draws(draws=1, metrics="full", seed=self.problem.seed))
             finally:
