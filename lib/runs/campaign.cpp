@@ -9,6 +9,7 @@
 #include "campaign/predicted_sigma.h"
 #include "config/config_path.h"
 #include "config/hazard_config.h"
+#include "config/path_names.h"
 #include "config/receiver_config.h"
 #include "config/scan_config.h"
 #include "config/uncertainty_config.h"
@@ -45,6 +46,7 @@ void require_same_rays(const RangeFile& scan, const Scene& scene, const DrawsCon
   Provenance provenance = scan_provenance(config.stages().scan, scene);
   check_draws(config, span, [&](std::int64_t draw) {
     provenance.config = config.stages(draw).scan;
+    cut_paths(provenance.config);  // as those of the scan
     require_redraw(scan, provenance, "");
   });
 }

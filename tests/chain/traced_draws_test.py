@@ -8,7 +8,7 @@ import unittest
 import h5py
 import numpy as np
 
-from harness import EVAL, HAZARD, REGRID, SCAN, TERRAIN, ChainTest, columns, read_bytes, run, with_values
+from harness import EVAL, HAZARD, REGRID, SCAN, TERRAIN, ChainTest, columns, config_of, read_bytes, run, with_values
 from monte_carlo_test import LAYERS, flat
 
 STAGES = ("scan", "regrid", "eval", "hazard", "terrain")
@@ -110,11 +110,14 @@ class Equality(TracedTest):
             np.testing.assert_array_equal(again[name], values, name)
 
     def test_all_scanners(self):
-        for name, values in SCANNERS.items():
+        with open(self.path("sweep.csv"), "w", encoding="utf-8") as file:
+            file.write("t_s,angle_1_rad,angle_2_rad\n0,-0.05,0.02\n1,0.05,0.01\n2,0.04,-0.03\n")
+        for name, values in {**SCANNERS, "table": {"path": self.path("sweep.csv"), "mechanism": "fsm", "incidence_deg": 20}}.items():
             with self.subTest(name):
                 scan = {**SCAN, "scanner": {"type": name, **values}}
                 config = campaign(scan=scan, draws=2, vary={**GROUND, **DISPERSED})
                 self.check_draw(config, self.draws(config), 1)
+        self.assertEqual(config_of(self.path("draws.h5"))["scan"]["scanner"]["path"], "sweep.csv", "files must not reveal folders")
 
     def test_receivers(self):
         """An albedo of the ground, echoes of which several are reported, and a geiger mode, which no scan can be redrawn with."""
