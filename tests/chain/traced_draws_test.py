@@ -261,9 +261,9 @@ class Refusals(TracedTest):
         self.refuse(2, "monte-carlo", *over, self.config(errors, "mc.json"), "-O", words=["navigation_error.position_m.0", "leave out the scan"])
 
     def test_a_path_below_the_ground(self):
-        """The third draw begins under it."""
+        """The third draw begins under it; which of its pulses is named depends on the threads."""
         heights = {"scan.trajectory_dispersion.position_m.2": {"type": "list", "values": [0, 5, -80]}}
-        self.refused(campaign(vary=heights), code=1, words=["draw 2", "pulse 0", "below the terrain"])
+        self.refused(campaign(vary=heights), code=1, words=["draw 2", "pulse ", "below the terrain"])
 
 
 if __name__ == "__main__":
