@@ -116,6 +116,7 @@ ExitCode run(cli::Session& session, const cli::CampaignOptions& o) {
   const auto report_file = session.side_output("--report", o.report, inputs);
   const auto verdict_file = session.side_output("--verdict", o.verdict, inputs);
   CampaignOutput campaign{output,
+                          session.config(),
                           session.provenance(),
                           session.config_name(),
                           session.phases(),

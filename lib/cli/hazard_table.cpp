@@ -42,7 +42,7 @@ std::string map_lines(const std::vector<LandingSite>& sites) {
 }
 
 std::string site_lines(const HazardMap& map) {
-  if (map.sites.empty()) return "\nno site: no safe place within the divert radius\n";
+  if (map.sites.empty()) return "\nno site: no safe place within reach\n";
   std::string text = "\nsite     x, m     y, m    cost p_touchdown  slope  roughness  to hazard" +
                      std::string(map.truth ? "  truth\n" : "\n") + print("%49s %10s %10s\n", "deg", "m", "m");
   int rank = 0;
@@ -91,7 +91,7 @@ std::string hazard_summary(const HazardMap& map) {
   const std::string text = percent_text(share(counts.safe, counts.all())) + " safe, " +
                            percent_text(share(counts.hazard, counts.all())) + " hazard, " +
                            percent_text(share(counts.unknown, counts.all())) + " unknown; ";
-  if (map.sites.empty()) return text + "no safe place within the divert radius";
+  if (map.sites.empty()) return text + "no safe place within reach";
   const LandingSite& best = map.sites.front();
   return text + "best site (" + short_number(best.x_m) + ", " + short_number(best.y_m) + ") m, " +
          (map.p_safe ? "p_touchdown " + print("%.4f", static_cast<double>(best.p_touchdown))

@@ -20,6 +20,7 @@
 #include "cli/run_log.h"
 #include "cli/tool.h"
 #include "config/json_source.h"
+#include "config/path_names.h"
 #include "config/presets.h"
 #include "config/resolved_config.h"
 #include "config/schema.h"
@@ -31,18 +32,6 @@ namespace landfall::cli {
 namespace {
 
 using Json = nlohmann::json;
-
-/// The configuration keys that name files.
-constexpr std::array kPathKeys = {"path", "table"};
-
-/// Removes folders from paths: messages and files must not reveal the machine's folders.
-void cut_paths(Json& value) {
-  for (const char* const key : kPathKeys)
-    if (value.is_object() && value.contains(key) && value[key].is_string())
-      value[key] = std::filesystem::path(value[key].get<std::string>()).filename().string();
-  if (value.is_structured())
-    for (Json& element : value) cut_paths(element);
-}
 
 /// Adds the files that a configuration names.
 void add_named_files(const Json& value, std::vector<std::string>& files) {

@@ -2,6 +2,11 @@
 #include "config/hazard_config.h"
 
 #include <string>
+#include <utility>
+#include <vector>
+
+#include "config/config_path.h"
+#include "config/json_values.h"
 
 #include "config/own_requirement_config.h"
 
@@ -23,12 +28,37 @@ HazardMethod hazard_method(const std::string& name) {
   return HazardMethod::contact;
 }
 
-SiteParameters sites_of(const nlohmann::json& json) {
-  return {.count = json.at("count"),
-          .separation_m = json.at("separation_m"),
-          .divert_radius_m = json.at("divert_radius_m"),
-          .divert_weight = json.at("divert_weight"),
-          .min_p = json.at("min_p")};
+Horizontal horizontal(const nlohmann::json& pair) { return {pair.at(0), pair.at(1)}; }
+
+ReachableArea polygon_of(const nlohmann::json& json) {
+  std::vector<Horizontal> vertices;
+  for (const nlohmann::json& vertex : json) vertices.push_back(horizontal(vertex));
+  return ReachableArea::polygon(std::move(vertices));
+}
+
+DivertStart divert_start(const nlohmann::json& json) {
+  return {.height_m = json.at("height_m"),
+          .descent_mps = json.at("descent_mps"),
+          .velocity_mps = horizontal(json.at("velocity_mps")),
+          .position_m = horizontal(json.at("position_m")),
+          .tilt_rad = radians(json, "tilt_deg"),
+          .thrust_accel_mps2 = json.at("thrust_accel_mps2"),
+          .gravity_mps2 = json.at("gravity_mps2")};
+}
+
+ReachableArea reach_of(const nlohmann::json& json, const std::string& name) {
+  if (json.is_array()) return polygon_of(json);
+  return at_path(name + ": /sites/reach/", [&] { return ReachableArea::divert(divert_start(json)); });
+}
+
+SiteParameters sites_of(const nlohmann::json& json, const std::string& name) {
+  SiteParameters sites{.count = json.at("count"),
+                       .separation_m = json.at("separation_m"),
+                       .divert_radius_m = json.at("divert_radius_m"),
+                       .divert_weight = json.at("divert_weight"),
+                       .min_p = json.at("min_p")};
+  if (json.contains("reach")) sites.reach = reach_of(json.at("reach"), name);
+  return sites;
 }
 
 }  // namespace
@@ -42,7 +72,7 @@ HazardParameters hazard_config(const nlohmann::json& resolved, const std::string
   parameters.hole_fill_bins = resolved.at("hole_fill_bins");
   if (!resolved.at("z_sigma_m").is_null()) parameters.z_sigma_m = resolved.at("z_sigma_m").get<double>();
   parameters.touchdown_sigma_m = resolved.at("touchdown_sigma_m");
-  parameters.sites = sites_of(resolved.at("sites"));
+  parameters.sites = sites_of(resolved.at("sites"), name);
   parameters.seed = resolved.at("seed");
   parameters.own_requirements =
       own_requirements(resolved, name + ": ", {"score.json", result_fields(HazardScore{})});

@@ -92,13 +92,18 @@ Grid<float> touchdown_probability(const Grid<float>& p, double sigma_m, const Bi
   return result;
 }
 
+ReachableArea reachable_area(const SiteParameters& parameters) {
+  return parameters.reach.value_or(ReachableArea::circle(parameters.divert_radius_m));
+}
+
 Grid<float> landing_cost(const Grid<float>& p_touchdown, const SiteParameters& parameters) {
   const GridSpec& spec = p_touchdown.spec();
   Grid<float> cost(spec, kNan);
+  const ReachableArea area = reachable_area(parameters);
   by_site_rows(spec, [&](std::int64_t row) {
     for (std::int64_t col = 0; col < spec.cols; ++col) {
+      if (!area.contains({spec.x(col), spec.y(row)})) continue;
       const double distance = distance_to_origin(spec, {row, col});
-      if (distance > parameters.divert_radius_m + kTolerance_m) continue;
       const double p = p_touchdown.at({row, col});
       cost.at({row, col}) =
           static_cast<float>(1 - p + parameters.divert_weight * distance / parameters.divert_radius_m);

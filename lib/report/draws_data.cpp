@@ -10,6 +10,8 @@
 #include <utility>
 
 #include "campaign/draw_layers.h"
+#include "config/hazard_config.h"
+#include "report/hazard_data.h"
 
 namespace landfall::html_report {
 namespace {
@@ -160,6 +162,13 @@ Json landings_json(const DrawTable& table, std::int64_t shown) {
   return arms;
 }
 
+/// The border of the reachable places; null where they are the circle of the divert radius.
+Json reach_json(const nlohmann::json& config) {
+  if (!config.contains("hazard") || config.at("hazard").is_null()) return nullptr;
+  const SiteParameters sites = hazard_config(config.at("hazard")).sites;
+  return sites.reach ? outline_json(*sites.reach) : Json(nullptr);
+}
+
 Json region_json(const EvaluationParameters& parameters) {
   switch (parameters.region_shape) {
     case RegionShape::circle:
@@ -196,7 +205,8 @@ ReportData draws_data(const DrawsReport& content, const nlohmann::json& config, 
                  {"traces", content.traces},
                  {"terrain_seeds", config.value("terrain_seed", "fixed")},
                  {"uncertainty", config.value("uncertainty", false)},
-                 {"landings", landings_json(table, shown)}};
+                 {"landings", landings_json(table, shown)},
+                 {"reach", reach_json(config)}};
   if (content.draws.maps) {
     const GridSpec& spec = content.draws.maps->spec();
     const std::int64_t factor = reduction_factor(spec, max_cells);

@@ -194,6 +194,12 @@ Json lander_json(const Lander& lander) {
 
 }  // namespace
 
+Json outline_json(const ReachableArea& area) {
+  Json vertices = Json::array();
+  for (const Horizontal& vertex : area.outline()) vertices.push_back({vertex.x, vertex.y});
+  return vertices;
+}
+
 ReportData hazard_data(const HazardReport& content, const std::string& elevation, std::int64_t max_cells) {
   const HazardParameters& parameters = content.parameters;
   const GridSpec& spec = content.input.z.spec();
@@ -212,7 +218,7 @@ ReportData hazard_data(const HazardReport& content, const std::string& elevation
       {"lander", lander_json(parameters.lander)},
       {"limits",
        {{"slope_deg", parameters.limits.slope_deg}, {"roughness_m", parameters.limits.roughness_m}}},
-      {"divert_radius_m", parameters.sites.divert_radius_m},
+      {"reach", outline_json(reachable_area(parameters.sites))},
       {"colors", colors_json()},
       {"places", count_places(content.map.safe, content.map.region).all()},
       {"layers", Layers(content, factor, packer).all(elevation)},

@@ -23,4 +23,7 @@ inline constexpr std::size_t kMaxDrawnSites = 10;  ///< the best ones, with thei
 [[nodiscard]] ReportData hazard_data(const HazardReport& content, const std::string& elevation,
                                      std::int64_t max_cells = kMaxCells);
 
+/// The border of the reachable places: [[x, y], ...], open.
+[[nodiscard]] nlohmann::ordered_json outline_json(const ReachableArea& area);
+
 }  // namespace landfall::html_report

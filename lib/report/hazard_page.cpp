@@ -83,7 +83,7 @@ std::string banner_html(const HazardMap& map, const OwnVerdicts& own, double min
   const auto best = std::ranges::max_element(sites, {}, &LandingSite::p_touchdown);
   const bool has_site = best != sites.end() && best->p_touchdown >= min_p;
   const bool accepted = has_site && all_pass(own);
-  std::string text = "no landing site: no safe place within the divert radius";
+  std::string text = "no landing site: no safe place within reach";
   if (!sites.empty())
     text = (has_site ? "" : "no site has a p_touchdown of " + number_text(min_p) + " or more: ") +
            std::string("the best site ") + place_text(sites.front(), map.p_safe.has_value());

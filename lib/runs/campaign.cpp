@@ -9,6 +9,7 @@
 #include "campaign/predicted_sigma.h"
 #include "config/config_path.h"
 #include "config/hazard_config.h"
+#include "config/path_names.h"
 #include "config/receiver_config.h"
 #include "config/scan_config.h"
 #include "config/uncertainty_config.h"
@@ -45,19 +46,21 @@ void require_same_rays(const RangeFile& scan, const Scene& scene, const DrawsCon
   Provenance provenance = scan_provenance(config.stages().scan, scene);
   check_draws(config, span, [&](std::int64_t draw) {
     provenance.config = config.stages(draw).scan;
+    cut_paths(provenance.config);  // as those of the scan
     require_redraw(scan, provenance, "");
   });
 }
 
 /// A landing is judged by its contact with the ground, whatever the method of the map is.
-void require_lander(const DrawsConfig& config, const DrawSpan& span) {
-  if (!config.landing()) return;
+void require_hazards(const DrawsConfig& config, const DrawSpan& span) {
+  if (!config.has_hazards()) return;
   check_draws(config, span, [&](std::int64_t draw) {
     const DrawStages stages = config.stages(draw);
-    at_path(config.name() + ": draw " + std::to_string(draw) + ": /hazard/", [&] {
-      return LanderStencil(hazard_config(stages.hazard).lander,
-                           stages.regrid.at("resolution_m").get<double>());
-    });
+    const std::string path = config.name() + ": draw " + std::to_string(draw) + ": /hazard";
+    const Lander lander = hazard_config(stages.hazard, path).lander;
+    if (config.landing())
+      at_path(path + "/",
+              [&] { return LanderStencil(lander, stages.regrid.at("resolution_m").get<double>()); });
   });
 }
 
@@ -135,7 +138,7 @@ Campaign::Campaign(const RangeFile& scan, const std::string& terrain, const Draw
     scene_.window->require({grid.x(0), grid.x(grid.cols - 1), grid.y(0), grid.y(grid.rows - 1)});
   require_same_rays(scan, scene_, config, span);
   truth_ = read_truth(scan, progress);
-  require_lander(config, span);
+  require_hazards(config, span);
   prepare(scene_.surface.get(), device, provenance);
   if (device && device->on_failure == DeviceFailure::throws) require_device(span);
 }
@@ -146,7 +149,7 @@ Campaign::Campaign(GroundSource ground, const DrawsConfig& config, const DrawSpa
       source_(std::move(ground)),
       regrid_(regrid_config(config.stages().regrid, config.name() + ": /regrid")) {
   require_valid(config, span);
-  require_lander(config, span);
+  require_hazards(config, span);
   const nlohmann::json& scan = config.stages().scan;
   static_cast<void>(scan_model(scan, config.name() + ": /scan", recording_table_loader(provenance)));
   if (!source_.terrain.empty()) {
@@ -249,7 +252,8 @@ DrawSetup Campaign::setup_of(const DrawStages& stages, std::int64_t draw) const 
           regrid.method,
           regrid.truth_at,
           evaluation_config(stages.eval, name),
-          stages.hazard.is_null() ? std::nullopt : std::optional(hazard_config(stages.hazard)),
+          stages.hazard.is_null() ? std::nullopt
+                                  : std::optional(hazard_config(stages.hazard, name + ": /hazard")),
           landing_setup(stages.scan, draw),
           uncertainty_of(config_, stages, name)};
 }

@@ -9,6 +9,7 @@
 #include <optional>
 #include <utility>
 
+#include "config/path_names.h"
 #include "files/table_reader.h"
 #include "output/temporary_files.h"
 
@@ -206,9 +207,9 @@ CampaignResult run_campaign(const CampaignSources& sources, const std::optional<
     samples = read_number_table(sources.samples, {.all = true});
     output.provenance.add_input("samples", content_id(sources.samples), nlohmann::json::array());
   }
-  ScanSequence scans(sources, output.provenance.config, output.config_name, samples ? &*samples : nullptr,
-                     output.warn);
+  ScanSequence scans(sources, output.config, output.config_name, samples ? &*samples : nullptr, output.warn);
   output.provenance.config = scans.json();
+  cut_paths(output.provenance.config);
   const DrawSpan span = scans.checked_span(part);
   output.phase("read",
                [&](const ProgressCallback& progress) { scans.check(span, output.provenance, progress); });

@@ -33,7 +33,8 @@ struct CampaignSources {
 
 struct CampaignOutput {
   OutputOptions file;
-  Provenance provenance;    ///< with the configuration of the campaign; inputs are added later
+  nlohmann::json config;    ///< of the campaign
+  Provenance provenance;    ///< its configuration and inputs are added later
   std::string config_name;  ///< for messages
   PhaseRunner phase;
   std::function<void(const std::string&)> warn;

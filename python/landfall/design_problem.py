@@ -19,6 +19,7 @@ ALL_REQUIREMENTS = "all six"
 CHOSEN_PLACE_SAFE = "chosen place safe"
 ACCEPTED_PLACE_SAFE = "accepted place safe"
 ALL_AND_OWN = "all and own"
+SAFE_LANDING = "safe landing"
 COSTS = ("ranges", "pulses", "pixels", "scan_time_s", "pulse_rate_hz")
 # Methods that put a return into the one bin whose centre is nearest.
 NEAREST = ("bilinear_nearest", "mean", "min", "max", "median")
@@ -39,7 +40,7 @@ class Problem:
         search = self.tree.get("search", {})
         self.candidates, self.seed, self.start = search.get("candidates", 60), search.get("seed", 1), search.get("start", [])
         self.moves = search.get("moves", 8)
-        self.vary = self.tree.get("vary", {})
+        self.vary, self.traced = self.tree.get("vary", {}), self.tree.get("traced_draws")
         self._check()
         self.reference_cost = self.cost(self.base)
 
@@ -57,6 +58,8 @@ class Problem:
             raise UsageError(f"{self.path}: /requirement: \"{ALL_AND_OWN}\" needs requirements of your own in eval or hazard")
         if not self.judges_map() and "hazard" not in self.base:
             raise UsageError(f"{self.path}: /base: the requirement \"{self.requirement}\" needs a configuration of hazard-map: hazard")
+        if self.requirement == SAFE_LANDING and "landing" not in (self.traced or {}):
+            raise UsageError(f"{self.path}: /requirement: \"{SAFE_LANDING}\" needs /traced_draws/landing")
         for name, variable in self.variables.items():
             where = f"{self.path}: /variables/{name}"
             if ("values" in variable) == ("low" in variable or "high" in variable):
@@ -111,6 +114,10 @@ class Problem:
         parts = dict(zip(COSTS, (pulses * pixels, pulses, pixels, laser["scan_time_s"], laser["pulse_rate_hz"])))
         return sum(weight * parts[name] for name, weight in self.tree.get("cost", {"ranges": 1}).items())
 
+    def campaign(self, runner, configs):
+        """The draws of a candidate's configurations: over a traced scan, or traced each."""
+        return runs.Scan(runner, configs, 1) if self.traced is None else runs.TracedDraws(runner, configs, self.traced)
+
     def draws(self, **changes):
         """A configuration of monte-carlo; `seed` goes to the scan."""
         seed = changes.pop("seed")
@@ -122,6 +129,8 @@ class Problem:
             return bool(row["pass"])
         if self.requirement == ALL_REQUIREMENTS:
             return all(row[f"requirements.{name}.pass"] == 1 for name in dictionary.requirements())
+        if self.requirement == SAFE_LANDING:
+            return bool(row["landing.safe"])
         return bool(row["site.true_safe"]) and (self.requirement == CHOSEN_PLACE_SAFE or row["site.p_touchdown"] >= self.base["hazard"]["sites"]["min_p"])
 
     def why_not(self, row, margins):
@@ -129,6 +138,8 @@ class Problem:
         if not self.judges_map():
             if row["site.p_touchdown"] is None:
                 return "no place is safe"
+            if self.requirement == SAFE_LANDING:
+                return "the landing is not safe"
             if not row["site.true_safe"]:
                 return "the chosen place is not known to be safe on the true ground"
             return f"the chosen place has p_touchdown {row['site.p_touchdown']:.3g}, less than {self.base['hazard']['sites']['min_p']:g}"
@@ -138,7 +149,8 @@ class Problem:
     def margins(self, row):
         """{requirement: ln(value/limit)} of a draw: below 0 it is met."""
         if not self.judges_map():
-            risk = 1 if not row["site.true_safe"] else 1 - row["site.p_touchdown"]
+            is_safe = row["landing.safe" if self.requirement == SAFE_LANDING else "site.true_safe"]
+            risk = 1 if not is_safe or row["site.p_touchdown"] is None else 1 - row["site.p_touchdown"]
             return {self.requirement: model.margin(risk, 1 - self.base["hazard"]["sites"]["min_p"])}
         limits = self.base["eval"]["limits"]
         found = {}
@@ -225,7 +237,8 @@ class Look:
             if gap is not None and gap > widest:
                 return {**result, "stage": "geometry", "reason": f"frames are {gap:.3g} bins apart at the end of the scan; at most {widest:g} can pass",
                         "violation": math.log(gap / widest) + 1}
-        found, is_earlier = self.runner.cached("look", [configs, self.problem.vary, self.problem.seed, self.problem.requirement],
+        found, is_earlier = self.runner.cached("look", [configs, self.problem.vary, self.problem.seed, self.problem.requirement,
+                                                        *([] if self.problem.traced is None else [self.problem.traced])],
                                                lambda: self._run(configs), runs.is_steady)
         self.made += not is_earlier
         return {**result, **found}
@@ -236,7 +249,7 @@ class Look:
                 refused = self._plan(configs)
                 if refused:
                     return refused
-            scan = runs.Scan(self.runner, configs, 1)
+            scan = self.problem.campaign(self.runner, configs)
             try:
                 [row] = scan.rows(self.problem.draws(draws=1, metrics="full", seed=self.problem.seed))
             finally:

@@ -93,12 +93,12 @@ class Design:
     # Tests by draws
 
     def campaigns(self, values):
-        """A traced scan for each terrain."""
-        return [runs.Scan(self.runner, self.problem.configs(values, terrain), 1) for terrain in range(len(self.problem.terrains))]
+        """The draws on each terrain."""
+        return [self.problem.campaign(self.runner, self.problem.configs(values, terrain)) for terrain in range(len(self.problem.terrains))]
 
     def part(self, scan, draws, begin, end):
         """The file of the draws begin..end-1 of a campaign; an earlier run may have made it."""
-        path = self.runner.place("part", [scan.configs, draws, begin, end], "h5")
+        path = self.runner.place("part", [scan.configs, draws, begin, end, *([] if self.problem.traced is None else [self.problem.traced])], "h5")
         if not os.path.exists(path):
             scan.campaign(draws, path, "--draws", f"{begin}:{end}")
         return path
@@ -163,8 +163,11 @@ class Design:
 
     def through_the_chain(self, values, row):
         """{"seed", "numbers"} of a draw on the first terrain that scan-sim, regrid and dem-eval make again: every number must be the same."""
-        configs = model.set_values(self.problem.configs(values), {model.SEED: row["seed"], **{key: row[key] for key in self.problem.vary}})
-        numbers = self.runner.numbers(configs)
+        configs = self.problem.configs(values)
+        if (self.problem.traced or {}).get("terrain_seed") == "each":
+            configs["terrain"]["seed"] += row["seed"] - configs["scan"]["seed"]
+        configs = model.set_values(configs, {model.SEED: row["seed"], **{key: row[key] for key in self.problem.vary}})
+        numbers = self.runner.numbers(configs, with_sigma=(self.problem.traced or {}).get("uncertainty", False))
         common = sorted(row.keys() & numbers.keys())
         for name in common:
             if row[name] != numbers[name]:

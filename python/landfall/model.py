@@ -25,28 +25,30 @@ from landfall.study.model import assign, plain_numbers
 SEED = "scan.seed"
 LARGEST_SEED = 2**31 - 1
 # The outputs that monte-carlo has without percentiles ("metrics": "verdict"), several times faster, with the same values.
-VERDICT_NUMBERS = re.compile(r"coverage\..*|requirements\..*|own_requirements\..*|pass|score\..*|site\..*|accuracy\.absolute\.horizontal\.within_limit_frac|"
+VERDICT_NUMBERS = re.compile(r"coverage\..*|requirements\..*|own_requirements\..*|pass|score\..*|site\..*|landing\..*|blind\..*|accuracy\.absolute\.horizontal\.within_limit_frac|"
                              r"accuracy\.relative\.[xyz]\.violation_count")
 
 
-def model(base, inputs, outputs, folder="landfall-model", workers=1, prefix=(), progress=None):
+def model(base, inputs, outputs, folder="landfall-model", workers=1, prefix=(), progress=None, traced=None):
     """The pipeline as a callable from a vector, or a table, of configuration values to metrics.
 
     base: {stage: configuration} with the stages terrain, scan, regrid, eval and hazard; a configuration is a dict, a file or
     preset:NAME. inputs: keys such as "scan.noise.range_sigma_m", or {name: key or list of keys}. outputs: numbers of metrics.json by
     their dotted paths, such as "accuracy.relative.z.max_m" or "pass", and of a base with hazard "score.*" and "site.*".
     folder: results are kept there and found again. workers: runs at a time. prefix: words of a command that runs another one, as srun.
+    traced: {} has every row traced by monte-carlo without a scan; its keys are monte-carlo's terrain_seed, uncertainty and landing, which adds the
+    outputs "landing.*" and "blind.*". With terrain_seed "each" the ground follows scan.seed: terrain.seed + scan.seed - the base's scan.seed.
     """
-    return Model(runs.read_base(base, os.getcwd(), "model"), inputs, outputs, folder, workers, prefix, progress)
+    return Model(runs.read_base(base, os.getcwd(), "model"), inputs, outputs, folder, workers, prefix, progress, traced)
 
 
 class Model:
     """See model(). `base` is resolved (runs.read_base)."""
 
-    def __init__(self, base, inputs, outputs, folder, workers=1, prefix=(), progress=None):
+    def __init__(self, base, inputs, outputs, folder, workers=1, prefix=(), progress=None, traced=None):
         named = inputs if isinstance(inputs, dict) else {key: key for key in inputs}
         self.inputs = {name: [keys] if isinstance(keys, str) else list(keys) for name, keys in named.items()}
-        self.base, self.outputs, self.workers, self.progress = base, list(outputs), workers, progress
+        self.base, self.outputs, self.workers, self.progress, self.traced = base, list(outputs), workers, progress, traced
         if not self.inputs or not self.outputs:
             raise UsageError("model: needs an input and an output")
         self.failures = {}
@@ -84,7 +86,7 @@ class Model:
 
     def _run(self, rows):
         """For each row its numbers, or {"error": why there are none}."""
-        tasks = list(self._tasks(rows))
+        tasks = list(self._tasks(rows) if self.traced is None else self._traced_tasks(rows))
         found = [None] * len(rows)
         if self.progress:
             self.progress.start("draws", len(rows))
@@ -116,6 +118,25 @@ class Model:
             for part, seed in parts:
                 samples = [{key: value for key, value in rows[number].items() if runs.is_redrawn(key, self.base["scan"])} for number in part]
                 yield _Campaign(self, part, scan, samples, seed)
+
+
+    def _traced_tasks(self, rows):
+        """Parts of consecutive seeds; the keys that monte-carlo does not vary are the same in a part."""
+        groups, whole = {}, runs.TracedDraws(self.runner, self.base, self.traced)
+        varied = {}
+        for number, row in enumerate(rows):
+            if any(not math.isfinite(value) for value in row.values()):
+                yield _Failed([number], "a value is not a finite number")
+                continue
+            for key, value in row.items():
+                if key not in varied:
+                    varied[key] = key != SEED and whole.varies(key, value)
+            fixed = tuple((key, value) for key, value in row.items() if not varied[key] and key != SEED)
+            groups.setdefault(fixed, []).append(number)
+        for fixed, numbers in groups.items():
+            draws = runs.TracedDraws(self.runner, set_values(copy.deepcopy(self.base), dict(fixed)), self.traced)
+            for part, seed in _parts(numbers, [rows[number].get(SEED, draws.configs["scan"]["seed"]) for number in numbers]):
+                yield _Campaign(self, part, draws, [{key: value for key, value in rows[number].items() if varied[key]} for number in part], seed)
 
 
 def _parts(numbers, seeds):
@@ -176,7 +197,7 @@ class _Campaign(_Task):
         self.numbers, self.runner, self.progress, self.scan, self.samples, self.seed = numbers, of.runner, of.progress, scan, samples, seed
         needed = [*of.outputs, *(own["metric"] for own in scan.configs["eval"].get("requirements", []))]
         self.metrics = "verdict" if all(VERDICT_NUMBERS.fullmatch(name) for name in needed) else "full"
-        self.kind, self.depends = "rows", [scan.configs, samples, seed, self.metrics]
+        self.kind, self.depends = "rows", [scan.configs, samples, seed, self.metrics, *([] if of.traced is None else [of.traced])]
 
     def make(self):
         return self._rows(self.samples, self.seed)

@@ -12,7 +12,7 @@ from matplotlib.patches import Circle
 from landfall import command, dictionary, files, maps, plots, reduction, relief, scales
 from landfall.errors import DataError
 
-LAYERS = ["slope", "roughness", "safe", "p_safe", "p_touchdown", "outcome"]
+LAYERS = ["slope", "roughness", "safe", "p_safe", "p_touchdown", "cost", "outcome"]
 MAX_LISTED = 6  # sites in the legend
 # {value: (name, colour)} of each layer. Marked values are few if the DEM is good, and are drawn on top of the judgement.
 CLASSES = {layer: dict(sorted(dictionary.place_classes(layer).items())) for layer in ("safe", "outcome")}
@@ -137,13 +137,21 @@ def draw_probability(ax, hazards):
     maps.draw_values(ax, hazards.grid, values, scale, name, reduction.shrink_least)
     maps.draw_scale_marks(ax)
     maps.note(ax, scale.range_text(), maps.blocks_note(ax, values.shape, "smallest"))
-    handles = draw_sites(ax, hazards)
-    radius_m = hazards.config.get("sites/divert_radius_m")
-    if radius_m is not None:
-        ax.add_patch(Circle((0, 0), radius_m, fill=False, edgecolor="black", linewidth=1.4, linestyle="--", path_effects=maps.OUTLINE,
-                            gid="divert"))
-        handles.append(Line2D([], [], color="black", linestyle="--", label=f"divert radius {plots.metres(float(radius_m))}"))
+    handles = [*draw_sites(ax, hazards), *draw_reach(ax, hazards)]
     ax.legend(handles=handles, loc="upper center", bbox_to_anchor=(0.5, -0.13), ncol=2, frameon=False, handletextpad=0.4)
+
+
+def draw_reach(ax, hazards):
+    """The border of the places among which sites are looked for: the circle, or where the cost ends. Returns what the legend says about it."""
+    radius_m, cost = hazards.config.get("sites/divert_radius_m"), hazards.layers["cost"]
+    has_reach = hazards.config.get("sites/reach/height_m") is not None or hazards.config.get("sites/reach") is not None
+    if has_reach and cost is not None:
+        maps.outline_flags(ax, hazards.grid, ~np.isnan(cost), "white")
+        return [Line2D([], [], color="black", label="border of the places within reach")]
+    if radius_m is None:
+        return []
+    ax.add_patch(Circle((0, 0), radius_m, fill=False, edgecolor="black", linewidth=1.4, linestyle="--", path_effects=maps.OUTLINE, gid="divert"))
+    return [Line2D([], [], color="black", linestyle="--", label=f"divert radius {plots.metres(float(radius_m))}")]
 
 
 def draw_sites(ax, hazards):

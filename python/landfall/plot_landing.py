@@ -55,15 +55,46 @@ def draw_touchdowns(ax, draws, arm):
                        label=f"{label}: {np.count_nonzero(shown)}", gid=f"{arm}-{label.replace(' ', '-')}")
     ax.set_title(f"touchdowns {ARMS[arm]}")
     frame(ax, draws)
-    radius_m = draws.config.get("hazard/sites/divert_radius_m")
-    if radius_m is not None and arm == "landing":
-        ax.add_patch(maps.plt.Circle((0, 0), radius_m, fill=False, color="black", linestyle=":", label=f"divert radius {radius_m:g} m"))
+    if arm == "landing":
+        draw_reach(ax, draws)
     ax.legend(loc="upper right", fontsize=maps.NOTE_PT)
     rate = draws.verdict["landing"]["safe" if arm == "landing" else "blind"]
     text = f"{rate['passed']} of {rate['draws']} safe"
     if "note" not in draws.verdict["landing"]:
         text += f": {rate['wilson_low']:.3f} to {rate['wilson_high']:.3f} (Wilson, 95 %)"
     maps.note(ax, text)
+
+
+def draw_reach(ax, draws):
+    """The border of the places among which sites were looked for, as configured: a circle, a polygon, or the lens of a divert
+    (docs/user/hazard-map.md)."""
+    radius_m = draws.config.get("hazard/sites/divert_radius_m")
+    style = {"color": "black", "linestyle": ":", "label": "border of the places within reach"}
+    border = reach_border(draws.config, "hazard/sites/reach")
+    if border is not None:
+        ax.plot(*border.T, gid="reach", scalex=False, scaley=False, **style)
+    elif radius_m is not None:
+        ax.add_patch(maps.plt.Circle((0, 0), radius_m, fill=False, **{**style, "label": f"divert radius {radius_m:g} m"}))
+
+
+def reach_border(config, path):
+    """Points of the border, closed, of a configured polygon, or of the places within b T^2/4 of both position + v T/4 and position + 3 v T/4
+    (none where there are no such places). None where no reach is configured."""
+    number = lambda key: config.get(f"{path}/{key}")
+    if number("height_m") is None:
+        polygon = config.get(path)
+        return None if polygon is None else np.array([*polygon, polygon[0]])
+    time_s = 2 * number("height_m") / number("descent_mps")
+    vertical = number("gravity_mps2") + number("descent_mps") ** 2 / (2 * number("height_m"))
+    horizontal = min(vertical * np.tan(np.radians(number("tilt_deg"))), np.sqrt(number("thrust_accel_mps2") ** 2 - vertical ** 2))
+    velocity, start, radius_m = np.array(number("velocity_mps")), np.array(number("position_m")), horizontal * time_s ** 2 / 4
+    angles = np.linspace(0, 2 * np.pi, 721)
+    rings = [start + share * velocity * time_s + radius_m * np.column_stack([np.cos(angles), np.sin(angles)]) for share in (0.25, 0.75)]
+    centres = [start + share * velocity * time_s for share in (0.75, 0.25)]
+    arcs = np.vstack([ring[np.hypot(*(ring - centre).T) <= radius_m * (1 + 1e-9)] for ring, centre in zip(rings, centres)])
+    middle = start + velocity * time_s / 2
+    order = np.argsort(np.arctan2(*(arcs - middle).T[::-1]))
+    return arcs[[*order, order[0]]] if len(arcs) else arcs
 
 
 def draw_diverts(ax, draws):

@@ -8,6 +8,7 @@ Results are kept in `folder`/cache under the hash of all that they depend on: an
 once, and the answer does not depend on what was there before.
 """
 import contextlib
+import copy
 import fcntl
 import json
 import os
@@ -194,11 +195,12 @@ class Runner:
                 self.run("terrain-gen", "-o", path, "-O", config=config)
         return path
 
-    def numbers(self, configs):
+    def numbers(self, configs, with_sigma=False):
         """All numbers of one DEM, through the chain: {name of a metric: value or None}."""
-        return self.cached("chain", [configs[stage] for stage in configs], lambda: self._chain(configs))[0]
+        options = ["--uncertainty"] if with_sigma else []
+        return self.cached("chain", [*(configs[stage] for stage in configs), *options], lambda: self._chain(configs, options))[0]
 
-    def _chain(self, configs):
+    def _chain(self, configs, options):
         terrain = self.terrain(configs["terrain"])
         with tempfile.TemporaryDirectory(dir=self.scratch, prefix="chain-") as folder:
             scan, dem, metrics, score, sites, hazards = (os.path.join(folder, name) for name in (
@@ -206,7 +208,7 @@ class Runner:
             for path in (metrics, score, sites):
                 os.mkdir(os.path.dirname(path))
             self.run("scan-sim", "--terrain", terrain, "-o", scan, config=configs["scan"])
-            self.run("regrid", scan, "--terrain", terrain, "-o", dem, config=configs["regrid"])
+            self.run("regrid", scan, "--terrain", terrain, *options, "-o", dem, config=configs["regrid"])
             self.run("dem-eval", dem, "--metrics", metrics, "--metrics-only", config=configs["eval"])
             found = results.read_result(folder, "metrics/m.json")
             if "hazard" in configs:
@@ -215,7 +217,56 @@ class Runner:
             return results.with_own_of_score(found)
 
 
-class Scan:
+class Draws:
+    """Draws of monte-carlo; campaign() of a subclass makes their file."""
+
+    def rows(self, draws, *arguments, samples=None):
+        """The numbers of each draw: [{name: value, None where it has none}]. `samples` are (keys, rows of values)."""
+        with tempfile.TemporaryDirectory(dir=self.runner.scratch, prefix="draws-") as folder:
+            if samples is not None:
+                table = os.path.join(folder, "samples.csv")
+                with open(table, "w", encoding="utf-8") as file:
+                    file.writelines(",".join(row) + "\n" for row in [samples[0], *([repr(float(value)) for value in values] for values in samples[1])])
+                arguments = (*arguments, "--samples", table)
+            path = os.path.join(folder, "draws.h5")
+            self.campaign(draws, path, *arguments)
+            return rows_of(path)
+
+
+class TracedDraws(Draws):
+    """Draws that trace their own rays. `traced` are keys of monte-carlo's configuration: terrain_seed, uncertainty, landing."""
+
+    def __init__(self, runner, configs, traced):
+        self.runner, self.configs, self.traced = runner, configs, traced
+
+    def campaign(self, draws, output, *arguments):
+        """Writes `output`, the draws with monte-carlo's configuration `draws`."""
+        self.runner.run("monte-carlo", "-o", output, "-O", *arguments, config=self.config(draws))
+
+    def config(self, draws):
+        """The configuration of monte-carlo. Where each draw has its own ground, the ground follows the scan's seed, so that a draw depends on its
+        seed alone and draws with fresh seeds have fresh grounds."""
+        configs = copy.deepcopy(self.configs)
+        seed = draws.get("scan", {}).get("seed", configs["scan"]["seed"])
+        if self.traced.get("terrain_seed") == "each" and "seed" in configs["terrain"]:
+            configs["terrain"]["seed"] += seed - configs["scan"]["seed"]
+        configs["scan"]["seed"] = seed
+        return {"layers": False, "hazard": None, **configs, **self.traced, **{key: value for key, value in draws.items() if key != "scan"}}
+
+    def varies(self, key, value):
+        """Whether draws may have different values of this key."""
+        draws = {"draws": 1, "vary": {key: {"type": "list", "values": [value]}}}
+        try:
+            self.runner.run("monte-carlo", "--check", config=self.config(draws))
+        except ToolError:
+            return False
+        return True
+
+    def done(self):
+        """As of a Scan: nothing is kept."""
+
+
+class Scan(Draws):
     """A scan that is traced without errors when the first user needs it, and removed after the last one."""
 
     def __init__(self, runner, configs, users):
@@ -246,18 +297,6 @@ class Scan:
         config["scan"] = {**stages.errors_config(configs["scan"]), **draws.get("scan", {})}
         terrain, scan = self.runner.terrain(configs["terrain"]), self.path()
         self.runner.run("monte-carlo", scan, "--terrain", terrain, "-o", output, "-O", *arguments, config=config)
-
-    def rows(self, draws, *arguments, samples=None):
-        """The numbers of each draw: [{name: value, None where it has none}]. `samples` are (keys, rows of values)."""
-        with tempfile.TemporaryDirectory(dir=self.runner.scratch, prefix="draws-") as folder:
-            if samples is not None:
-                table = os.path.join(folder, "samples.csv")
-                with open(table, "w", encoding="utf-8") as file:
-                    file.writelines(",".join(row) + "\n" for row in [samples[0], *([repr(float(value)) for value in values] for values in samples[1])])
-                arguments = (*arguments, "--samples", table)
-            path = os.path.join(folder, "draws.h5")
-            self.campaign(draws, path, *arguments)
-            return rows_of(path)
 
 
 def rows_of(path):

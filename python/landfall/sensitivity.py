@@ -28,7 +28,7 @@ class Problem:
     def __init__(self, path):
         self.path, self.tree = path, schema.read_checked(path, "sensitivity")
         self.base = runs.read_base(self.tree["base"], os.path.dirname(os.path.abspath(path)), path)
-        self.title = self.tree.get("title", os.path.basename(path).removesuffix(".json"))
+        self.title, self.traced = self.tree.get("title", os.path.basename(path).removesuffix(".json")), self.tree.get("traced_draws")
         self.outputs, self.size, self.seed = self.tree["outputs"], self.tree.get("size", 128), self.tree.get("seed", 1)
         self.groups = [*self.tree["groups"], RANDOM]
         self.keys = [(group, key) for group, keys in self.tree["groups"].items() for key in keys]
@@ -189,7 +189,7 @@ def main(arguments):
     prefix = runs.prepare(options)
     problem = Problem(options.file)
     of = model.Model(problem.base, [key for _, key in problem.keys] + [model.SEED], problem.outputs, options.out, options.workers, prefix,
-                     progress.Progress())
+                     progress.Progress(), problem.traced)
     answer = analyse(problem, of)
     runs.write_json(os.path.join(options.out, "sensitivity.json"), answer)
     write_csv(os.path.join(options.out, "sensitivity.csv"), answer)

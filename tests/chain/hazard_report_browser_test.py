@@ -144,7 +144,7 @@ class HazardReportTest(PageTest):
             self.assertEqual(float(row[3]), float(f"{site['cost']:.4f}"))
             self.assertEqual(row[-1].split()[0], "safe" if site["true_safe"] else "hazard")
         self.assertIn(f"p_touchdown of {sites[0]['p_touchdown']:.4f}", self.text("#verdict"))
-        self.assertEqual(self.window.run("return document.querySelectorAll('#maps .divert').length"), 2)
+        self.assertEqual(self.window.run("return document.querySelectorAll('#maps .reach').length"), 2)
 
     def check_poses(self, sites, legs):
         """The poses of the data explain slope and roughness, and are what is drawn."""

@@ -33,6 +33,10 @@ CASES = {
     "larger rocks": {"method": "range_difference", "limits__roughness_m": 0.23, "lander__body_radius_m": 0.39},
     "lmeds": {"method": "lmeds"}, "lmeds on a stride": {"method": "lmeds", "lander__body_radius_m": 0.95},
     "nothing filled": {"hole_fill_bins": 0}, "all filled": {"hole_fill_bins": 100000}, "no dispersion": {"touchdown_sigma_m": 0},
+    "polygon": {"sites__reach": [[-2.53, -3.01], [3.22, -1.07], [0.51, 0.33], [1.04, 3.31]], "sites__divert_radius_m": 2},
+    "divert": {"sites__reach": {"height_m": 20, "descent_mps": 4, "velocity_mps": [0.31, -0.12], "position_m": [-1.73, 0.41], "tilt_deg": 2,
+                                "thrust_accel_mps2": 3, "gravity_mps2": 1.3}},
+    "divert short of thrust": {"sites__reach": {"height_m": 20, "descent_mps": 4, "tilt_deg": 30, "thrust_accel_mps2": 1.7007, "gravity_mps2": 1.3}},
     "whole map": {"region_radius_m": 50, "sites__divert_radius_m": 20, "sites__count": 40, "sites__separation_m": 0},
 }
 METHODS = ("contact", "plane", "range_difference", "lmeds")
@@ -66,7 +70,9 @@ class Maps(ChainTest):
         np.testing.assert_allclose(layers["p_touchdown"], np.where(region, p, np.nan), rtol=1e-6, atol=1e-12)
         distance = np.hypot(layers["x"][None, :], layers["y"][:, None])
         cost = 1 - layers["p_touchdown"].astype(float) + sites["divert_weight"] * distance / sites["divert_radius_m"]
-        cost[distance > sites["divert_radius_m"] + 1e-9] = np.nan
+        within = oracle.within_reach(*np.meshgrid(layers["x"], layers["y"]), sites)
+        self.assertTrue(50 < np.count_nonzero(within & region) and ("reach" not in sites or not within[region].all()))
+        cost[~within] = np.nan
         np.testing.assert_allclose(layers["cost"], cost, rtol=1e-6, atol=1e-7)
         np.testing.assert_allclose(layers["distance_to_hazard"], oracle.distances(region, safe, 0.1), **SINGLE)
 
@@ -220,6 +226,16 @@ class Interface(ChainTest):
             self.refuse_map(2, *self.arguments(method=method, lander__body_radius_m=0.09), words=["/lander/body_radius_m: 0.09 is less than", "bin"])
         for key, value in [("lander__pad_diameter_m", 0), ("limits__slope_deg", 0), ("limits__roughness_m", -0.1), ("lander__legs", 5)]:
             self.refuse_map(2, *self.arguments(**{key: value}), words=["config.json: /" + key.replace("__", "/"), str(value)])
+
+    def test_diverts_that_cannot_be_flown_or_reach_nothing(self):
+        reach = {"height_m": 20, "descent_mps": 4, "velocity_mps": [9, 0], "tilt_deg": 2, "thrust_accel_mps2": 3, "gravity_mps2": 1.3}
+        for change, words in [({"thrust_accel_mps2": 1.6}, ["config.json: /sites/reach/thrust_accel_mps2: 1.6", "1.7 m/s2"]),
+                              ({"tilt_deg": 90}, ["/sites/reach/tilt_deg: 90 is not in [0, 90)"]), ({"height": 3}, ["/sites/reach/height: unknown key"])]:
+            self.refuse_map(2, *self.arguments(sites__reach={**reach, **change}), words=words)
+        self.refuse_map(2, *self.arguments(sites__reach=[[0, 0], [1, 1]]), words=["/sites/reach", "expected"])
+        result = self.succeed("hazard-map", *self.arguments("--table", sites__reach=reach))  # it does not stop within T
+        self.assertIn("no site: no safe place within reach", result.stdout)
+        self.assertTrue(np.isnan(columns(self.path("h.h5"))["cost"]).all())
 
     def test_a_region_without_a_known_place(self):
         aside = ["--set", "region_radius_m=0.1", "--set", "lander.leg_radius_m=4.9"]

@@ -173,6 +173,29 @@ def distances(region, safe, s):
     return result
 
 
+def within_reach(x, y, config):
+    """The places among which sites are looked for: a circle, a polygon whose edges the ray to +x crosses an odd number of times, or those with
+    two constant accelerations that bring the lander to rest there."""
+    reach = config.get("reach")
+    if reach is None:
+        return np.hypot(x, y) <= config["divert_radius_m"] + 1e-9
+    if isinstance(reach, list):
+        crossings = np.zeros(x.shape, int)
+        for (ax, ay), (bx, by) in zip(reach, [*reach[1:], reach[0]]):
+            if ay != by:
+                crossings += ((np.minimum(ay, by) <= y) & (y < np.maximum(ay, by))) & (x < ax + (y - ay) * (bx - ax) / (by - ay))
+        return crossings % 2 == 1
+    time = 2 * reach["height_m"] / reach["descent_mps"]
+    upward = reach["gravity_mps2"] + reach["descent_mps"] / time
+    most = min(upward * np.tan(np.radians(reach["tilt_deg"])), np.sqrt(reach["thrust_accel_mps2"] ** 2 - upward ** 2))
+    phases = []
+    for place, start, speed in zip((x, y), reach.get("position_m", (0, 0)), reach.get("velocity_mps", (0, 0))):
+        # speed + (first + second) T/2 = 0 and start + speed T + first 3 T^2/8 + second T^2/8 = place
+        phases.append(np.linalg.solve([[time / 2, time / 2], [3 * time ** 2 / 8, time ** 2 / 8]],
+                                      np.array([np.full(place.size, -speed), (place - start - speed * time).ravel()])))
+    return (np.hypot(*phases) <= most).all(axis=0).reshape(x.shape)
+
+
 def sites(cost, safe, x, y, config):
     """The chosen bins, from the stored cost."""
     bins = [(cost[row, column], round((x[column]**2 + y[row]**2) * 1e9), row, column)

@@ -32,8 +32,19 @@ class Landers(Drawing):
                 "method": self.methods.deal(), "region_radius_m": b(14, 30) * s,
                 "limits": {"slope_deg": b(5, 60), "roughness_m": b(1.01, 6) * s}, "hole_fill_bins": self.one_of([0, self.whole(1, 60), 10000, 10000]),
                 "touchdown_sigma_m": self.one_of([0, b(0.3, 4) * s]),
-                "sites": {"count": self.whole(1, 8), "separation_m": b(0, 6) * s, "divert_radius_m": b(5, 25) * s,
+                "sites": {**self.reach(s), "count": self.whole(1, 8), "separation_m": b(0, 6) * s, "divert_radius_m": b(5, 25) * s,
                           "divert_weight": b(0, 1), "min_p": 0.5}}
+
+
+    def reach(self, s):
+        """A circle, a polygon or a divert."""
+        b, kind = self.between, self.one_of(["circle", "polygon", "divert"])
+        if kind == "circle":
+            return {}
+        if kind == "polygon":
+            return {"reach": [[b(-25, 25) * s, b(-25, 25) * s] for _ in range(self.whole(3, 6))]}
+        return {"reach": {"height_m": 40, "descent_mps": b(4, 8), "velocity_mps": [b(-1, 1) * s, b(-1, 1) * s], "position_m": [b(-9, 9) * s, b(-9, 9) * s],
+                          "tilt_deg": min(b(5, 15) * s, 60), "thrust_accel_mps2": b(2.2, 4), "gravity_mps2": 1.3}}
 
 
 def check(config, ledger):
@@ -113,7 +124,7 @@ class Expected:
         ledger.close("hazards: p_touchdown", found["p_touchdown"], np.where(self.region, p, np.nan), 1e-9, SINGLE)
         distance = np.hypot(self.dem["x"][None, :], self.dem["y"][:, None])
         cost = np.where(self.region, 1 - p + sites["divert_weight"] * distance / sites["divert_radius_m"], np.nan)
-        cost[distance > sites["divert_radius_m"] + 1e-9] = np.nan
+        cost[~hazards.within_reach(*np.meshgrid(self.dem["x"], self.dem["y"]), sites)] = np.nan
         ledger.close("hazards: cost", found["cost"], cost, 1e-7, SINGLE)
         ledger.close("hazards: distance_to_hazard", found["distance_to_hazard"],
                      hazards.distances(self.region, found["safe"], self.s), 1e-9, SINGLE)

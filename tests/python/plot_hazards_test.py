@@ -183,6 +183,20 @@ class SitesTest(HazardsTest):
         circle = next(patch for patch in ax.patches if patch.get_gid() == "divert")
         self.assertEqual((circle.center, circle.radius), ((0, 0), 3))
 
+    def test_the_border_of_the_places_within_reach(self):
+        """It surrounds the bins that have a cost, in place of the circle."""
+        for reach in ([[-1, -2], [2, -1], [0.5, 1.5]], {"height_m": 20, "descent_mps": 4, "tilt_deg": 2, "thrust_accel_mps2": 3, "gravity_mps2": 1.3}):
+            path = self.made("--set", f"sites.reach={json.dumps(reach)}", "-O")
+            ax = self.draw(path)["probability"]
+            self.assertEqual(self.legend(ax)[-1], "border of the places within reach")
+            self.assertFalse([patch for patch in ax.patches if patch.get_gid() == "divert"])
+            known = np.argwhere(~np.isnan(self.values("cost", path)))
+            corners = np.concatenate([line.vertices for collection in ax.collections for line in collection.get_paths()])
+            x = (np.arange(101) - 50) / 10
+            for column, axis in ((1, 0), (0, 1)):
+                self.assertAlmostEqual(corners[:, axis].min(), x[known[:, column].min()] - 0.05)
+                self.assertAlmostEqual(corners[:, axis].max(), x[known[:, column].max()] + 0.05)
+
     def test_the_layer_is_p_touchdown_or_p_safe(self):
         for name, path in (("p_touchdown", self.chain.hazards), ("p_safe", self.made("--set", "z_sigma_m=0.02"))):
             ax = self.draw(path)["probability"]

@@ -55,6 +55,28 @@ class LandingTest(harness.ToolTest):
         text = next(item for ax in axes for item in ax.texts if item.get_gid() == "pairs").get_text()
         self.assertIn(f"only with the lidar: {landing['only_lidar']}", text)
 
+    def test_the_border_of_the_places_within_reach(self):
+        """The line is that of the configuration, and on it the distance to one of both centres is the radius."""
+        polygon = [[-1, -2], [2, -1], [0.5, 1.5]]
+        divert = {"height_m": 20, "descent_mps": 4, "velocity_mps": [0.3, -0.1], "position_m": [-1.5, 0.5], "tilt_deg": 2, "thrust_accel_mps2": 3,
+                  "gravity_mps2": 1.3}
+        for reach in (polygon, divert):
+            hazard = {**CAMPAIGN["hazard"], "sites": {**CAMPAIGN["hazard"]["sites"], "reach": reach}}
+            draws = plot_landing.Draws(self.draws(draws=2, hazard=hazard, vary={}))
+            ax = plot_landing.draw(draws).axes[0]
+            line = np.column_stack(next(line for line in ax.lines if line.get_gid() == "reach").get_data())
+            self.assertEqual(line[0].tolist(), line[-1].tolist())
+            if reach is polygon:
+                self.assertEqual(line[:-1].tolist(), polygon)
+                continue
+            self.succeed("terrain-gen", "-O", "-o", self.path("t.h5"), "-c", self.config(TERRAIN, "t.json"))
+            self.succeed("hazard-map", "-O", self.path("t.h5"), "-c", self.config({**hazard, "region_radius_m": 50}, "h.json"), "-o", self.path("h.h5"))
+            layers = harness.columns(self.path("h.h5"))
+            columns, rows = np.nonzero(~np.isnan(layers["cost"]))[::-1]
+            s = layers["x"][1] - layers["x"][0]
+            for values, axis in ((layers["x"][columns], 0), (layers["y"][rows], 1)):
+                self.assertTrue(0 <= values.min() - line[:, axis].min() < s and 0 <= line[:, axis].max() - values.max() < s, (values, line))
+
     def test_files(self):
         """With and without maps; the figure of the campaign too, although its ground varies."""
         for layers in (True, False):

@@ -109,8 +109,39 @@ class Filters(DesignTest):
         found = self.look(problem)
         self.assertEqual((found["stage"], found["passes"], list(found["margins"])), ("draw", True, [design_problem.CHOSEN_PLACE_SAFE]))
 
+    def landing_file(self, **keys):
+        """Each draw on ground of its own, which follows its seed."""
+        file = design_file(requirement="safe landing", traced_draws={"terrain_seed": "each", "landing": {"drift_time_s": 1}}, terrains=[{}], **keys)
+        file["base"]["terrain"] |= {"base": {"type": "fractal", "rms_deviation_m": 0.02, "reference_length_m": 1}, "seed": 4}
+        file["base"]["hazard"] = {"region_radius_m": 3, "lander": {"leg_radius_m": 0.4, "body_radius_m": 0.4}, "sites": {"divert_radius_m": 2, "min_p": 0.9},
+                                  "touchdown_sigma_m": 0.2}
+        return design_problem.Problem(self.write(file))
+
+    def test_a_safe_landing(self):
+        """The margin follows the chosen place, a landing that is not safe counts as no chance; a draw is that of the chain on its own ground."""
+        problem = self.landing_file()
+        for row, margin, passes in (({"landing.safe": 1, "site.p_touchdown": 0.95}, math.log(0.5), True),
+                                    ({"landing.safe": 0, "site.p_touchdown": 0.95}, math.log(10), False),
+                                    ({"landing.safe": 1, "site.p_touchdown": None}, math.log(10), True)):
+            self.assertAlmostEqual(problem.margins(row)[design_problem.SAFE_LANDING], margin, delta=1e-9)
+            self.assertEqual(problem.passes(row), passes)
+        self.assertEqual(problem.why_not({"landing.safe": 0, "site.p_touchdown": 0.95}, {}), "the landing is not safe")
+        found = self.look(problem)
+        self.assertEqual((found["stage"], list(found["margins"])), ("draw", [design_problem.SAFE_LANDING]))
+        search = design_search.Design(problem, self.path("out"))
+        [draws] = search.campaigns(GOOD)
+        rows = draws.rows(problem.draws(draws=3, seed=9))
+        self.assertEqual([row["seed"] for row in rows], [9, 10, 11])
+        self.assertEqual(len({row["score.counts.safe_safe"] for row in rows}), 3, "the ground varies")
+        for row in rows[1:]:
+            self.assertEqual(search.through_the_chain(GOOD, row)["seed"], row["seed"])
+        with self.assertRaises(DataError):
+            search.through_the_chain(GOOD, {**rows[1], "seed": 9})
+
     def test_files_that_are_refused(self):
-        for keys, message in (({"requirement": "chosen place safe"}, "needs a configuration of hazard-map"), ({"cost": {"mass": 1}}, "/cost/mass: is not one of"),
+        for keys, message in (({"requirement": "chosen place safe"}, "needs a configuration of hazard-map"),
+                              ({"requirement": "safe landing", "base": {**BASE, "hazard": {}}}, "/requirement: \"safe landing\" needs /traced_draws/landing"),
+                              ({"traced_draws": {"terrain_seed": "all"}}, "/traced_draws/terrain_seed"), ({"cost": {"mass": 1}}, "/cost/mass: is not one of"),
                               ({"proof_draws": 10}, "/proof_draws: 10 draws without a failure show less than 0.85; 19 are needed"),
                               ({"variables": {"a": {"keys": ["scan.seed"], "low": 2, "high": 2}}}, "/variables/a: low and high are needed, and low < high"),
                               ({"variables": {"a": {"keys": ["scan.seed"]}}}, "needs either values, or low and high"),

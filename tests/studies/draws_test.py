@@ -260,6 +260,73 @@ class Repeats(StudyTest):
         self.assertRegex(read(self.out("report.html")).decode(), r"log/verdict-[0-9a-f]{16}\.log")
 
 
+class Traced(StudyTest):
+    """Campaigns whose draws trace their own rays, with landings."""
+
+    HEIGHTS = {"name": "height_m", "key": "terrain.features.0.height_m", "list": [0.1, 1.5]}
+    LANDING = {**DRAWS, "terrain_seed": "each", "landing": {"drift_time_s": 1}, "hazard": {**HAZARD, "lander": {"leg_radius_m": 0.4}}}
+
+    def traced(self, *axes, draws=None, **keys):
+        tree = draws_study(*axes, draws=draws or self.LANDING, trace_draws=True, **keys)
+        tree["base"]["terrain"] = {**tree["base"]["terrain"], "base": {"type": "fractal", "rms_deviation_m": 0.02, "reference_length_m": 1}}
+        return tree
+
+    def test_the_configuration(self):
+        """All stages of the case, also what moves beams and makes the ground; no truth, whatever the errors."""
+        tree = self.traced(self.HEIGHTS, SPREADS)
+        tree["base"]["scan"] = {**BASE["scan"], "pointing_error": {"jitter_sigma_rad": 1e-4}}
+        graph = stages.build(reader.read_study(self.write(tree)))
+        self.assertEqual([len(graph.truth), len(graph.terrain), len(graph.draws)], [0, 2, 4])
+        configs = [json.loads(graph.configs["draws", stage.config_id]) for stage in graph.draws.values()]
+        self.assertEqual([config["terrain"]["features"][0]["height_m"] for config in configs], [0.1, 0.1, 1.5, 1.5])
+        self.assertEqual(configs[0]["scan"], tree["base"]["scan"])
+        self.assertEqual([config["vary"][VELOCITY]["sigma"] for config in configs], [0.1, 2] * 2)
+        for changes, message in (({"draws": {**DRAWS, "terrain": {}}}, r"draws\.terrain: a campaign has the terrain of its case"),):
+            with self.assertRaisesRegex(UsageError, message):
+                stages.build(reader.read_study(self.write(self.traced(**changes))))
+        with self.assertRaisesRegex(UsageError, r"/trace_draws: needs a campaign"):
+            reader.read_study(self.write(study(trace_draws=True)))
+
+    def test_a_case_equals_monte_carlo_by_hand(self):
+        path = self.write(self.traced(self.HEIGHTS))
+        self.make("study", "-j2")
+        cases = json.loads(read(self.out("cases.json")))["cases"]
+        folder = self.path("by-hand")
+        os.mkdir(folder)
+        subprocess.run(["bash", "-c", self.sweep("show", path, 1).stdout], cwd=folder, check=True, env={**os.environ, "PATH": BIN + ":" + os.environ["PATH"]})
+        verdict = read(self.out(cases[1][-1]))
+        self.assertEqual(verdict, read(os.path.join(folder, "verdict.json")))
+        landing, row = json.loads(verdict)["landing"], self.rows()[1]
+        for arm in ("safe", "blind"):
+            self.assertEqual([float(row[f"draws.landing.{arm}.{key}"]) for key in ("passed", "draws", "passed_frac", "wilson_low")],
+                             [landing[arm]["passed"], 4, landing[arm]["passed"] / 4, landing[arm]["wilson_low"]])
+        self.assertEqual([float(row[f"draws.landing.{key}"]) for key in ("both", "difference.value", "difference.high", "mcnemar_p")],
+                         [landing["both"], landing["difference"]["value"], landing["difference"]["high"], landing["mcnemar_p"]])
+        self.check_figure()
+        tree = json.loads(re.search(r'id="report-data">(.*?)</script>', read(self.out("report.html")).decode(), re.S)[1])
+        self.assertEqual([tree["runs"][run][0] for run in tree["caseRuns"][0]], ["terrain", "scan", "regrid", "eval", "draws"])
+
+    def check_figure(self):
+        """A line for each arm, with the shares of the campaigns."""
+        self.assertIn("landings.png", self.files("figures"))
+        with h5py.File(self.out("results.h5")) as file:
+            read_results = table.Results(file)
+        figure = figures.landings_figure(read_results, read_results.axes[0], 0.5)
+        self.addCleanup(figures.plt.close, figure)
+        lines = {line.get_label(): list(line.get_ydata()) for line in figure.axes[0].get_lines()}
+        for label, arm in (("with the lidar", "safe"), ("without a lidar", "blind")):
+            self.assertEqual(lines[label], [float(row[f"draws.landing.{arm}.passed_frac"]) for row in self.rows()])
+
+    def test_a_sequential_test_of_landings(self):
+        stop = {"type": "sprt", "of": "landing", "p0": 0.9, "p1": 0.3, "alpha": 0.2, "beta": 0.2}
+        self.write(self.traced(draws={**self.LANDING, "draws": 20, "stop": stop}))
+        self.make("study-results")
+        [row] = self.rows()
+        self.assertIn(row["draws.accepted"], ("0", "1"))
+        self.assertNotIn("draws.landing.safe.wilson_low", row)
+        self.assertIn("draws.landing.difference.value", row)
+
+
 class Pages(StudyTest):
     def test_figures_and_report(self):
         names = ["draws.all.passed_frac", "draws.relative_horizontal.passed_frac"]

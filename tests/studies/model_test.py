@@ -48,6 +48,61 @@ class ModelTest(StudyTest):
         return configs
 
 
+class Traced(ModelTest):
+    """Rows that trace their own rays, on ground that follows the seed."""
+
+    SLOPE = "terrain.base.1.slope_x"
+    OUTPUTS = [LARGEST, INVALID, MEAN_X, "pass"]
+    ROWS = [[50, 7, 0.01], [50, 8, 0.02], [55, 3, 0.01], [50, 9, -0.01]]
+
+    def base(self):
+        base = self.with_errors(sigma=0.01, velocity=0.1)
+        base["terrain"] = {**base["terrain"], "seed": 5, "base": [{"type": "fractal", "rms_deviation_m": 0.02, "reference_length_m": 1}, {"type": "plane"}]}
+        base["scan"]["pointing_error"] = {"jitter_sigma_rad": 1e-4}
+        return base
+
+    def of_rows(self, traced, outputs=None, folder="cache", inputs=(HEIGHT, SEED, SLOPE)):
+        return self.of(list(inputs), outputs or self.OUTPUTS, base=self.base(), folder=folder, traced=traced)
+
+    def test_rows_have_the_numbers_of_the_chain(self):
+        for seeds in ("each", "fixed"):
+            found = self.of_rows({"terrain_seed": seeds}, folder=seeds)(self.ROWS)
+            for row, (height, seed, slope) in zip(found, self.ROWS):
+                base = self.base()
+                base["scan"]["trajectory"]["position_m"][2], base["scan"]["seed"] = height, seed
+                base["terrain"]["base"][1]["slope_x"] = slope
+                base["terrain"]["seed"] += seed - 1 if seeds == "each" else 0
+                numbers = self.chain(base)
+                self.assertEqual(row.tolist(), [numbers[name] for name in self.OUTPUTS])
+
+    def test_it_is_a_function_of_the_values(self):
+        of = self.of_rows({"terrain_seed": "each"})
+        found = of(self.ROWS)
+        alone = self.of_rows({"terrain_seed": "each"}, folder="alone")
+        self.assertEqual([alone(row).tolist() for row in self.ROWS[::-1]], found.tolist()[::-1])
+        with mock.patch.object(runs.Runner, "run", side_effect=AssertionError("is computed again")) as made:
+            made.side_effect = lambda tool, *arguments, config=None: "" if "--check" in arguments else self.fail("is computed again")
+            self.assertEqual(of(self.ROWS).tolist(), found.tolist())
+
+    def test_keys_that_draws_do_not_vary(self):
+        """Bins, whole numbers of the detector; another set of draws for each."""
+        keys = ["regrid.resolution_m", "scan.detector.rows", SEED]
+        found = self.of_rows({}, inputs=keys)([[0.2, 8, 1], [0.1, 8, 2], [0.2, 6, 3]])
+        for row, (resolution, rows, seed) in zip(found, [(0.2, 8, 1), (0.1, 8, 2), (0.2, 6, 3)]):
+            base = self.base()
+            base["regrid"]["resolution_m"], base["scan"]["detector"]["rows"], base["scan"]["seed"] = resolution, rows, seed
+            numbers = self.chain(base)
+            self.assertEqual(row.tolist(), [numbers[name] for name in self.OUTPUTS])
+
+    def test_landings_and_rows_that_fail(self):
+        base = {**self.base(), "hazard": {"region_radius_m": 2, "lander": {"leg_radius_m": 0.4}, "sites": {"divert_radius_m": 2}}}
+        of = self.of([HEIGHT, SEED], ["landing.safe", "blind.slope_deg", "landing.x_m"], base=base, traced={"landing": {"drift_time_s": 3}})
+        found = of([[50, 1], [-3, 2], [50, 3]])
+        self.assertEqual(np.isnan(found).all(axis=1).tolist(), [False, True, False])
+        self.assertRegex(of.failures[1], "below the terrain")
+        self.assertTrue(set(found[[0, 2], 0]) <= {0, 1} and len(set(found[[0, 2], 2])) == 2)
+
+
 class Values(ModelTest):
     OUTPUTS = [LARGEST, INVALID, MEAN_X, "pass", "accuracy.absolute.horizontal.p95_m"]
 

@@ -57,6 +57,21 @@ class SensitivityTest(StudyTest):
         self.assertLess(index["high"] - index["low"], 0.6)  # 1.2 would be no information
 
 
+class Traced(SensitivityTest):
+    def test_a_key_that_moves_beams(self):
+        """Each draw traces its own rays: the mean error in x follows the navigation error, whatever the path's dispersion."""
+        uniform = {"type": "uniform", "low": -0.05, "high": 0.05}
+        groups = {"navigation": {POSITION: uniform}, "dispersion": {"scan.trajectory_dispersion.position_m.1": uniform}}
+        problem = self.problem(groups, {MEAN_X: "x"}, size=16, traced_draws={})
+        of = model.Model(problem.base, [key for _, key in problem.keys] + [model.SEED], problem.outputs, self.path("out"), traced=problem.traced)
+        with mock.patch.object(model.runs, "Scan", side_effect=AssertionError("a shared scan")):
+            answer = sensitivity.analyse(problem, of)
+        self.assertEqual((answer["points"], of.failures), (16, {}))
+        navigation, dispersion, _ = answer["outputs"][MEAN_X]["groups"]
+        self.assertGreater(navigation["total"]["value"], 0.9)
+        self.assertLess(dispersion["total"]["value"], 0.1)
+
+
 class Ishigami(SensitivityTest):
     """Through openturns_function, and through the groups of a sensitivity file."""
 

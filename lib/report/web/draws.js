@@ -9,7 +9,7 @@ import {MapPanel} from "./map.js";
 import {appendFigures, gridText, loadGroups} from "./map_groups.js";
 import {formatNumber} from "./numbers.js";
 import {pageSection, startPage} from "./page.js";
-import {LINE} from "./palette.js";
+import {LINE, TEXT_COLOR} from "./palette.js";
 import {layerNamed, rasterOf} from "./rasters.js";
 import {report} from "./report_data.js";
 
@@ -224,6 +224,9 @@ function touchdownChart([arm, title], reach) {
   const axis = (label) => ({low: -reach, high: reach, label});
   const chart = new Chart(`touchdowns ${title}`, axis("x (m)"), axis("y (m)"));
   chart.dots(points(true), LINE.blue, "safe").dots(points(false), LINE.vermilion, "not safe");
+  if (arm === "landing" && report.reach !== null) {
+    chart.curve([...report.reach, ...report.reach.slice(0, 1)], {color: TEXT_COLOR, dash: "6 4", text: "places within reach, as configured", width: 1});
+  }
   return chart.element;
 }
 

@@ -24,7 +24,7 @@ function mapsNote() {
   const blocks = Math.max(rows, cols) < 200 ? "" :
       ` Blocks of bins, where a map has more bins than pixels, show the worst of them (of elevations the mean)` +
           `${factor === 1 ? "" : `, at least ${factor} x ${factor} bins`}; classes are averaged over them.`;
-  return `${gridText()}.${blocks} North (y) is up; grey: no value; outlined: the region; dashed on the cost: the divert radius. ` +
+  return `${gridText()}.${blocks} North (y) is up; grey: no value; outlined: the region; dashed on the cost: the places within reach. ` +
       "The relief is lit from the north-west. Colours of slopes, roughnesses, costs and distances end at the 99.5 % quantile, or beyond the limit (\u25b8), " +
       "whichever is larger; a pointed end of a colour bar means that values lie beyond it.";
 }
@@ -38,16 +38,16 @@ function classLegend({flags}) {
   return htmlElement("div", {class: "legend flags"}, ...entries);
 }
 
-/** The circle within which sites are looked for. */
-function drawDivertRadius(panel) {
-  const circle = {cx: panel.x(0), cy: panel.y(0), r: report.divert_radius_m * panel.pixels_per_m, class: "divert"};
-  panel.clipped(...outlined("circle", circle, {width: 1.3, dash: "6 4"}));
+/** The border of the places among which sites are looked for. */
+function drawReach(panel) {
+  const points = report.reach.map(([x, y]) => `${panel.x(x).toFixed(2)},${panel.y(y).toFixed(2)}`).join(" ");
+  panel.clipped(...outlined("polygon", {points, class: "reach"}, {width: 1.3, dash: "6 4"}));
 }
 
 function mapOptions({layer}, region, relief) {
   const options = {region, relief};
   if (WITH_SITES.includes(layer.name)) options.points = report.sites.map(({x_m, y_m, rank}) => ({x_m, y_m, text: String(rank)}));
-  if (layer.name === "cost") options.draw = drawDivertRadius;
+  if (layer.name === "cost") options.draw = drawReach;
   return options;
 }
 
@@ -100,8 +100,7 @@ function truthText({true_safe}) {
 async function fillSites(section) {
   const {sites} = report;
   if (sites.length === 0) {
-    section.append(htmlElement("p", {}, "No landing site: no safe place lies within " +
-        `${metresAs(report.divert_radius_m, "m", 1)} of the origin.`));
+    section.append(htmlElement("p", {}, "No landing site: no safe place lies within reach."));
     return;
   }
   section.append(htmlElement("p", {}, sites.length === 1 ? "The safe place of least cost." :

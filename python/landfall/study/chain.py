@@ -64,7 +64,7 @@ class Chains:
                 kind, inputs = name, (within["dem"] if dem == "@" else dem, terrain)
             elif name == "draws":
                 truth, terrain, output = words[:3]
-                kind, inputs = name, (truth, terrain)
+                kind, inputs = name, tuple(file for file in (truth, terrain) if file != "-")
             else:
                 dem, output = words[:2]
                 kind, inputs = name, (within["dem"] if dem == "@" else dem,)

@@ -10,7 +10,7 @@ import numpy as np
 
 from landfall.colors import color_map
 from landfall.study.names import digits_of, number, with_unit
-from landfall.study.table import error_sign, is_probability, metric_label
+from landfall.study.table import BLIND_LANDING, error_sign, is_probability, metric_label, SAFE_LANDING
 
 # Okabe and Ito's colours, which colour-blind readers tell apart; markers tell the series apart in print.
 COLORS = ["#0072B2", "#D55E00", "#009E73", "#CC79A7", "#56B4E9", "#E69F00", "#000000", "#999933"]
@@ -101,7 +101,8 @@ def draw_distribution(axes, results, metric, scale):
     axes.set_ylabel(f"share of {values.size} repeats")
 
 
-def draw_series(axes, results, metric, scale, x, quantile):
+def series_along(results, x):
+    """(the other axes, [(their values, [(place along x, point)])] in the order of the cases)."""
     column = results.axes.index(x)
     others = [axis for axis in results.axes if axis is not x and not results.follows(axis, x)]
     places = [results.axes.index(axis) for axis in others]
@@ -109,9 +110,13 @@ def draw_series(axes, results, metric, scale, x, quantile):
     for point in results.points:
         series.setdefault(tuple(point.values[at] for at in places), []).append(point)
     place = {value: value if x.numeric else index for index, value in enumerate(x.values)}
-    shown = list(series.items()) if len(series) <= MAX_SERIES else spread(list(series.items()), MAX_SERIES)
-    for index, (key, points) in enumerate(shown):
-        placed = sorted(((place[point.values[column]], point) for point in points), key=lambda entry: entry[0])
+    return others, [(key, sorted(((place[point.values[column]], point) for point in points), key=lambda entry: entry[0])) for key, points in series.items()]
+
+
+def draw_series(axes, results, metric, scale, x, quantile):
+    others, series = series_along(results, x)
+    shown = series if len(series) <= MAX_SERIES else spread(series, MAX_SERIES)
+    for index, (key, placed) in enumerate(shown):
         if not x.numeric:  # side by side
             placed = [(at + 0.08 * (index - (len(shown) - 1) / 2), point) for at, point in placed]
         draw_line(axes, results, metric, scale, placed, quantile, index, point_name(others, key), x.numeric)
@@ -139,11 +144,11 @@ def spread(items, count):
     return [items[round(i * (len(items) - 1) / (count - 1))] for i in range(count)]
 
 
-def draw_line(axes, results, metric, scale, placed, quantile, index, label, joined):
+def draw_line(axes, results, metric, scale, placed, quantile, index, label, joined, color=None):
     """One series: estimates with their intervals, and faint dots for the repeats. Points of an axis without numbers are not joined."""
     at = [position for position, _ in placed]
     estimates = np.array([results.estimate(point, metric, quantile) for _, point in placed]) * scale.factor
-    style = {"color": COLORS[index % len(COLORS)], "marker": MARKERS[index % len(MARKERS)], "markersize": 5}
+    style = {"color": color or COLORS[index % len(COLORS)], "marker": MARKERS[index % len(MARKERS)], "markersize": 5}
     axes.plot(at, estimates[:, 0], linestyle="-" if joined else "none", linewidth=1.4, label=label or None, **style)
     if np.isfinite(estimates[:, 1]).any():
         if joined:
@@ -213,6 +218,33 @@ def finish_y(axes, results, metric, scale):
         axes.set_ylim(-0.2 * positive.min(), 2 * max(positive.max(), drawn))
     else:
         axes.set_yscale("log")
+
+
+# Landings with the lidar and without
+
+
+def landings_figure(results, x, quantile):
+    """P(safe landing) of both arms against x; one line without a lidar for all series that share it. None for a study without landings."""
+    if x is None or not {SAFE_LANDING, BLIND_LANDING} <= set(results.columns):
+        return None
+    figure, axes = plt.subplots(figsize=(7.2, 4.6), constrained_layout=True)
+    scale = Scale(results, SAFE_LANDING)
+    draw_series(axes, results, SAFE_LANDING, scale, x, quantile)
+    others, series = series_along(results, x)
+    blind = {}
+    for key, placed in series:
+        blind.setdefault(tuple((at, *results.values(point, BLIND_LANDING)) for at, point in placed), (key, placed))
+    for index, (key, placed) in enumerate(blind.values()):
+        name = point_name(others, key) if len(blind) > 1 else ""
+        draw_line(axes, results, BLIND_LANDING, scale, placed, quantile, index, "without a lidar" + (f", {name}" if name else ""), x.numeric,
+                  color=("0.35", "0.55", "0.7")[index % 3])
+    axes.set_ylabel("probability of a safe landing")
+    axes.set_title(f"{results.title}\n{interval_name([SAFE_LANDING])}", fontsize=10)
+    axes.grid(True, color="0.9")
+    if not others:
+        axes.get_lines()[0].set_label("with the lidar")
+    axes.legend(frameon=False, fontsize=8, bbox_to_anchor=(1.01, 1), loc="upper left")
+    return figure
 
 
 # A metric over two axes

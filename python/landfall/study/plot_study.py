@@ -4,8 +4,8 @@
 Writes into a folder: METRIC.png for each metric (the median of the repeats, or another percentile, with a bootstrap 95 %
 interval), METRIC-map.png where two axes are numbers, overview.png (the metrics side by side against an axis of numbers),
 requirements.png (pass rates with Wilson 95 % intervals), shares.png (how much of each limit is used), hazards.png (scores and
-best sites, of a study with hazard maps), campaigns.png (draws that meet each requirement, of a study with campaigns), crossing.png
-(where one metric exceeds a level, against another metric, if the study asks for it), and the numbers behind them, pass_rates.csv,
+best sites, of a study with hazard maps), campaigns.png (draws that meet each requirement, of a study with campaigns), landings.png (safe
+landings with the lidar and without, of campaigns that land), crossing.png (where one metric exceeds a level, against another metric, if the study asks for it), and the numbers behind them, pass_rates.csv,
 percentiles.csv and crossings.csv.
 """
 import argparse
@@ -123,6 +123,9 @@ def draw_all(options, results, metrics):
     campaigns = verdicts.campaigns_figure(results)
     if campaigns:
         made[os.path.join(options.output, "campaigns.png")] = campaigns
+    landings = figures.landings_figure(results, x, quantile)
+    if landings:
+        made[os.path.join(options.output, "landings.png")] = landings
     made[os.path.join(options.output, "requirements.png")] = verdicts.requirements_figure(results)
     made[os.path.join(options.output, "shares.png")] = verdicts.shares_figure(results, quantile)
     return made

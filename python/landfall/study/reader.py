@@ -37,7 +37,9 @@ class _Reader:
         if "repeat" in tree:
             dimensions.append(self.repeat(tree["repeat"]))
         study = Study(self.path, name, tree.get("title", name), self.base(tree), tuple(dimensions),
-                      tree.get("options", {}), tree.get("plot", {}), tuple(self.files), tree.get("description", ""))
+                      tree.get("options", {}), tree.get("plot", {}), tuple(self.files), tree.get("description", ""), tree.get("trace_draws", False))
+        if study.traces and "draws" not in study.base:
+            self.fail("/trace_draws", "needs a campaign: give \"draws\" in \"base\"")
         self.check_columns(study)
         self.check_keys(study)
         if study.case_count() > MAX_CASES:

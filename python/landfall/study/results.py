@@ -74,9 +74,22 @@ def campaign_numbers(verdict):
         kept = {"passed": rate["passed"], "draws": rate["draws"], "passed_frac": rate["passed"] / rate["draws"]}
         numbers |= flatten(kept if stopped else {**kept, **{key: rate[key] for key in INTERVAL}}, f"draws.{'hazard.' if name == 'chosen_place_safe' else ''}{name}.")
     numbers |= flatten(hazard, "draws.hazard.")
+    numbers |= landing_numbers(verdict["landing"], stopped) if "landing" in verdict else {}
     if stopped:
         numbers["draws.accepted"] = {"accepted": 1, "rejected": 0}.get(verdict["sprt"])
     return numbers
+
+
+def landing_numbers(landing, stopped):
+    """{"draws.landing.safe.passed": number, ...}: both arms, the paired table and, unless a sequential test stopped it, what is tested of it."""
+    numbers = {}
+    for arm in ("safe", "blind"):
+        rate = landing[arm]
+        kept = {"passed": rate["passed"], "draws": rate["draws"], "passed_frac": rate["passed"] / rate["draws"]}
+        numbers |= flatten(kept if stopped else {**kept, **{key: rate[key] for key in INTERVAL}}, f"draws.landing.{arm}.")
+    pairs = {key: landing[key] for key in ("off_terrain", "both", "only_lidar", "only_blind", "neither")}
+    tested = {"difference": {"value": landing["difference"]["value"]}} if stopped else {key: landing[key] for key in ("mcnemar_p", "difference")}
+    return numbers | flatten({**pairs, **tested}, "draws.landing.")
 
 
 def shares_of(counts):

@@ -201,13 +201,14 @@ class Fragment:
         self.rule("score", stage.id, self.outputs(stage), recipe)
 
     def campaign(self, stage):
-        """Its truth is order-only, as for a scan; the data files of its rays are those of the truth."""
+        """Its truth is order-only, as for a scan; the data files of its rays are those of the truth. Draws that trace have none."""
+        config, verdict, output = self.layout.config("draws", stage), self.layout.verdict(stage), self.layout.draws(stage)
         truth = stage.upstream
-        config, terrain, output = self.layout.config("draws", stage), self.layout.terrain(truth.upstream), self.layout.draws(stage)
-        verdict, truth_name = self.layout.verdict(stage), self.layout.truth(truth)
-        step = f"draws $O/{config} $O/{truth_name} $O/{terrain} $O/{verdict} {_file(output, '@')}"
+        terrain, truth_name = (self.layout.terrain(truth.upstream), self.layout.truth(truth)) if truth else (None, None)
+        step = f"draws $O/{config} {_file(truth_name, '-')} {_file(terrain, '-')} $O/{verdict} {_file(output, '@')}"
+        inputs = [config, *([terrain] if terrain else [])]
         self.rule("verdict", stage.id, [verdict, *[output] * bool(output)],
-                  Recipe([config, terrain], (*stage.files, *truth.files), [step], [truth_name]))
+                  Recipe(inputs, (*stage.files, *(truth.files if truth else ())), [step], [truth_name] if truth_name else []))
         if output:
             self.kept.append(output)
 

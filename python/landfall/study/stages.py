@@ -13,6 +13,7 @@
     terrain -> (truth ->) scan -> dem -> metrics
                                       -> score, sites
     terrain -> truth -> verdict of a campaign
+    verdict of a campaign whose draws trace
 
 Scans that differ in errors only share a truth, the same scan traced without errors: `scan-sim --ranges-from truth`. A campaign draws
 the errors of the truth. A scan with a receiver is traced for itself: it needs the waveforms.
@@ -29,8 +30,9 @@ from landfall.study import model
 UPSTREAM = {"terrain": None, "scan": "terrain", "regrid": "scan", "eval": "regrid", "hazard": "regrid", "draws": "scan"}
 # Stages whose files are a case's results, in the order of its files.
 RESULTS = ("eval", "hazard", "draws")
-# The part of a campaign's configuration that it has from the case.
+# The part of a campaign's configuration that it has from the case; of one whose draws trace.
 OF_CASE = ("scan", "regrid", "eval")
+OF_TRACED_CASE = ("terrain", *OF_CASE)
 
 
 @dataclass
@@ -111,11 +113,16 @@ def configuration(study, name, indices):
     config = model.configuration(study, name, indices)
     if name != "draws":
         return config
-    for stage in OF_CASE:
+    for stage in of_case(study):
         if stage in config:
             raise UsageError(f"{study.path}: draws.{stage}: a campaign has the {stage} of its case; set {stage} itself")
-    scan, *others = (model.configuration(study, stage, indices, repeated=False) for stage in OF_CASE)
-    return {**config, **dict(zip(OF_CASE, (errors_config(scan), *others)))}
+    given = {stage: model.configuration(study, stage, indices, repeated=False) for stage in of_case(study)}
+    return {**config, **given, "scan": given["scan"] if study.traces else errors_config(given["scan"])}
+
+
+def of_case(study):
+    """The stages whose configurations a campaign has from its case."""
+    return OF_TRACED_CASE if study.traces else OF_CASE
 
 
 def _object(config, key):
@@ -150,30 +157,31 @@ class _Builder:
 
     def dimensions_of(self, stage):
         """Which dimensions set keys of the stage, or of what a campaign has from its case."""
-        stages = {stage, *(OF_CASE if stage == "draws" else ())}
+        stages = {stage, *(of_case(self.study) if stage == "draws" else ())}
         return [any(model.stage_of(key) in stages for axis in dimension for key in axis.keys())
                 for dimension in self.study.dimensions]
 
     def add_case(self, indices):
         made = {}
         for name in self.study.base:
-            made[name] = self.add_stage(name, indices, made.get(UPSTREAM[name]))
+            is_alone = name == "draws" and self.study.traces
+            made[name] = self.add_stage(name, indices, None if is_alone else made.get(UPSTREAM[name]))
         return {name: made[name] for name in RESULTS if name in made}
 
     def add_stage(self, name, indices, upstream):
         mine = tuple(index for index, matters in zip(indices, self.relevant[name]) if matters)
         if mine not in self.known[name]:
             config = configuration(self.study, name, indices)
-            if name == "scan" and has_receiver(config) and "draws" in self.study.base:
+            if name == "scan" and has_receiver(config) and "draws" in self.study.base and not self.study.traces:
                 raise UsageError(f"{self.study.path}: scan.receiver: a campaign of a study draws from true ranges, without a receiver; use "
-                                 "scan-sim --keep-echoes and monte-carlo")
+                                 "scan-sim --keep-echoes and monte-carlo, or \"trace_draws\": true")
             # The whole configuration of a scan with a receiver, so that it shares its truth with no other.
             truth = canonical(config if has_receiver(config) else truth_config(config)) if name == "scan" else None
             self.known[name][mine] = (self.add_config(name, config), tuple(self.checked_files(config)), truth)
         config_id, files, _ = self.known[name][mine]
         options = " ".join(self.study.options.get(name, []))
         # A campaign does not depend on the errors of a scan that has the same truth.
-        source = self.truth_of(upstream) if name == "draws" else upstream.id if upstream else ""
+        source = "" if upstream is None else self.truth_of(upstream) if name == "draws" else upstream.id
         identity = short_hash(name, config_id, options, source)
         stages = getattr(self.graph, name)
         if identity not in stages:
@@ -204,11 +212,11 @@ class _Builder:
         for scan in self.graph.scan.values():
             groups.setdefault((scan.upstream.id, scan.truth), []).append(scan)
         for scans in groups.values():
-            truth = self.add_truth(scans[0]) if len(scans) > 1 or self.graph.draws else None
+            truth = self.add_truth(scans[0]) if len(scans) > 1 or (self.graph.draws and not self.study.traces) else None
             for scan in scans:
                 scan.truth = truth
         for campaign in self.graph.draws.values():
-            campaign.upstream = campaign.upstream.truth
+            campaign.upstream = campaign.upstream and campaign.upstream.truth
 
     @staticmethod
     def truth_of(scan):

@@ -219,7 +219,9 @@ def show(options):
           "dem-eval dem.h5 -c eval.json -o eval.h5 --metrics metrics.json")
     if "hazard" in study.base:
         print("hazard-map dem.h5 -c hazard.json --terrain terrain.h5 -o hazards.h5 --score score.json --sites sites.json")
-    if "draws" in study.base:
+    if study.traces:
+        print("monte-carlo -c draws.json -o draws.h5 --verdict verdict.json")
+    elif "draws" in study.base:
         truth = json.dumps(stages.truth_config(model.configuration(study, "scan", indices)), sort_keys=True)
         print(f"echo {shlex.quote(truth)} > truth.json\n"
               "scan-sim -c truth.json --terrain terrain.h5 -o truth.h5\n"

@@ -18,6 +18,7 @@ VALUES_OF = {r.value: name for name, r in REQUIREMENTS.items() if r.value}
 
 # Ends the metrics that are a campaign's estimate of a probability: draws.REQUIREMENT.passed_frac.
 PASSED = ".passed_frac"
+SAFE_LANDING, BLIND_LANDING = "draws.landing.safe.passed_frac", "draws.landing.blind.passed_frac"
 
 # Constants of the 95 % intervals: the 0.975 quantile of the normal distribution, and draws of a bootstrap.
 Z = 1.959963984540054
@@ -53,6 +54,9 @@ METRIC_NAMES = {
     "draws.all.passed_frac": "probability of meeting all requirements",
     "draws.all_and_own.passed_frac": "probability of meeting all requirements, the study's own too",
     "draws.hazard.chosen_place_safe.passed_frac": "probability that the chosen place is safe",
+    SAFE_LANDING: "probability of a safe landing with the lidar",
+    BLIND_LANDING: "probability of a safe landing without a lidar",
+    "draws.landing.difference.value": "probability of a safe landing, with the lidar less without",
     "site.p_touchdown": "probability of a safe touchdown at the best site",
     "site.distance_to_hazard_m": "distance of the best site to a hazard",
 }

@@ -18,7 +18,8 @@ REQUIREMENT_NAMES = {**{name: "\n".join(name.split("_")) for name in REQUIREMENT
 HAZARD_NAMES = {"score.missed_hazard_frac": "missed\nhazards", "score.false_alarm_frac": "false\nalarms", "score.true_hazard_frac": "true\nhazards",
                 "score.judged_hazard_frac": "hazards\non the map", "score.unknown_frac": "unknown\nplaces",
                 "site.p_touchdown": "touchdown\non site 1"}
-CAMPAIGN_NAMES = {**REQUIREMENT_NAMES, "hazard.chosen_place_safe": "chosen place\nsafe"}
+CAMPAIGN_NAMES = {**REQUIREMENT_NAMES, "hazard.chosen_place_safe": "chosen place\nsafe", "landing.safe": "safe\nlanding",
+                  "landing.blind": "landing\nblind"}
 BAR_COLOR = "#9DC3E6"
 
 

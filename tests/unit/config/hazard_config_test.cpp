@@ -17,7 +17,8 @@ namespace {
 using testing::HasSubstr;
 
 HazardParameters parameters_of(const std::string& text) {
-  return hazard_config(resolve_config({"h.json", nlohmann::json::parse(text)}, embedded_schema("hazard")));
+  return hazard_config(resolve_config({"h.json", nlohmann::json::parse(text)}, embedded_schema("hazard")),
+                       "h.json");
 }
 
 std::string hazard_refusal(const std::string& text) {
@@ -73,6 +74,43 @@ TEST(HazardConfig, EachKeyHasItsMember) {
           "touchdown_sigma_m": 2, "sites": {"count": 9, "separation_m": 6, "divert_radius_m": 20,
           "divert_weight": 0.3, "min_p": 0.9}})"),
       expected);
+}
+
+TEST(HazardConfig, ReachIsACircleAPolygonOrADivert) {
+  EXPECT_EQ(parameters_of("{}").sites.reach, std::nullopt);
+  EXPECT_TRUE(reachable_area(parameters_of(R"({"sites": {"divert_radius_m": 9}})").sites).contains({0, 9}));
+  const auto reach = [](const std::string& text) {
+    return reachable_area(parameters_of(R"({"sites": {"divert_radius_m": 1, "reach": )" + text + "}}").sites);
+  };
+  const ReachableArea triangle = reach("[[10, 0], [20, 0], [10, 10]]");
+  EXPECT_TRUE(triangle.contains({12, 3}));
+  EXPECT_FALSE(triangle.contains({0, 0}));
+  // T = 20 s, b = 3 tan 45 deg: 300 m about (90 + 2 x 5, -20 + 1 x 5) and (90 + 2 x 15, -20 + 1 x 15).
+  const ReachableArea divert = reach(
+      R"({"height_m": 200, "descent_mps": 20, "velocity_mps": [2, 1], "position_m": [90, -20], "tilt_deg": 45,
+          "thrust_accel_mps2": 9, "gravity_mps2": 2})");
+  EXPECT_TRUE(divert.contains({120 - 299.9, -5}));
+  EXPECT_FALSE(divert.contains({120 - 300.1, -5}));
+  EXPECT_TRUE(divert.contains({100 + 299.9, -15}));
+  EXPECT_FALSE(divert.contains({100 + 300.1, -15}));
+}
+
+TEST(HazardConfig, AReachThatIsWrongIsRefused) {
+  const auto refusal = [](const std::string& text) {
+    return hazard_refusal(R"({"sites": {"reach": )" + text + "}}");
+  };
+  EXPECT_THAT(refusal("[[0, 0], [1, 0]]"), HasSubstr("/sites/reach: "));
+  EXPECT_THAT(refusal("[[0, 0], [1, 0], [1]]"), HasSubstr("/sites/reach"));
+  EXPECT_THAT(refusal("5"), HasSubstr("/sites/reach: 5 is not valid; expected array or object"));
+  const auto divert = [&](const std::string& tilt, const std::string& thrust) {
+    return refusal(R"({"height_m": 100, "descent_mps": 20, "tilt_deg": )" + tilt +
+                   R"(, "gravity_mps2": 1.5, "thrust_accel_mps2": )" + thrust + "}");
+  };
+  EXPECT_EQ(divert("30", "4"), "accepted");
+  EXPECT_THAT(divert("90", "4"), HasSubstr("/sites/reach/tilt_deg: 90 is not in [0, 90)"));
+  EXPECT_THAT(divert("30", "3"),
+              HasSubstr("h.json: /sites/reach/thrust_accel_mps2: 3 does not stop a descent"));
+  EXPECT_THAT(refusal(R"({"height_m": 100})"), HasSubstr("descent_mps"));
 }
 
 TEST(HazardConfig, EachMethodHasItsName) {

@@ -68,6 +68,19 @@ TEST(LandingCost, GrowsWithTheDivert) {
   EXPECT_TRUE(std::isnan(cost.at(spec.bin_of(3, 3))));
 }
 
+TEST(LandingCost, OfAReachIsNanOutsideItAndKeepsItsScale) {
+  const GridSpec spec = GridSpec::centered(5, 1);
+  const Grid<float> cost = landing_cost(
+      Grid<float>(spec, 0.75F), {.divert_radius_m = 4,
+                                 .divert_weight = 0.2,
+                                 .reach = ReachableArea::polygon({{-1, -5}, {5, -5}, {5, 0}, {-1, 0}})});
+  EXPECT_FLOAT_EQ(cost.at(spec.bin_of(0, -4)), 0.45F);
+  EXPECT_FLOAT_EQ(cost.at(spec.bin_of(3, -4)), 0.5F);  // beyond divert_radius_m
+  EXPECT_FLOAT_EQ(cost.at(spec.bin_of(0, 0)), 0.25F);
+  EXPECT_TRUE(std::isnan(cost.at(spec.bin_of(0, 1))));
+  EXPECT_TRUE(std::isnan(cost.at(spec.bin_of(-2, -1))));
+}
+
 TEST(DistanceToHazard, IsEuclideanAndInTheRegion) {
   const GridSpec spec = GridSpec::centered(5, 0.5);
   Grid<std::int8_t> safe(spec, 1);

@@ -1,0 +1,110 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Decisions: D400
+#include "hazards/reachable_area.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <numbers>
+#include <string>
+#include <utility>
+
+#include "base/error.h"
+#include "base/number_text.h"
+
+namespace landfall {
+namespace {
+
+constexpr double kBorder_m = 1e-9;
+constexpr int kArcSteps = 72;  // of a half circle
+
+double distance(Horizontal a, Horizontal b) { return std::hypot(a.x - b.x, a.y - b.y); }
+
+Horizontal moved(Horizontal start, Horizontal velocity, double time_s) {
+  return {start.x + velocity.x * time_s, start.y + velocity.y * time_s};
+}
+
+double distance_to_edge(Horizontal place, Horizontal a, Horizontal b) {
+  const double dx = b.x - a.x;
+  const double dy = b.y - a.y;
+  const double squared = dx * dx + dy * dy;
+  const double along = squared > 0 ? ((place.x - a.x) * dx + (place.y - a.y) * dy) / squared : 0;
+  return distance(place, moved(a, {dx, dy}, std::clamp(along, 0.0, 1.0)));
+}
+
+/// Whether the ray from the place along +x crosses the edge.
+bool is_crossed(Horizontal place, Horizontal a, Horizontal b) {
+  if ((a.y > place.y) == (b.y > place.y)) return false;
+  return place.x < a.x + (b.x - a.x) * (place.y - a.y) / (b.y - a.y);
+}
+
+bool is_inside(const std::vector<Horizontal>& polygon, Horizontal place) {
+  bool inside = false;
+  for (std::size_t i = 0; i < polygon.size(); ++i) {
+    const Horizontal a = polygon[i];
+    const Horizontal b = polygon[(i + 1) % polygon.size()];
+    if (distance_to_edge(place, a, b) <= kBorder_m) return true;
+    if (is_crossed(place, a, b)) inside = !inside;
+  }
+  return inside;
+}
+
+}  // namespace
+
+ReachableArea::ReachableArea(std::variant<Lens, Polygon> shape) : shape_(std::move(shape)) {}
+
+ReachableArea ReachableArea::circle(double radius_m) {
+  return ReachableArea(Lens{{Horizontal{}, Horizontal{}}, radius_m});
+}
+
+ReachableArea ReachableArea::polygon(std::vector<Horizontal> vertices) {
+  return ReachableArea(std::move(vertices));
+}
+
+ReachableArea ReachableArea::divert(const DivertStart& start) {
+  const double time_s = 2 * start.height_m / start.descent_mps;
+  const double vertical = start.gravity_mps2 + start.descent_mps * start.descent_mps / (2 * start.height_m);
+  const double thrust = start.thrust_accel_mps2;
+  if (vertical > thrust)
+    throw UsageError("thrust_accel_mps2: " + short_number(thrust) + " does not stop a descent of " +
+                     short_number(start.descent_mps) + " m/s within " + short_number(start.height_m) +
+                     " m: it takes " + short_number(vertical) + " m/s2 (gravity + descent^2 / 2 height)");
+  const double horizontal =
+      std::min(vertical * std::tan(start.tilt_rad), std::sqrt(thrust * thrust - vertical * vertical));
+  return ReachableArea(Lens{{moved(start.position_m, start.velocity_mps, time_s / 4),
+                             moved(start.position_m, start.velocity_mps, 3 * time_s / 4)},
+                            horizontal * time_s * time_s / 4});
+}
+
+bool ReachableArea::contains(Horizontal place) const {
+  if (const auto* polygon = std::get_if<Polygon>(&shape_)) return is_inside(*polygon, place);
+  const auto& lens = std::get<Lens>(shape_);
+  return std::ranges::all_of(
+      lens.centres, [&](Horizontal centre) { return distance(place, centre) <= lens.radius_m + kBorder_m; });
+}
+
+std::vector<Horizontal> ReachableArea::outline() const {
+  if (const auto* polygon = std::get_if<Polygon>(&shape_)) return *polygon;
+  return outline_of(std::get<Lens>(shape_));
+}
+
+std::vector<Horizontal> ReachableArea::outline_of(const Lens& lens) {
+  const auto [first, last] = lens.centres;
+  const double half_m = distance(first, last) / 2;
+  if (half_m > lens.radius_m) return {};
+  const double ahead = std::atan2(last.y - first.y, last.x - first.x);
+  const double half_angle = lens.radius_m > 0 ? std::acos(half_m / lens.radius_m) : 0;
+  std::vector<Horizontal> border;
+  const auto add_arc = [&](Horizontal centre, double middle) {
+    for (int step = 0; step < kArcSteps; ++step) {
+      const double angle = middle + half_angle * (2.0 * step / kArcSteps - 1);
+      border.push_back(
+          {centre.x + lens.radius_m * std::cos(angle), centre.y + lens.radius_m * std::sin(angle)});
+    }
+  };
+  add_arc(first, ahead);
+  add_arc(last, ahead + std::numbers::pi);
+  return border;
+}
+
+}  // namespace landfall
