@@ -6,9 +6,12 @@
 #include "report/draws_data.h"
 
 #include <algorithm>
+#include <cmath>
+#include <optional>
 #include <utility>
 
 #include "campaign/draw_layers.h"
+#include "report/embedded_requirements.h"
 
 namespace landfall::html_report {
 namespace {
@@ -74,7 +77,44 @@ const char* unit_name(RequirementUnit unit) {
   return unit == RequirementUnit::fraction ? "frac" : unit == RequirementUnit::bins ? "bins" : "footprints";
 }
 
-Json requirements_json(const DrawTable& table, std::int64_t shown) {
+/// The metrics whose largest uses up the limit of a requirement, and that limit's name.
+const Json& words_of(const std::string& requirement) {
+  static const Json words = Json::parse(embedded::kRequirements[0].text).at("requirements");
+  return *std::find_if(words.begin(), words.end(),
+                       [&](const Json& one) { return one.at("name").get<std::string>() == requirement; });
+}
+
+/// The largest of some metrics in each draw.
+std::optional<DrawColumn> largest_of(const DrawTable& table, const Json& metrics) {
+  std::optional<DrawColumn> largest;
+  for (const Json& metric : metrics) {
+    const DrawColumn* const column = find_metric(table, metric.get<std::string>());
+    if (column == nullptr) return std::nullopt;
+    if (!largest) largest = *column;
+    for (std::size_t i = 0; i < column->values.size(); ++i)
+      largest->values[i] = std::fmax(largest->values[i], column->values[i]);
+  }
+  return largest;
+}
+
+/// The length that decides a requirement, in each draw, and its limit: a passing count of 0 footprints shows
+/// no margin. Null for a requirement without one, for draws that keep only the counts, and where the limit
+/// varies.
+Json deciding_json(const DrawTable& table, const std::string& requirement, const nlohmann::json& limits,
+                   std::int64_t shown) {
+  const Json& words = words_of(requirement);
+  const auto limit = words.at("worst_limit").get<std::string>();
+  const bool varies = std::ranges::any_of(
+      table.varied, [&](const DrawColumn& key) { return key.name == "eval.limits." + limit; });
+  if (!limit.ends_with("_m") || varies || !limits.contains(limit)) return nullptr;
+  const std::optional<DrawColumn> largest = largest_of(table, words.at("worst"));
+  if (!largest) return nullptr;
+  return {{"values", values_json(*largest, shown)["values"]},
+          {"limit", limits.at(limit)},
+          {"metrics", words.at("worst")}};
+}
+
+Json requirements_json(const DrawTable& table, const nlohmann::json& limits, std::int64_t shown) {
   Json list = Json::array();
   for (const RequirementInfo& info : kRequirementInfo) {
     const std::string path = "requirements." + std::string(info.name) + ".";
@@ -85,14 +125,19 @@ Json requirements_json(const DrawTable& table, std::int64_t shown) {
     requirement["at_least"] = info.at_least;
     requirement["limits"] = values_json(*find_metric(table, path + "limit"), shown)["values"];
     requirement["pass"] = values_json(*find_metric(table, path + "pass"), shown)["values"];
+    requirement["deciding"] = deciding_json(table, std::string(info.name), limits, shown);
     list.push_back(std::move(requirement));
   }
   return list;
 }
 
+/// A metric with at least two values in the draws; NaN is none.
 bool is_shown(const DrawColumn& column) {
   if (column.name.starts_with("requirements.")) return false;
-  return std::ranges::any_of(column.values, [&](double value) { return value != column.values.front(); });
+  const auto is_value = [](double value) { return std::isfinite(value); };
+  const auto first = std::ranges::find_if(column.values, is_value);
+  return std::any_of(first, column.values.end(),
+                     [&](double value) { return is_value(value) && value != *first; });
 }
 
 Json columns_json(const std::vector<DrawColumn>& columns, std::int64_t shown, const auto& keep) {
@@ -149,23 +194,25 @@ ReportData draws_data(const DrawsReport& content, const nlohmann::json& config, 
   const std::int64_t shown = std::min(table.size(), kMaxShownDraws);
   Packer packer;
   ReportData data;
-  data.values = {{"colors", colors_json()},
-                 {"quantile", parameters.quantile},
-                 {"region", region_json(parameters)},
-                 {"layers", Json::array()},
-                 {"groups", groups_json("draws")},
-                 {"draw_count", table.size()},
-                 {"first_draw", table.first},
-                 {"seeds", seeds_json(table, shown)},
-                 {"pass", std::vector<int>(table.pass.begin(), table.pass.begin() + shown)},
-                 {"requirements", requirements_json(table, shown)},
-                 {"varied", columns_json(table.varied, shown, [](const DrawColumn&) { return true; })},
-                 {"metrics", columns_json(table.metrics, shown, is_shown)},
-                 {"stages", stages_json(config)},
-                 {"traces", content.traces},
-                 {"terrain_seeds", config.value("terrain_seed", "fixed")},
-                 {"uncertainty", config.value("uncertainty", false)},
-                 {"landings", landings_json(table, shown)}};
+  data.values = {
+      {"colors", colors_json()},
+      {"quantile", parameters.quantile},
+      {"region", region_json(parameters)},
+      {"layers", Json::array()},
+      {"groups", groups_json("draws")},
+      {"draw_count", table.size()},
+      {"first_draw", table.first},
+      {"seeds", seeds_json(table, shown)},
+      {"pass", std::vector<int>(table.pass.begin(), table.pass.begin() + shown)},
+      {"requirements",
+       requirements_json(table, config.at("eval").value("limits", nlohmann::json::object()), shown)},
+      {"varied", columns_json(table.varied, shown, [](const DrawColumn&) { return true; })},
+      {"metrics", columns_json(table.metrics, shown, is_shown)},
+      {"stages", stages_json(config)},
+      {"traces", content.traces},
+      {"terrain_seeds", config.value("terrain_seed", "fixed")},
+      {"uncertainty", config.value("uncertainty", false)},
+      {"landings", landings_json(table, shown)}};
   if (content.draws.maps) {
     const GridSpec& spec = content.draws.maps->spec();
     const std::int64_t factor = reduction_factor(spec, max_cells);

@@ -2,6 +2,7 @@
 
 // The maps of the report unpacked: 16-bit codes, value = offset + code * step; maps in larger blocks.
 
+import {inflated} from "./inflate.js";
 import {report} from "./report_data.js";
 
 const NO_VALUE_CODE = 65535;
@@ -57,12 +58,11 @@ class Raster {
   }
 }
 
-async function inflate(text) {
+function bytesOf(text) {
   const packed = atob(text);
   const bytes = new Uint8Array(packed.length);
   for (let i = 0; i < packed.length; ++i) bytes[i] = packed.charCodeAt(i);
-  const stream = new Blob([bytes]).stream().pipeThrough(new DecompressionStream("deflate"));
-  return new Uint8Array(await new Response(stream).arrayBuffer());
+  return bytes;
 }
 
 /** Undoes what packed() in lib/report/quantised.h describes. */
@@ -80,11 +80,11 @@ function unpackCodes(bytes) {
 
 const rasters = new Map();
 
-/** The map of a layer of `grid`, unpacked on first use. */
-export function rasterOf(layer, grid) {
+/** The map of a layer of `grid`, unpacked on first use. A promise that is kept at once, before the page's load event. */
+export async function rasterOf(layer, grid) {
   if (!rasters.has(layer.id)) {
     const text = document.getElementById("layer-" + layer.id).textContent;
-    rasters.set(layer.id, inflate(text).then((bytes) => new Raster(layer, grid, unpackCodes(bytes))));
+    rasters.set(layer.id, new Raster(layer, grid, unpackCodes(inflated(bytesOf(text)))));
   }
   return rasters.get(layer.id);
 }

@@ -8,7 +8,10 @@ import {BLUE} from "./palette.js";
 import {report} from "./report_data.js";
 import {LIMIT_INSIDE, MIN_RANGE, OUTLIERS} from "./scale_rules.js";
 
-export const display = {limits: true};  // whether scales reach the limits
+const NEAR = 4;  // a limit is near to values if it is at most this times the largest
+
+/** Whether scales of errors reach the limits: "near" those that are near to the values, "all" or "none". */
+export const display = {limits: "near"};
 
 /** The mapping of a raster's values to colours: {colors, low, high, clipped: [below, above], factor, unit, limit}. The
  * rasters of raster.peers have one common scale. */
@@ -24,11 +27,12 @@ export function scaleOf(raster) {
                    limit}, unit);
 }
 
-/** Symmetric about 0, or from 0: the 99.5 % quantile of the magnitudes and, if they are to be shown, the limits. */
+/** Symmetric about 0, or from 0: the 99.5 % quantile of the magnitudes and, if it is to be shown, the limit. */
 function errorEnds(raster) {
   const magnitudes = sampleOf(raster.peers ?? [raster]).map(Math.abs).sort();
-  const limit = display.limits ? LIMIT_INSIDE * (raster.layer.limit ?? 0) : 0;
-  const bound = Math.max(quantileOf(magnitudes, 1 - OUTLIERS), limit, MIN_RANGE);
+  const values = Math.max(quantileOf(magnitudes, 1 - OUTLIERS), MIN_RANGE), limit = LIMIT_INSIDE * (raster.layer.limit ?? 0);
+  const isReached = display.limits === "all" || (display.limits === "near" && limit <= NEAR * values);
+  const bound = isReached ? Math.max(values, limit) : values;
   return [raster.layer.style === "signed" ? -bound : 0, bound];
 }
 
