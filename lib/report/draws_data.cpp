@@ -6,11 +6,14 @@
 #include "report/draws_data.h"
 
 #include <algorithm>
+#include <cmath>
+#include <optional>
 #include <stdexcept>
 #include <utility>
 
 #include "campaign/draw_layers.h"
 #include "config/hazard_config.h"
+#include "report/embedded_requirements.h"
 #include "report/hazard_data.h"
 
 namespace landfall::html_report {
@@ -102,6 +105,43 @@ std::string unit_of_metric(const std::string& metric) {
   return "";
 }
 
+/// The metrics whose largest uses up the limit of a requirement, and that limit's name.
+const Json& words_of(const std::string& requirement) {
+  static const Json words = Json::parse(embedded::kRequirements[0].text).at("requirements");
+  return *std::find_if(words.begin(), words.end(),
+                       [&](const Json& one) { return one.at("name").get<std::string>() == requirement; });
+}
+
+/// The largest of some metrics in each draw.
+std::optional<DrawColumn> largest_of(const DrawTable& table, const Json& metrics) {
+  std::optional<DrawColumn> largest;
+  for (const Json& metric : metrics) {
+    const DrawColumn* const column = find_metric(table, metric.get<std::string>());
+    if (column == nullptr) return std::nullopt;
+    if (!largest) largest = *column;
+    for (std::size_t i = 0; i < column->values.size(); ++i)
+      largest->values[i] = std::fmax(largest->values[i], column->values[i]);
+  }
+  return largest;
+}
+
+/// The length that decides a requirement, in each draw, and its limit: a passing count of 0 footprints shows
+/// no margin. Null for a requirement without one, for draws that keep only the counts, and where the limit
+/// varies.
+Json deciding_json(const DrawTable& table, const std::string& requirement, const nlohmann::json& limits,
+                   std::int64_t shown) {
+  const Json& words = words_of(requirement);
+  const auto limit = words.at("worst_limit").get<std::string>();
+  const bool varies = std::ranges::any_of(
+      table.varied, [&](const DrawColumn& key) { return key.name == "eval.limits." + limit; });
+  if (!limit.ends_with("_m") || varies || !limits.contains(limit)) return nullptr;
+  const std::optional<DrawColumn> largest = largest_of(table, words.at("worst"));
+  if (!largest) return nullptr;
+  return {{"values", values_json(*largest, shown)["values"]},
+          {"limit", limits.at(limit)},
+          {"metrics", words.at("worst")}};
+}
+
 Json requirements_json(const DrawTable& table, const nlohmann::json& config, std::int64_t shown) {
   Json list = Json::array();
   for (const RequirementInfo& info : kRequirementInfo) {
@@ -109,6 +149,8 @@ Json requirements_json(const DrawTable& table, const nlohmann::json& config, std
     requirement["measured"] = info.measured;
     requirement["unit"] = unit_name(info.unit);
     requirement["at_least"] = info.at_least;
+    const nlohmann::json limits = config.at("eval").value("limits", nlohmann::json::object());
+    requirement["deciding"] = deciding_json(table, std::string(info.name), limits, shown);
     list.push_back(std::move(requirement));
   }
   for (const OwnColumn& own : own_columns(table)) {
@@ -122,10 +164,14 @@ Json requirements_json(const DrawTable& table, const nlohmann::json& config, std
   return list;
 }
 
+/// A metric with at least two values in the draws; NaN is none.
 bool is_shown(const DrawColumn& column) {
   for (const char* const begin : {"requirements.", "own_requirements.", "score.own_requirements."})
     if (column.name.starts_with(begin)) return false;
-  return std::ranges::any_of(column.values, [&](double value) { return value != column.values.front(); });
+  const auto is_value = [](double value) { return std::isfinite(value); };
+  const auto first = std::ranges::find_if(column.values, is_value);
+  return std::any_of(first, column.values.end(),
+                     [&](double value) { return is_value(value) && value != *first; });
 }
 
 Json columns_json(const std::vector<DrawColumn>& columns, std::int64_t shown, const auto& keep) {

@@ -75,9 +75,12 @@ class Scale:
         """The values at which the colours end, and why, if values lie beyond; empty otherwise."""
         if not any(self.clipped):
             return ""
-        ends = ([f"±{self.text(self.high)}"] if self.colors == "error" else
-                [self.text(end) for end, beyond in zip((self.low, self.high), self.clipped) if beyond])
-        return f"colours end at {' and '.join(ends)} ({self.rule})"
+        low, high = "0" if self.low == 0 else self.text(self.low), self.text(self.high)
+        if self.colors == "error":
+            return f"colours end at ±{high} ({self.rule})"
+        if not self.clipped[1]:
+            return f"colours begin at {low}"
+        return f"colours from {low} to {high} ({self.rule})" if self.clipped[0] else f"colours end at {high} ({self.rule})"
 
     def limit_text(self, of=""):
         if self.limit is None:

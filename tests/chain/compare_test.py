@@ -160,7 +160,7 @@ class At(ChainTest):
         text = self.succeed("landfall-info", self.chain.dem, "--at", "0,0", "--scan", self.chain.scan).stdout
         self.assertIn("the bin at x 0 m, y 0 m (row 50, column 50; 0.1 m wide)", text)
         self.assertIn("z_est", text)
-        self.assertIn("measured, m", text)
+        self.assertIn("returns in it; ranges and z_est in metres", text)
 
     def test_refusals(self):
         self.refuse(2, "landfall-info", self.chain.dem, "--at", "5.06,0", words=["is off the map", "x from -5 to 5 m"])

@@ -90,6 +90,23 @@ class DrawsReportTest(PageTest):
         expected = int(np.count_nonzero(draws[f"requirements.{metric}.pass"] == 0))
         self.assertEqual([self.window.run(colors).count(f"var(--{color})") for color in ("vermilion", "blue")], [expected, 8 - expected])
 
+    def test_the_requirement_that_decides_comes_first_as_a_length_against_its_limit(self):
+        draws, _ = self.campaign()
+        failures = {name: np.count_nonzero(draws[f"requirements.{name}.pass"] == 0) for name in (rate["requirement"] for rate in self.verdict["rates"][:-1])}
+        shown = self.window.run("return [...document.querySelectorAll('#distributions figcaption')].map((c) => c.textContent)")
+        self.assertEqual([failures[name] for name in shown], sorted(failures.values(), reverse=True))
+        elevation = "return report.requirements.find((r) => r.name === 'relative_elevation').deciding"
+        found = self.window.run(elevation)
+        np.testing.assert_array_equal(found["values"], draws["accuracy.relative.z.max_m"])
+        self.assertEqual((found["limit"], found["metrics"]), (0.12, ["accuracy.relative.z.max_m"]))
+        figure = self.window.run("return [...document.querySelectorAll('#distributions figure')].find((f) => f.textContent.startsWith('relative_elevation')).textContent")
+        self.assertIn("worst footprint (cm)", figure)
+        self.assertIn("limit: at most 12 cm", figure)
+        options = self.window.run("return [...document.querySelectorAll('#metric option')].map((o) => o.textContent)")
+        self.assertIn(options[0], failures)
+        self.assertNotIn("region.half_width_m", options)  # it is null in each draw
+        self.assertIn("accuracy.relative.z.max_m", options)
+
     def test_the_commands_give_the_same_draw(self):
         draws, _ = self.campaign()
         self.window.run(SET_VALUE, "draw", "5", "input")

@@ -244,10 +244,25 @@ class ReportTest(PageTest):
         self.window.run("document.querySelectorAll('#maps button.enlarge')[5].click()")
         self.assertEqual(self.text("#maps figure.wide button.enlarge"), "reduce e_z")
 
+    def choose_scales(self, value):
+        self.window.run("const s = document.querySelector('#scales'); s.value = arguments[0]; s.dispatchEvent(new Event('change'))", value)
+
+    def test_a_scale_reaches_a_limit_that_is_near_its_values(self):
+        """A limit far beyond the errors would leave a map without colour, at first sight."""
+        self.report(None, "--set", "limits.absolute_horizontal_m=1", "--set", "limits.relative_elevation_m=0.05")
+        scales = self.window.run(SCALES)
+        self.assertLess(scales["abs_x"]["high"], 0.1)
+        self.assertEqual(scales["abs_x"]["marks"], 0)
+        self.assertIn("limit", scales["abs_x"]["note"])
+        self.assertEqual(scales["rel_z"]["marks"], 1)
+        self.choose_scales("all")
+        self.assertGreater(self.window.run(SCALES)["abs_x"]["high"], 1)
+
     def test_every_scale_of_an_error_holds_its_limit(self):
         for limit in (0.05, 30):  # far above and far below the errors, too
             limits = {"relative_elevation_m": limit, "relative_horizontal_m": limit, "absolute_horizontal_m": 20 * limit}
             self.report(None, *[argument for key, value in limits.items() for argument in ("--set", f"limits.{key}={value}")])
+            self.choose_scales("all")
             scales = self.window.run(SCALES)
             self.assertEqual(set(scales), {f"{kind}_{axis}" for kind in ("e", "abs", "rel") for axis in "xyz"})
             for name, scale in scales.items():
@@ -260,7 +275,7 @@ class ReportTest(PageTest):
                 self.assertEqual(scale["low"], 0 if name.startswith("rel") else -scale["high"])
                 self.assertEqual(scale["marks"], 1 if name.startswith("rel") else 2, name)
                 self.assertIn("limit", scale["note"])
-        self.window.run("const s = document.querySelector('#scales'); s.value = 'data'; s.dispatchEvent(new Event('change'))")
+        self.choose_scales("none")
         for name, scale in self.window.run(SCALES).items():
             self.assertEqual(scale["marks"], 0, name)
         self.check_layout()
@@ -300,6 +315,7 @@ class ReportTest(PageTest):
                          [scales.OUTLIERS, scales.LIMIT_INSIDE, reduction.MAX_MARKED])
         with h5py.File(self.path("eval.h5")) as file:
             values = {name: file[name][()].astype(float) for name in ("e_x", "e_z", "rel_x", "rel_z", "abs_x", "abs_z")}
+        self.choose_scales("all")
         for name, value in values.items():
             limit_m = {"e_x": 0.05, "e_z": 0.05, "rel_x": 0.05, "rel_z": 0.05, "abs_x": 1}.get(name)
             make = scales.magnitude_scale if name.startswith("rel") else scales.error_scale

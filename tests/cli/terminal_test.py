@@ -66,7 +66,7 @@ class Terminal(ChainTest):
             self.assertRegex(text.splitlines()[-1], rf"{name}: .*(nodes|returns|bins are empty|FAIL|best site|draws pass)")
 
     def printed(self, *command, columns=80):
-        """What a command prints on the stdout of a terminal of so many columns."""
+        """The text that a command prints on the stdout of a terminal of so many columns."""
         ours, theirs = open_terminal()
         fcntl.ioctl(theirs, termios.TIOCSWINSZ, struct.pack("HHHH", 50, columns, 0, 0))
         with subprocess.Popen([tool(command[0]), *command[1:]], stdin=subprocess.DEVNULL, stdout=theirs, stderr=subprocess.DEVNULL) as process:

@@ -10,6 +10,7 @@ A comment on its own line annotates the next block:
     <!-- all tests -->            the next block runs all tests, including this one; .ci/run runs it
     <!-- file: NAME -->           the next block is the content of the file NAME
     <!-- check: TOOL -->          the next block is a configuration that TOOL --check must accept
+    <!-- yours: NAME ... -->      files of the next block that readers have themselves, and that the prose before it names
     <!-- output -->               the next block is the output of the previous one; a line `...` matches any lines, and
                                   revisions, ids and file sizes may differ
 
@@ -22,9 +23,13 @@ import re
 
 ROOT = os.environ.get("LANDFALL_ROOT", os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", ".."))
 FENCE = re.compile(r"^( *)```(\w*) *$")
-COMMENT = re.compile(r"^<!-- (setup|long setup|long|bare|all tests|file|check|output|site)(?:: *(.*))?$", re.DOTALL)
+COMMENT = re.compile(r"^<!-- (setup|long setup|long|bare|all tests|file|check|output|site|yours)(?:: *(.*))?$", re.DOTALL)
 LINK = re.compile(r"(!?)\[(?:[^\[\]]|\[[^\]]*\])*\]\(([^()\s]+)\)")
 RUN_LANGUAGES = ("sh", "python")
+# Names of files in commands.
+FILE = re.compile(r"(?<![\w$}{*/.-])(?:[\w-]+/)*[\w-]+\.(?:h5|tif|json|csv|obj|ply|stl|las|txt|png|gpkg|geojson|npy|html|asc|img)\b")
+# The files that a reader of any page has: those of the chain, under the names that all pages give them.
+CHAIN = {"terrain.h5", "scan.h5", "dem.h5", "eval.h5", "hazards.h5", "draws.h5", "plan.h5", "metrics.json", "sites.json", "score.json", "results.h5", "results.csv"}
 RUN_ELSEWHERE = {"bare", "all tests"}
 LONG = bool(os.environ.get("LANDFALL_TEST_LONG"))
 
@@ -106,6 +111,23 @@ class Page:
         else:
             notes[match[1]] = match[2] or ""
         return end + 1
+
+    def hidden_inputs(self):
+        """(line, file) of each file that a visible block names and that only hidden commands have made: a reader who types the page does not have
+        it. Files of the chain under their usual names are the reader's, and those of a comment `yours` that the prose before it names."""
+        hidden, known, found = set(), set(CHAIN), []
+        for block in self.blocks:
+            if block.language in ("setup", "long setup"):
+                hidden |= set(FILE.findall(block.text))
+            elif "file" in block.notes:
+                known.add(block.notes["file"])
+            elif block.is_command:
+                prose = " ".join(text for line, text in self.prose.items() if line < block.line)
+                known |= {name for name in block.notes.get("yours", "").split() if f"`{name}`" in prose}
+                used = set(FILE.findall(block.text))
+                found += [(block.line, name) for name in sorted(used & hidden - known)]
+                known |= used
+        return found
 
     def anchors(self):
         """The anchors of all headings, as GitHub makes them."""

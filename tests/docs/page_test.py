@@ -104,5 +104,23 @@ class Running(unittest.TestCase):
         self.assertIn("half_width", verdict(block("json", '{"half_width": 5}', "check: regrid")))
 
 
+class HiddenInputs(unittest.TestCase):
+    def found(self, text):
+        return pages.Page("x.md", text).hidden_inputs()
+
+    def test_a_file_that_only_a_hidden_command_makes(self):
+        text = "<!-- setup: make_raster.py -o raster.tif -->\n```sh\nterrain-gen --from raster.tif -o site.h5\n```\n"
+        self.assertEqual(self.found(text), [(3, "raster.tif")])
+        visible = "```sh\nmake_raster.py -o raster.tif\n```\n"
+        self.assertEqual(self.found(visible + text), [])
+        self.assertEqual(self.found("<!-- file: raster.tif -->\n```text\nx\n```\n" + text), [])
+
+    def test_the_reader_s_own_files(self):
+        text = "<!-- setup: make_raster.py -o raster.tif -->\n<!-- yours: raster.tif -->\n```sh\nterrain-gen --from raster.tif\n```\n"
+        self.assertEqual(self.found(text), [(4, "raster.tif")], "the prose must name it")
+        self.assertEqual(self.found("Your raster is `raster.tif`.\n\n" + text), [])
+        self.assertEqual(self.found("<!-- setup: small_chain; echo dem.h5 -->\n```sh\ndem-eval dem.h5\n```\n"), [])
+
+
 if __name__ == "__main__":
     unittest.main()

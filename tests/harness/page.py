@@ -50,12 +50,21 @@ for (const svg of document.querySelectorAll("svg")) {
   texts.forEach((a, i) => texts.slice(i + 1).forEach((b) => { if (cross(a, b)) pairs.push([a.text, b.text]); }));
 }
 const page = document.documentElement;
-const wide = [...document.querySelectorAll("body *")].filter((e) => !e.closest(".scroll") && !e.closest("pre") &&
+const wide = [...document.querySelectorAll("body *")].filter((e) => !e.closest(".scroll, .window, pre") &&
     !e.closest("svg.sample") && e.getBoundingClientRect().right > page.clientWidth + 0.5);
 for (const e of document.querySelectorAll(".scroll")) if (e.scrollWidth > e.clientWidth) wide.push(e);
 return {pairs, scroll: page.scrollWidth - page.clientWidth,
         wide: wide.map((e) => e.tagName + "." + e.className + "#" + e.id + ": " + e.textContent.slice(0, 40))};
 """
+
+
+# The drawings that exist when the browser reports the page as loaded: a program that prints it then prints no more.
+AT_LOAD = """
+window.addEventListener("load", () => {
+  window.drawnAtLoad = [...document.querySelectorAll("svg, canvas")].map((e) => e.tagName + e.childElementCount + "," + (e.width?.baseVal?.value ?? e.width));
+});
+"""
+DRAWN = "return [...document.querySelectorAll('svg, canvas')].map((e) => e.tagName + e.childElementCount + ',' + (e.width?.baseVal?.value ?? e.width))"
 
 
 class PageTest(ToolTest):

@@ -107,6 +107,8 @@ class ScaleTest(unittest.TestCase):
         scale = scales.magnitude_scale(values, values, 0.05)
         self.assertEqual(scale.clipping_text(), "colours end at 5.5 cm (1.1 x limit)")
         self.assertEqual(scale.extend, "max")
+        below = np.append(np.zeros(1000), -0.01)
+        self.assertEqual(scales.magnitude_scale(below, below, 0.05).clipping_text(), "colours begin at 0")
         self.assertEqual(scale.limit_text(" of rel_z"), "▸ limit 5 cm of rel_z")
 
     def test_data_only_ignores_the_limit(self):
@@ -130,7 +132,7 @@ class ScaleTest(unittest.TestCase):
         scale = scales.elevation_scale([values], [values])
         self.assertAlmostEqual(scale.high, 0.997, delta=0.003)
         self.assertEqual(scale.clipped, (True, True))
-        self.assertRegex(scale.clipping_text(), r"^colours end at 5[.0-9]* mm and 0.99\d m \(0.5 and 99.5 % quantiles\)$")
+        self.assertRegex(scale.clipping_text(), r"^colours from 5[.0-9]* mm to 0.99\d m \(0.5 and 99.5 % quantiles\)$")
 
     def test_counts_begin_at_0(self):
         values = np.full(1000, 3.0)

@@ -24,7 +24,7 @@ class Column {
 /** The halves of the codes, packed apart; null where all are 0. */
 async function halfOf(name) {
   const element = document.getElementById("layer-" + name);
-  return element === null ? null : unpackCodes(await inflate(element.textContent));
+  return element === null ? null : unpackCodes(inflate(element.textContent));
 }
 
 async function readColumn(layer) {

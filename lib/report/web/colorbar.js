@@ -102,7 +102,8 @@ export function clippingText({low, high, clipped, unit, factor}) {
   if (!clipped[0] && !clipped[1]) return "";
   const end = (value) => metresAs(value, unit, factor).trimEnd();
   if (low === -high) return `colours end at \u00b1${end(high)}`;
-  return clipped[0] && clipped[1] ? `colours end at ${end(low)} and ${end(high)}` : `colours end at ${end(clipped[1] ? high : low)}`;
+  if (!clipped[1]) return `colours begin at ${end(low)}`;
+  return clipped[0] ? `colours from ${end(low)} to ${end(high)}` : `colours end at ${end(high)}`;
 }
 
 /** The missed requirements and how many bins or footprints miss each. */

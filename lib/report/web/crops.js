@@ -37,6 +37,12 @@ function requirementText({axis}) {
   return axis === "h" ? "absolute horizontal" : `relative ${axis}`;
 }
 
+/** The command that lists the returns behind the footprint's central bin. */
+function inspection({x_m, y_m}) {
+  const place = [x_m, y_m].map((value) => Number(value.toFixed(6)));
+  return `landfall-info dem.h5 --at=${place} --scan scan.h5`;
+}
+
 async function cropFigure(footprint, k) {
   const maps = [];
   for (const layer of footprint.crop.layers) {
@@ -46,7 +52,8 @@ async function cropFigure(footprint, k) {
   const share = footprint.share === null ? "over a limit of 0" : `${formatNumber(100 * footprint.share, 0.1)} % of its limit`;
   const title = `No. ${k + 1} at x ${formatNumber(footprint.x_m, 0.01)} m, y ${formatNumber(footprint.y_m, 0.01)} m`;
   return htmlElement("div", {class: "crop"}, htmlElement("h3", {}, title),
-                     htmlElement("p", {class: "note"}, `${requirementText(footprint)} error: ${share}`),
+                     htmlElement("p", {class: "note"}, `${requirementText(footprint)} error: ${share}; its returns: `,
+                                 htmlElement("code", {class: "inspection"}, inspection(footprint))),
                      htmlElement("div", {class: "pair"}, ...maps));
 }
 
@@ -65,7 +72,8 @@ export async function fillWorst(section) {
       htmlElement("p", {class: "note"}, `Footprint: ${footprint.shape}, ${footprint.width_m} m, ` +
           `${counted(metrics.accuracy.footprint_bins, "bin")} across. Limits: relative x and y ${limit(limits.relative_horizontal_m)}, ` +
           `relative z ${limit(limits.relative_elevation_m)}, absolute horizontal ${limit(limits.absolute_horizontal_m)} for ` +
-          `${100 * limits.absolute_horizontal_frac} % of the footprints. \u2717 marks values over their limit.`),
+          `${100 * limits.absolute_horizontal_frac} % of the footprints. \u2717 marks values over their limit. The commands name the files of this ` +
+          "evaluation dem.h5 and scan.h5; docs/user/symptoms.md tells what patterns of errors mean."),
       worstTable(worst, limits));
   const crops = htmlElement("div", {class: "crops"});
   section.append(crops);

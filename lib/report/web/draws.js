@@ -50,34 +50,56 @@ function barsOf({low, width, count}, values) {
   return bars.filter((bar) => bar.count > 0);
 }
 
-function requirementAxis({unit, measured}) {
+/** What a requirement is shown by: the length that decides it, if the draws have one, because a count of footprints that may not be over
+ * the limit shows no margin; else its value. {values, label, factor, limit, limitText}, the limit in the unit of the label. */
+function shownBy({unit, measured, values, limits, at_least, deciding}) {
+  if (deciding) {
+    const what = deciding.metrics[0].endsWith("p95_m") ? "95th percentile of the footprints" : "worst footprint";
+    const limit = 100 * deciding.limit;
+    return {values: deciding.values, label: `${what} (cm)`, factor: 100, limit, limitText: `limit: at most ${Number(limit.toPrecision(4))} cm`};
+  }
   const [text, factor] = UNITS[unit];
-  return [unit === "footprints" || text === "" ? measured : `${measured} (${text})`, factor];
+  return {values, label: `${measured}${unit === "footprints" || text === "" ? "" : ` (${text})`}`, factor, limit: limits[0] * factor,
+          limitText: `limit: at ${at_least ? "least" : "most"} ${unitText(unit, limits[0])}`};
+}
+
+function failureCount({pass}) { return pass.reduce((sum, p) => sum + (p === 0 ? 1 : 0), 0); }
+
+/** The largest share of a limit that a draw uses; 0 where the limit is 0. */
+function largestUse(requirement) {
+  const {values, factor, limit} = shownBy(requirement);
+  return limit > 0 && (requirement.deciding || !requirement.at_least) ? Math.max(...values.map((value) => (value ?? 0) * factor / limit)) : 0;
+}
+
+/** The requirement that decides first: most failed draws, else nearest to its limit. */
+function byDecision() {
+  return [...report.requirements].sort((a, b) => failureCount(b) - failureCount(a) || largestUse(b) - largestUse(a));
 }
 
 /** How often each value occurred, passed and failed draws in their colours, and the limit. */
 function distributionChart(requirement) {
-  const [label, factor] = requirementAxis(requirement);
-  const known = requirement.values.map((value, i) => ({value: value * factor, pass: requirement.pass[i] === 1})).filter((_, i) => requirement.values[i] !== null);
+  const {values: measured, label, factor, limit, limitText} = shownBy(requirement);
+  const known = measured.map((value, i) => ({value: value * factor, pass: requirement.pass[i] === 1})).filter((_, i) => measured[i] !== null);
   if (known.length === 0) return null;
-  const values = known.map(({value}) => value), limit = requirement.limits[0] * factor;
-  const classes = classesOf(values, ["bins", "footprints"].includes(requirement.unit));
+  const values = known.map(({value}) => value);
+  const whole = !requirement.deciding && ["bins", "footprints"].includes(requirement.unit);
+  const classes = classesOf(values, whole), end = whole ? limit + (requirement.at_least ? -0.5 : 0.5) : limit;  // whole numbers that are equal to the limit pass
   const all = barsOf(classes, values), passed = barsOf(classes, known.filter(({pass}) => pass).map(({value}) => value));
-  const least = Math.min(classes.low, limit), most = Math.max(classes.low + classes.count * classes.width, limit);
+  const least = Math.min(classes.low, end), most = Math.max(classes.low + classes.count * classes.width, end);
   const room = 0.04 * (most - least);
-  const chart = new Chart(requirement.name, {low: least - room, high: most + room, label},
+  const chart = new Chart(requirement.name, {low: least - room, high: most + room, label, whole},
                           {low: 0, high: 1.08 * Math.max(...all.map(({count}) => count)), label: "draws", whole: true});
   const fails = known.some(({pass}) => !pass);
   chart.bars(all, LINE.vermilion).bars(passed, LINE.blue);
   if (passed.length > 0) chart.area("passed", LINE.blue);
   if (fails) chart.area("failed", LINE.vermilion);
-  chart.limit(limit, `limit: at ${requirement.at_least ? "least" : "most"} ${unitText(requirement.unit, requirement.limits[0])}`, LINE.purple);
+  chart.limit(end, limitText, LINE.purple);
   return chart.element;
 }
 
 function fillDistributions(section) {
-  const charts = report.requirements.map(distributionChart).filter((chart) => chart !== null);
-  section.append(htmlElement("p", {class: "note"}, `What decides each requirement, in all draws.${shownNote()}`),
+  const charts = byDecision().map(distributionChart).filter((chart) => chart !== null);
+  section.append(htmlElement("p", {class: "note"}, `What decides each requirement, in all draws; most failures first, then nearest to the limit.${shownNote()}`),
                  htmlElement("div", {class: "figures"}, ...charts));
 }
 
@@ -86,12 +108,7 @@ function fillDistributions(section) {
 /** What may be shown against the keys: [{name, values, factor, label, pass, limit}]. */
 function scatterMetrics() {
   const differs = ({values}) => values.some((value) => value !== values[0]);
-  const requirements = report.requirements.filter(differs).map((requirement) => {
-    const [label, factor] = requirementAxis(requirement);
-    return {name: requirement.name, values: requirement.values, factor, label, pass: requirement.pass, limit: requirement.limits[0] * factor};
-  });
-  const failures = ({pass}) => pass.reduce((sum, p) => sum + (p === 0 ? 1 : 0), 0);
-  requirements.sort((a, b) => failures(b) - failures(a));
+  const requirements = byDecision().map((requirement) => ({name: requirement.name, pass: requirement.pass, ...shownBy(requirement)})).filter(differs);
   return [...requirements, ...report.metrics.map(({name, values}) => ({name, values, factor: 1, label: name, pass: report.pass, limit: null}))];
 }
 

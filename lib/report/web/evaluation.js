@@ -41,7 +41,7 @@ function mapsNote() {
       ` Blocks of bins, where a map has more bins than pixels, show ${BLOCK_TEXT}` +
           `${factor === 1 ? "" : `, after the least of each ${factor} x ${factor} bins`}.`;
   return `${gridText()}.${blocks} North (y) is up; grey: no value; outlined: the judged region. Errors are true \u2212 estimated. ` +
-      "Colours end at the 99.5 % quantile of the magnitudes, or beyond the limit (\u25b8), whichever is larger; a pointed end of a " +
+      "Colours end at the 99.5 % quantile of the magnitudes, or beyond the limit (\u25b8) if it is at most four times this; a pointed end of a " +
       "colour bar means that values lie beyond it. Elevations are lit from the north-west.";
 }
 

@@ -25,8 +25,8 @@ function mapsNote() {
       ` Blocks of bins, where a map has more bins than pixels, show the worst of them (of elevations the mean)` +
           `${factor === 1 ? "" : `, at least ${factor} x ${factor} bins`}; classes are averaged over them.`;
   return `${gridText()}.${blocks} North (y) is up; grey: no value; outlined: the region; dashed on the cost: the places within reach. ` +
-      "The relief is lit from the north-west. Colours of slopes, roughnesses, costs and distances end at the 99.5 % quantile, or beyond the limit (\u25b8), " +
-      "whichever is larger; a pointed end of a colour bar means that values lie beyond it.";
+      "The relief is lit from the north-west. Colours of slopes, roughnesses, costs and distances end at the 99.5 % quantile, or beyond the limit (\u25b8) if it " +
+      "is at most four times this; a pointed end of a colour bar means that values lie beyond it.";
 }
 
 function countText(count, all) {

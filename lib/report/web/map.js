@@ -6,6 +6,7 @@ import {MARK_COLOR, NO_VALUE_COLOR, parseColor} from "./color_maps.js";
 import {clippingText, limitText, verticalColorBar} from "./colorbar.js";
 import {listenToPointer, panels, placeText, pointing} from "./cursor.js";
 import {htmlElement, outlined, svgElement} from "./elements.js";
+import {fitToElement} from "./fit.js";
 import {lengthUnit, metresAs, ticks} from "./numbers.js";
 import {INK, TEXT_COLOR} from "./palette.js";
 import {pixelShares, stretched} from "./pixels.js";
@@ -40,7 +41,7 @@ export class MapPanel {
     this.setRaster(raster);
     panels.push(this);
     listenToPointer(this);
-    new ResizeObserver(() => this.fit()).observe(this.plot);
+    fitToElement(this, this.plot);
   }
 
   /** Shows a raster of the same grid. */

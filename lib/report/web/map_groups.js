@@ -25,10 +25,10 @@ export function gridText() {
 
 /** The choice of whether the scales of errors reach the limits. */
 export function scaleControl() {
-  const select = htmlElement("select", {id: "scales"}, htmlElement("option", {value: "limits"}, "reach the limits"),
-                             htmlElement("option", {value: "data"}, "show the data only"));
+  const select = htmlElement("select", {id: "scales"}, htmlElement("option", {value: "near"}, "reach near limits"),
+                             htmlElement("option", {value: "all"}, "reach all limits"), htmlElement("option", {value: "none"}, "show the data only"));
   select.addEventListener("change", () => {
-    display.limits = select.value === "limits";
+    display.limits = select.value;
     for (const panel of panels) panel.rescale();
   });
   return htmlElement("div", {class: "controls screen-only"}, htmlElement("label", {}, "colour scales", select));

@@ -3,6 +3,7 @@
 // All pages share the start and the links to the sections. data-ready on <body> means that everything is drawn.
 
 import {htmlElement} from "./elements.js";
+import {fitAll} from "./fit.js";
 import {makeSortable} from "./table.js";
 import {makeThemeButton} from "./theme.js";
 
@@ -27,13 +28,8 @@ async function fillPage(fillTexts, fillDrawings) {
   fillTexts();
   fillContents();
   for (const table of document.querySelectorAll("main table.sortable")) makeSortable(table);
-  if (!fillDrawings) return;
-  if (typeof DecompressionStream === "undefined") {
-    pageSection("message").textContent = "This browser cannot unpack the maps: it has no DecompressionStream " +
-        "(Chromium 80, Firefox 113, Safari 16.4 or later have it).";
-    return;
-  }
-  await fillDrawings();
+  if (fillDrawings) await fillDrawings();
+  fitAll();
 }
 
 export function startPage(fillTexts, fillDrawings = null) {

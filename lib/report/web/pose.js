@@ -5,6 +5,7 @@
 
 import {Axis, drawFrame} from "./chart.js";
 import {htmlElement, outlined, svgElement} from "./elements.js";
+import {fitToElement} from "./fit.js";
 import {legendEntry, swatchEntry} from "./legend.js";
 import {LEAST_WIDTH, MapPanel} from "./map.js";
 import {formatNumber, lengthUnit, metresAs} from "./numbers.js";
@@ -83,7 +84,7 @@ class SideView {
     this.svg = svgElement("svg", {role: "img", class: "side", "aria-label": "The lander from the side"});
     this.note = htmlElement("span", {class: "note"});
     this.element = htmlElement("figure", {class: "panel"}, htmlElement("figcaption", {}, "From the side", this.note), this.svg);
-    new ResizeObserver(() => this.fit()).observe(this.element);
+    fitToElement(this, this.element);
   }
 
   fit() {

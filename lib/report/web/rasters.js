@@ -2,6 +2,7 @@
 
 // The maps of the report unpacked: 16-bit codes, value = offset + code * step; maps in larger blocks.
 
+import {inflated} from "./inflate.js";
 import {report} from "./report_data.js";
 
 const NO_VALUE_CODE = 65535;
@@ -58,12 +59,11 @@ class Raster {
 }
 
 /** The bytes of a deflate stream in base64. */
-export async function inflate(text) {
+export function inflate(text) {
   const packed = atob(text);
   const bytes = new Uint8Array(packed.length);
   for (let i = 0; i < packed.length; ++i) bytes[i] = packed.charCodeAt(i);
-  const stream = new Blob([bytes]).stream().pipeThrough(new DecompressionStream("deflate"));
-  return new Uint8Array(await new Response(stream).arrayBuffer());
+  return inflated(bytes);
 }
 
 /** Undoes what packed() in lib/report/quantised.h describes. */
@@ -81,11 +81,11 @@ export function unpackCodes(bytes) {
 
 const rasters = new Map();
 
-/** The map of a layer of `grid`, unpacked on first use. */
-export function rasterOf(layer, grid) {
+/** The map of a layer of `grid`, unpacked on first use. A promise that is kept at once, before the page's load event. */
+export async function rasterOf(layer, grid) {
   if (!rasters.has(layer.id)) {
     const text = document.getElementById("layer-" + layer.id).textContent;
-    rasters.set(layer.id, inflate(text).then((bytes) => new Raster(layer, grid, unpackCodes(bytes))));
+    rasters.set(layer.id, new Raster(layer, grid, unpackCodes(inflate(text))));
   }
   return rasters.get(layer.id);
 }

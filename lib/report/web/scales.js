@@ -9,8 +9,10 @@ import {report} from "./report_data.js";
 import {LIMIT_INSIDE, MIN_RANGE, OUTLIERS} from "./scale_rules.js";
 
 const FROM_LEAST = ["elevation", "quantity"];  // the styles whose colours begin at the least value, not at 0
+const NEAR = 4;  // a limit is near to values if it is at most this times the largest
 
-export const display = {limits: true};  // whether scales reach the limits
+/** Whether scales of errors reach the limits: "near" those that are near to the values, "all" or "none". */
+export const display = {limits: "near"};
 
 /** The mapping of a raster's values to colours: {colors, low, high, clipped: [below, above], factor, unit, limit}. The
  * rasters of raster.peers have one common scale. */
@@ -26,11 +28,12 @@ export function scaleOf(raster) {
                    limit}, unit);
 }
 
-/** Symmetric about 0, or from 0: the 99.5 % quantile of the magnitudes and, if they are to be shown, the limits. */
+/** Symmetric about 0, or from 0: the 99.5 % quantile of the magnitudes and, if it is to be shown, the limit. */
 function errorEnds(raster) {
   const magnitudes = sampleOf(raster.peers ?? [raster]).map(Math.abs).sort();
-  const limit = display.limits ? LIMIT_INSIDE * (raster.layer.limit ?? 0) : 0;
-  const bound = Math.max(quantileOf(magnitudes, 1 - OUTLIERS), limit, MIN_RANGE);
+  const values = Math.max(quantileOf(magnitudes, 1 - OUTLIERS), MIN_RANGE), limit = LIMIT_INSIDE * (raster.layer.limit ?? 0);
+  const isReached = display.limits === "all" || (display.limits === "near" && limit <= NEAR * values);
+  const bound = isReached ? Math.max(values, limit) : values;
   return [raster.layer.style === "signed" ? -bound : 0, bound];
 }
 
