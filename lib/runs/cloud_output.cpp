@@ -28,17 +28,18 @@ PointPlace place_of(const PointBatch& batch, std::uint32_t row) {
 }
 
 /// The extent of the returns, and places of some of them.
-struct Extent {
+struct ReturnExtent {
   std::uint64_t count = 0;
   PointPlace low{};
   PointPlace high{};
   std::vector<PointPlace> sample;
 };
 
-Extent extent_of(const PointReader& points, const PointReader::Pass& pass, const ProgressCallback& progress) {
+ReturnExtent return_extent_of(const PointReader& points, const PointReader::Pass& pass,
+                              const ProgressCallback& progress) {
   constexpr std::size_t kSample = 65536;
   const std::size_t stride = points.row_count() / kSample + 1;
-  Extent extent;
+  ReturnExtent extent;
   points.read(
       pass,
       [&](const PointBatch& batch) {
@@ -57,7 +58,7 @@ Extent extent_of(const PointReader& points, const PointReader::Pass& pass, const
 }
 
 /// About the edge of the squares in which `points` points lie alone, if the outer tenth is left out.
-double first_cell_m(Extent& extent, std::size_t points) {
+double first_cell_m(ReturnExtent& extent, std::size_t points) {
   double area_m2 = 1;
   for (std::size_t axis = 0; axis < 2; ++axis) {
     std::ranges::sort(extent.sample, {}, [axis](const PointPlace& place) { return place[axis]; });
@@ -67,7 +68,7 @@ double first_cell_m(Extent& extent, std::size_t points) {
   return std::sqrt(area_m2 / static_cast<double>(points));
 }
 
-ThinnedPoints choose_points(const PointReader& points, const PointReader::Pass& pass, Extent& extent,
+ThinnedPoints choose_points(const PointReader& points, const PointReader::Pass& pass, ReturnExtent& extent,
                             std::size_t most, const ProgressCallback& progress) {
   constexpr std::size_t kFiner = 8;  // squares for each point of the page
   PointThinning thinning(extent.low, extent.high, first_cell_m(extent, kFiner * most), most);
@@ -92,7 +93,7 @@ void from_zero(std::vector<double>& times_s) {
 html_report::CloudContent read_cloud(const PointReader& points, std::size_t most,
                                      const ProgressCallback& progress) {
   PointReader::Pass pass{position_columns("est"), {}, 3};
-  Extent extent = extent_of(points, pass, [&](double f) { report(progress, f / 5); });
+  ReturnExtent extent = return_extent_of(points, pass, [&](double f) { report(progress, f / 5); });
   if (extent.count == 0) points.file().fail("holds no return");
   html_report::CloudContent content;
   content.all_count = extent.count;
