@@ -11,6 +11,7 @@
 
 #include "base/error.h"
 #include "base/number_text.h"
+#include "base/portable_math.h"
 
 namespace landfall {
 namespace {
@@ -18,7 +19,7 @@ namespace {
 constexpr double kBorder_m = 1e-9;
 constexpr int kArcSteps = 72;  // of a half circle
 
-double distance(Horizontal a, Horizontal b) { return std::hypot(a.x - b.x, a.y - b.y); }
+double distance(Horizontal a, Horizontal b) { return portable::hypot(a.x - b.x, a.y - b.y); }
 
 Horizontal moved(Horizontal start, Horizontal velocity, double time_s) {
   return {start.x + velocity.x * time_s, start.y + velocity.y * time_s};
@@ -92,14 +93,14 @@ std::vector<Horizontal> ReachableArea::outline_of(const Lens& lens) {
   const auto [first, last] = lens.centres;
   const double half_m = distance(first, last) / 2;
   if (half_m > lens.radius_m) return {};
-  const double ahead = std::atan2(last.y - first.y, last.x - first.x);
+  const double ahead = portable::atan2(last.y - first.y, last.x - first.x);
   const double half_angle = lens.radius_m > 0 ? std::acos(half_m / lens.radius_m) : 0;
   std::vector<Horizontal> border;
   const auto add_arc = [&](Horizontal centre, double middle) {
     for (int step = 0; step < kArcSteps; ++step) {
       const double angle = middle + half_angle * (2.0 * step / kArcSteps - 1);
       border.push_back(
-          {centre.x + lens.radius_m * std::cos(angle), centre.y + lens.radius_m * std::sin(angle)});
+          {centre.x + lens.radius_m * portable::cos(angle), centre.y + lens.radius_m * portable::sin(angle)});
     }
   };
   add_arc(first, ahead);

@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "base/parallel.h"
+#include "base/portable_math.h"
 #include "report/quantised.h"
 #include "report/report_layer.h"
 #include "returns/point_status.h"
@@ -24,14 +25,7 @@ constexpr int kValueSteps = 1000;
 constexpr int kTimeSteps = 5'000'000;  ///< every pulse of 2 s at 1 MHz has a time of its own
 constexpr double kMaxCode = 4294967294.0;
 constexpr double kOutlierShare = 0.005;
-
-/// The least number >= `least` that is 1, 2 or 5 times a power of ten.
-double rounded_up(double least) {
-  const double power = std::pow(10.0, std::floor(std::log10(least)));
-  for (const double digit : {1.0, 2.0, 5.0})
-    if (digit * power >= least * (1 - 1e-12)) return digit * power;
-  return 10 * power;
-}
+constexpr double kRounding = 1 - 1e-12;  ///< of a step that is a round number
 
 std::vector<double> finite_values(std::span<const double> values) {
   std::vector<double> finite;
@@ -111,13 +105,13 @@ std::optional<std::vector<double>> values_of(const CloudContent& content, const 
     return combined({"range_measured", "range_true"}, [](const auto& v) { return v[0] - v[1]; });
   if (name == "e_horizontal")
     return combined({"x_true", "x_est", "y_true", "y_est"},
-                    [](const auto& v) { return std::hypot(v[0] - v[1], v[2] - v[3]); });
+                    [](const auto& v) { return portable::hypot(v[0] - v[1], v[2] - v[3]); });
   return combined({name}, [](const auto& v) { return v[0]; });
 }
 
 /// Flags need the bit of a status, not its number.
 void to_bits(std::vector<double>& status) {
-  for (double& value : status) value = std::exp2(value);
+  for (double& value : status) value = portable::exp2(value);
 }
 
 std::vector<std::uint16_t> half_of(const std::vector<std::uint32_t>& codes, unsigned shift) {
@@ -174,7 +168,7 @@ WideCodes wide_codes(std::span<const double> values, int steps) {
   const double middle = quantile(finite, 1 - kOutlierShare) - quantile(finite, kOutlierShare);
   const double span = middle > 0 ? middle : greatest - least;
   const double finest = std::max(is_whole ? 1 : span / steps, (greatest - least) / (kMaxCode - 1));
-  if (finest > 0) result.step = rounded_up(finest);
+  if (finest > 0) result.step = round_step(finest * kRounding);
   const double first = std::floor(least / result.step);
   result.offset = first * result.step;
   for (std::size_t i = 0; i < values.size(); ++i)

@@ -12,14 +12,15 @@
 namespace landfall::html_report {
 namespace {
 
-/// The least number >= `least` that is 1, 2 or 5 times a power of ten.
-double round_step(double least) {
+/// The largest power of ten up to a positive number, rounded once.
+double power_of_ten_in(double number) {
   double power = 1;
-  while (power > least) power /= 10;
-  while (10 * power <= least) power *= 10;
-  for (const double digit : {1.0, 2.0, 5.0})
-    if (digit * power >= least) return digit * power;
-  return 10 * power;
+  if (number >= 1) {
+    while (10 * power <= number) power *= 10;
+    return power;
+  }
+  while (number * power < 1 && power < 1e308) power *= 10;
+  return 1 / power;
 }
 
 void find_extremes(std::span<const double> values, Quantised& result) {
@@ -38,6 +39,13 @@ std::uint16_t zigzag(std::uint16_t code, std::uint16_t before) {
 }
 
 }  // namespace
+
+double round_step(double least) {
+  const double power = power_of_ten_in(least);
+  for (const double digit : {1.0, 2.0, 5.0})
+    if (digit * power >= least) return digit * power;
+  return 10 * power;
+}
 
 Quantised quantise(std::span<const double> values, int max_steps) {
   Quantised result;

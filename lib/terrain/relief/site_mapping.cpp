@@ -59,12 +59,12 @@ LonLat OrthographicFrame::difference(const SitePoint& point) const {
 
 SitePoint OrthographicFrame::point(const LonLat& difference) const {
   const double lat_rad = center_.lat_rad + difference.lat_rad;
-  const double s = std::sin(lat_rad);
-  const double c = std::cos(lat_rad);
+  const double s = portable::sin(lat_rad);
+  const double c = portable::cos(lat_rad);
   const double e2 = body_.flattening * (2 - body_.flattening);
   const double normal_m = body_.semi_major_m / std::sqrt(1 - e2 * s * s);
-  const Eigen::Vector3d ground(normal_m * c * std::cos(difference.lon_rad),
-                               normal_m * c * std::sin(difference.lon_rad), normal_m * (1 - e2) * s);
+  const Eigen::Vector3d ground(normal_m * c * portable::cos(difference.lon_rad),
+                               normal_m * c * portable::sin(difference.lon_rad), normal_m * (1 - e2) * s);
   const Eigen::Vector3d step = ground - origin_m_;
   return {R_body_plane_.col(0).dot(step), R_body_plane_.col(1).dot(step)};
 }
