@@ -71,7 +71,7 @@ ReachableArea ReachableArea::divert(const DivertStart& start) {
                      short_number(start.descent_mps) + " m/s within " + short_number(start.height_m) +
                      " m: it takes " + short_number(vertical) + " m/s2 (gravity + descent^2 / 2 height)");
   const double horizontal =
-      std::min(vertical * std::tan(start.tilt_rad), std::sqrt(thrust * thrust - vertical * vertical));
+      std::min(vertical * portable::tan(start.tilt_rad), std::sqrt(thrust * thrust - vertical * vertical));
   return ReachableArea(Lens{{moved(start.position_m, start.velocity_mps, time_s / 4),
                              moved(start.position_m, start.velocity_mps, 3 * time_s / 4)},
                             horizontal * time_s * time_s / 4});
@@ -94,7 +94,7 @@ std::vector<Horizontal> ReachableArea::outline_of(const Lens& lens) {
   const double half_m = distance(first, last) / 2;
   if (half_m > lens.radius_m) return {};
   const double ahead = portable::atan2(last.y - first.y, last.x - first.x);
-  const double half_angle = lens.radius_m > 0 ? std::acos(half_m / lens.radius_m) : 0;
+  const double half_angle = lens.radius_m > 0 ? portable::acos(half_m / lens.radius_m) : 0;
   std::vector<Horizontal> border;
   const auto add_arc = [&](Horizontal centre, double middle) {
     for (int step = 0; step < kArcSteps; ++step) {
