@@ -10,6 +10,8 @@
 #include <limits>
 #include <numbers>
 
+#include "base/exact_pair.h"
+
 namespace landfall::portable {
 namespace {
 
@@ -32,37 +34,12 @@ double polynomial(const std::array<double, N>& coefficients, double x) {
   return sum;
 }
 
-/// An unevaluated sum, |low| <= ulp(high) / 2.
-struct Pair {
-  double high;
-  double low;
-};
-
-/// a + b exactly (Knuth).
-Pair sum_of(double a, double b) {
-  const double high = a + b;
-  const double part = high - a;
-  return {high, (a - (high - part)) + (b - part)};
-}
-
-/// a b exactly, while neither overflows (Dekker).
-Pair product_of(double a, double b) {
-  constexpr double kSplit = 0x1p27 + 1;
-  const auto high_half = [](double v) { return kSplit * v - (kSplit * v - v); };
-  const double a_high = high_half(a);
-  const double b_high = high_half(b);
-  const double a_low = a - a_high;
-  const double b_low = b - b_high;
-  const double high = a * b;
-  return {high, ((a_high * b_high - high) + a_high * b_low + a_low * b_high) + a_low * b_low};
-}
-
 // Sine and cosine.
 
 /// x less n quarter turns, in [-pi/4, pi/4] and a little beyond.
 struct Quadrant {
   unsigned quarter;
-  Pair angle;
+  ExactPair angle;
 };
 
 Quadrant quadrant_of(double x) {
@@ -71,28 +48,28 @@ Quadrant quadrant_of(double x) {
   constexpr std::array kParts = {0x1.921fb4p+0, 0x1.4442dp-24, 0x1.846988p-48, 0x1.8cc51701b839ap-72};
   if (std::abs(x) > kMaxAngle) x = std::fmod(x, 2 * kPi);
   const double n = rounded(x * (2 / kPi));
-  const Pair first = sum_of(x - n * kParts[0], -(n * kParts[1]));
-  const Pair second = sum_of(first.high, -(n * kParts[2]));
-  const Pair angle = sum_of(second.high, (first.low + second.low) - n * kParts[3]);
+  const ExactPair first = exact_sum(x - n * kParts[0], -(n * kParts[1]));
+  const ExactPair second = exact_sum(first.value, -(n * kParts[2]));
+  const ExactPair angle = exact_sum(second.value, (first.rest + second.rest) - n * kParts[3]);
   return {static_cast<unsigned>(static_cast<std::int64_t>(n) & 3), angle};
 }
 
-double sine_near_0(const Pair& x) {
+double sine_near_0(const ExactPair& x) {
   constexpr std::array kSine = {0x1.5e0af186af739p-33,  -0x1.ae600a926c89ap-26, 0x1.71de37961e4c6p-19,
                                 -0x1.a01a019e8357dp-13, 0x1.1111111110bb1p-7,   -0x1.5555555555555p-3};
-  const double z = x.high * x.high;
-  return x.high + (x.high * z * polynomial(kSine, z) + x.low * (1 - z / 2));
+  const double z = x.value * x.value;
+  return x.value + (x.value * z * polynomial(kSine, z) + x.rest * (1 - z / 2));
 }
 
-double cosine_near_0(const Pair& x) {
+double cosine_near_0(const ExactPair& x) {
   constexpr std::array kCosine = {-0x1.907d7aebd5e3dp-37, 0x1.1eeb68b109173p-29,  -0x1.27e4fa17a41b4p-22,
                                   0x1.a01a019f4e867p-16,  -0x1.6c16c16c16966p-10, 0x1.5555555555555p-5};
-  const double z = x.high * x.high;
+  const double z = x.value * x.value;
   const double one_less = 1 - z / 2;
-  return one_less + (((1 - one_less) - z / 2) + (z * z * polynomial(kCosine, z) - x.high * x.low));
+  return one_less + (((1 - one_less) - z / 2) + (z * z * polynomial(kCosine, z) - x.value * x.rest));
 }
 
-double sine_of(const Pair& x, unsigned quarter) {
+double sine_of(const ExactPair& x, unsigned quarter) {
   const double value = quarter % 2 == 0 ? sine_near_0(x) : cosine_near_0(x);
   return quarter < 2 ? value : -value;
 }
@@ -108,18 +85,15 @@ double arc_tangent_near_0(double t) {
 
 /// For 0 <= x <= 1, from the nearest of 0, 1/4, 1/2, 3/4, 1.
 double arc_tangent_to_1(double x) {
-  struct Known {
-    double high, low;
-  };
-  constexpr std::array kKnown = {Known{0, 0}, Known{0x1.f5b75f92c80ddp-3, 0x1.8ab6e3cf7afbdp-57},
-                                 Known{0x1.dac670561bb4fp-2, 0x1.a2b7f222f65e2p-56},
-                                 Known{0x1.4978fa3269ee1p-1, 0x1.2419a87f2a458p-56},
-                                 Known{0x1.921fb54442d18p-1, 0x1.1a62633145c07p-55}};
+  constexpr std::array kKnown = {ExactPair{0, 0}, ExactPair{0x1.f5b75f92c80ddp-3, 0x1.8ab6e3cf7afbdp-57},
+                                 ExactPair{0x1.dac670561bb4fp-2, 0x1.a2b7f222f65e2p-56},
+                                 ExactPair{0x1.4978fa3269ee1p-1, 0x1.2419a87f2a458p-56},
+                                 ExactPair{0x1.921fb54442d18p-1, 0x1.1a62633145c07p-55}};
   const auto nearest = static_cast<std::size_t>(4 * x + 0.5);
   if (nearest == 0) return x + arc_tangent_near_0(x);
   const double from = static_cast<double>(nearest) / 4;
   const double t = (x - from) / (1 + x * from);
-  return kKnown.at(nearest).high + (t + (kKnown.at(nearest).low + arc_tangent_near_0(t)));
+  return kKnown.at(nearest).value + (t + (kKnown.at(nearest).rest + arc_tangent_near_0(t)));
 }
 
 // Exponential and logarithm.
@@ -138,20 +112,20 @@ struct Exponential {
 };
 
 /// e^(high + low), |high| < 746.
-Exponential exponential_of(const Pair& x) {
+Exponential exponential_of(const ExactPair& x) {
   constexpr std::array kExponential = {0x1.af390ba7e6f47p-26, 0x1.2891d4ffbb0f9p-22, 0x1.71de0d85293b8p-19,
                                        0x1.a019b8ca26fcfp-16, 0x1.a01a01a7cebcdp-13, 0x1.6c16c1789d1d7p-10,
                                        0x1.11111111109a6p-7,  0x1.5555555553d37p-5,  0x1.5555555555556p-3,
                                        0x1.0000000000001p-1};
-  const double k = rounded(x.high * (1 / std::numbers::ln2));
-  const Pair r = sum_of(x.high - k * kLn2High, x.low - k * kLn2Low);
-  return {static_cast<int>(k), r.high + (r.high * r.high * polynomial(kExponential, r.high) + r.low)};
+  const double k = rounded(x.value * (1 / std::numbers::ln2));
+  const ExactPair r = exact_sum(x.value - k * kLn2High, x.rest - k * kLn2Low);
+  return {static_cast<int>(k), r.value + (r.value * r.value * polynomial(kExponential, r.value) + r.rest)};
 }
 
-double exp_of(const Pair& x) {
-  if (std::isnan(x.high)) return x.high;
-  if (x.high > 709.79) return kInfinity;
-  if (x.high < -745.2) return 0;
+double exp_of(const ExactPair& x) {
+  if (std::isnan(x.value)) return x.value;
+  if (x.value > 709.79) return kInfinity;
+  if (x.value < -745.2) return 0;
   const Exponential found = exponential_of(x);
   return scaled(1 + found.rest, found.exponent);
 }
@@ -174,20 +148,20 @@ Parts parts_of(double x) {
 
 /// log x of a positive finite x, with about 10 bits more than a double. With s = (m - 1) / (m + 1), log m is
 /// 2 artanh s.
-Pair log_of(double x) {
+ExactPair log_of(double x) {
   constexpr std::array kArtanh = {0x1.0c1263e1bac13p-3, 0x1.0fbd2bafa02d6p-3, 0x1.3b1c42e3df02cp-3,
                                   0x1.745cf8c4c7bcap-3, 0x1.c71c7201f207cp-3, 0x1.2492492476765p-2,
                                   0x1.9999999999a3ap-2, 0x1.5555555555555p-1};
   const auto [k, m] = parts_of(x);
   const double f = m - 1;
-  const Pair below = sum_of(2, f);
-  const double s = f / below.high;
-  const Pair product = product_of(s, below.high);
-  const double s_low = (((f - product.high) - product.low) - s * below.low) / below.high;
+  const ExactPair below = exact_sum(2, f);
+  const double s = f / below.value;
+  const ExactPair product = exact_product(s, below.value);
+  const double s_low = (((f - product.value) - product.rest) - s * below.rest) / below.value;
   const double z = s * s;
-  const Pair whole = sum_of(k * kLn2High, 2 * s);
-  const double rest = whole.low + ((s * z * polynomial(kArtanh, z) + 2 * s_low) + k * kLn2Low);
-  return sum_of(whole.high, rest);
+  const ExactPair whole = exact_sum(k * kLn2High, 2 * s);
+  const double rest = whole.rest + ((s * z * polynomial(kArtanh, z) + 2 * s_low) + k * kLn2Low);
+  return exact_sum(whole.value, rest);
 }
 
 // Fits on an interval: the variable is 1 and -1 at its ends.
@@ -318,8 +292,8 @@ double exp2(double x) {
   if (x < -1076) return 0;
   constexpr double kLn2Rest = 0x1.abc9e3b39803fp-56;
   const double k = rounded(x);
-  const Pair log = product_of(x - k, std::numbers::ln2);
-  const Exponential found = exponential_of({log.high, log.low + (x - k) * kLn2Rest});
+  const ExactPair log = exact_product(x - k, std::numbers::ln2);
+  const Exponential found = exponential_of({log.value, log.rest + (x - k) * kLn2Rest});
   return scaled(1 + found.rest, static_cast<int>(k) + found.exponent);
 }
 
@@ -332,26 +306,26 @@ double expm1(double x) {
 
 double log(double x) {
   if (!is_positive_and_finite(x)) return log_of_limit(x);
-  return log_of(x).high;
+  return log_of(x).value;
 }
 
 double log1p(double x) {
   const double sum = 1 + x;
   if (!is_positive_and_finite(sum)) return log_of_limit(sum);
   if (sum == 1) return x;
-  const Pair exact = sum_of(1, x);
-  const Pair found = log_of(exact.high);
-  return found.high + (found.low + exact.low / exact.high);
+  const ExactPair exact = exact_sum(1, x);
+  const ExactPair found = log_of(exact.value);
+  return found.value + (found.rest + exact.rest / exact.value);
 }
 
 double pow(double x, double y) {
   if (y == 0 || x == 1) return 1;
   if (!(x >= 0) || std::isnan(y)) return kNan;
   if (x == 0 || x == kInfinity) return (x == 0) == (y > 0) ? 0 : kInfinity;
-  const Pair log = log_of(x);
-  if (std::abs(log.high * y) > 746) return (x > 1) == (y > 0) ? kInfinity : 0;
-  const Pair whole = product_of(log.high, y);
-  return exp_of({whole.high, whole.low + log.low * y});
+  const ExactPair log = log_of(x);
+  if (std::abs(log.value * y) > 746) return (x > 1) == (y > 0) ? kInfinity : 0;
+  const ExactPair whole = exact_product(log.value, y);
+  return exp_of({whole.value, whole.rest + log.rest * y});
 }
 
 double cosh(double x) {

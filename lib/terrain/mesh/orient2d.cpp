@@ -5,25 +5,10 @@
 #include <cmath>
 #include <cstddef>
 
+#include "base/exact_pair.h"
+
 namespace landfall {
 namespace {
-
-/// An unevaluated sum of a rounded value and its rounding error.
-struct Exact {
-  double value;
-  double rest;
-};
-
-Exact sum(double a, double b) {
-  const double value = a + b;
-  const double b_part = value - a;
-  return {value, (a - (value - b_part)) + (b - b_part)};
-}
-
-Exact product(double a, double b) {
-  const double value = a * b;
-  return {value, std::fma(a, b, -value)};
-}
 
 /// An exact sum of up to 16 numbers as components of increasing size that do not overlap, so that the last
 /// non-zero component has the sign of the sum.
@@ -31,17 +16,17 @@ class Expansion {
  public:
   void add(double term) {
     for (std::size_t i = 0; i < size_; ++i) {
-      const Exact step = sum(term, components_.at(i));
+      const ExactPair step = exact_sum(term, components_.at(i));
       components_.at(i) = step.rest;
       term = step.value;
     }
     components_.at(size_++) = term;
   }
 
-  void add_product(const Exact& a, const Exact& b, double sign) {
+  void add_product(const ExactPair& a, const ExactPair& b, double sign) {
     for (const double x : {a.value, a.rest})
       for (const double y : {b.value, b.rest}) {
-        const Exact term = product(sign * x, y);
+        const ExactPair term = exact_product(sign * x, y);
         add(term.rest);
         add(term.value);
       }
@@ -60,8 +45,8 @@ class Expansion {
 
 double exact_orientation(const Eigen::Vector2d& a, const Eigen::Vector2d& b, const Eigen::Vector2d& c) {
   Expansion determinant;
-  determinant.add_product(sum(a.x(), -c.x()), sum(b.y(), -c.y()), 1);
-  determinant.add_product(sum(a.y(), -c.y()), sum(b.x(), -c.x()), -1);
+  determinant.add_product(exact_sum(a.x(), -c.x()), exact_sum(b.y(), -c.y()), 1);
+  determinant.add_product(exact_sum(a.y(), -c.y()), exact_sum(b.x(), -c.x()), -1);
   return determinant.value();
 }
 
