@@ -26,7 +26,7 @@ constexpr const char* kExamples = R"(Examples:
   landfall-info scan.h5
   landfall-info terrain.h5 scan.h5 dem.h5 eval.h5
   landfall-info dem.h5 --json
-  landfall-info scan.h5 --config | scan-sim -c - --terrain terrain.h5 -o again.h5
+  landfall-info scan.h5 --config | scan-sim -c - --terrain t.h5 -o b.h5
   landfall-info --compare a/eval.h5 b/eval.h5
   landfall-info dem.h5 --at 12.5,-3 --scan scan.h5
   landfall-info --check *.h5

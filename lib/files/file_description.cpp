@@ -197,6 +197,7 @@ Json member(const Json& config, std::initializer_list<const char*> path) {
 }
 
 Json scan_json(const LandfallFileReader& file, const Json& datasets, const Json& config) {
+  if (!h5::exists(file.root(), "pulses") && !is_imported_scan(file)) file.fail("no table /pulses");
   const std::int64_t pulses = row_count(datasets, "pulses");
   Json json = {{"row_count", row_count(datasets, "points")},
                {"pulse_count", pulses},

@@ -570,7 +570,7 @@ class RefusalTest(ExportTest):
         path = self.path
         self.refused(words=["a file to export"])
         self.refused(CHAIN.scan, words=["--output"])
-        self.refused(CHAIN.scan, "-o", path("a.foo"), words=["a.foo", "'.foo'", ".csv, .gpkg, .las, .ply, .png, .tif, .xmf"])
+        self.refused(CHAIN.scan, "-o", path("a.foo"), words=["a.foo", "'.foo'", ".csv, .gpkg, .html, .las, .pcd, .ply, .png, .tif, .xmf"])
         self.refused(CHAIN.scan, "-o", path("a.tif"), words=["landfall.scan", ".ply", "not .tif"])
         self.refused(CHAIN.dem, "-o", path("a.las"), words=["landfall.dem", ".csv, .png, .tif or .xmf", "not .las"])
         self.refused(CHAIN.scan, "-o", "-", words=["--format csv"])
