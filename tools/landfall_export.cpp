@@ -12,7 +12,7 @@ namespace landfall {
 namespace {
 
 constexpr const char* kExamples = R"(Examples:
-  landfall-export scan.h5 -o scan.html             a browser; up to a million points
+  landfall-export scan.h5 -o scan.html             a browser; up to 1 M points
   landfall-export scan.h5 -o scan.ply              CloudCompare, ParaView
   landfall-export scan.h5 -o scan.las --time gps
   landfall-export scan.h5 -o scan.pcd              PCL, Open3D, ROS

@@ -39,7 +39,7 @@ RUNS = {
     "returns.h5": ("scan.md", ["scan-sim", "--terrain", "terrain.h5", *SCAN, *RECEIVER, "--set", "receiver.returns=all"]),
     "echoes.h5": ("scan.md", ["scan-sim", "--terrain", "terrain.h5", *SCAN, *RECEIVER, "--keep-echoes"]),
     "points.csv": (None, ["landfall-export", "scan.h5", "--columns", "x_est,y_est,z_est,t"]),
-    "imported.h5": ("scan.md", ["landfall-import", "points.csv", "--columns", "x=x_est,y=y_est,z=z_est,t=t"]),
+    "imported.h5": ("scan.md", ["landfall-import", "points.csv", "--columns", "x=x_est_m,y=y_est_m,z=z_est_m,t=t_s"]),
     "plan.h5": ("plan.md", ["scan-sim", "--plan", "--plan-radius", "5", *SCAN]),
     "dem.h5": ("dem.md", ["regrid", "scan.h5", "--terrain", "terrain.h5", "--uncertainty", "--corrected", *MAP]),
     "eval.h5": ("evaluation.md", ["dem-eval", "dem.h5", "--metrics", "metrics.json", "--set", "region_radius_m=3", *OWN]),
