@@ -8,22 +8,12 @@
 #include <utility>
 #include <vector>
 
-#include "base/parallel.h"
 #include "evaluation/evaluate.h"
 #include "evaluation/uncertainty.h"
+#include "terrain/bin_elevations.h"
 
 namespace landfall {
 namespace {
-
-Grid<double> elevations_of(const TerrainSurface& terrain, const GridSpec& grid) {
-  auto map = Grid<double>::unset(grid);
-  parallel_for(static_cast<std::size_t>(grid.rows), 16, [&](std::size_t begin, std::size_t end) {
-    for (auto row = static_cast<std::int64_t>(begin); row < static_cast<std::int64_t>(end); ++row)
-      for (std::int64_t col = 0; col < grid.cols; ++col)
-        map.at({row, col}) = terrain.elevation(grid.x(col), grid.y(row));
-  });
-  return map;
-}
 
 Grid<double> in_double(const Grid<float>& layer) {
   auto result = Grid<double>::unset(layer.spec());
@@ -35,7 +25,7 @@ Grid<double> in_double(const Grid<float>& layer) {
 UncertaintyMetrics assess(SigmaLayers sigma, const DrawnDem& dem, const TerrainSurface& ground,
                           const EvaluationParameters& parameters, const BinMask& region) {
   const GridSpec& grid = region.spec();
-  Grid<double> error = elevations_of(ground, grid);
+  Grid<double> error = bin_elevations(ground, grid);
   for (std::size_t i = 0; i < grid.size(); ++i)  // z_true_map has single precision in the file
     error.values()[i] = static_cast<float>(error.values()[i]) - dem.layers.z_est.values()[i];
   return assess_uncertainty({std::move(error), std::move(sigma.z_abs), std::move(sigma.z_rel), dem.count},
@@ -46,7 +36,7 @@ UncertaintyMetrics assess(SigmaLayers sigma, const DrawnDem& dem, const TerrainS
 
 DrawRunner::DrawRunner(CampaignScene scene, bool with_maps, const std::optional<OpenClOptions>& device)
     : scene_(std::move(scene)), gridder_(scene_.truth, scene_.grid, device) {
-  if (with_maps && scene_.ground != nullptr) z_true_map_ = elevations_of(*scene_.ground, scene_.grid);
+  if (with_maps && scene_.ground != nullptr) z_true_map_ = bin_elevations(*scene_.ground, scene_.grid);
   const auto* const ground = dynamic_cast<const TriangulatedGrid*>(scene_.ground);
   if (gridder_.device() != nullptr && ground != nullptr)
     judge_ = std::make_unique<DeviceJudge>(*gridder_.device(), *ground, scene_.region,

@@ -7,7 +7,6 @@
 
 #include "config/config_path.h"
 #include "config/json_values.h"
-
 #include "config/own_requirement_config.h"
 
 namespace landfall {

@@ -67,6 +67,13 @@ std::string format_of(const ExportOptions& o, const std::string& output) {
   return named;
 }
 
+/// The formats of a kind of file, in alphabetical order.
+std::vector<std::string> formats_of(const std::string& kind) {
+  if (kind == "scan") return {"csv", "html", "las", "pcd", "ply", "png", "xmf"};
+  if (kind == "hazards") return {"csv", "gpkg", "png", "tif", "xmf"};
+  return {"csv", "png", "tif", "xmf"};
+}
+
 /// Throws UsageError unless a file of this kind can be exported to this format.
 void require_possible(const LandfallFileReader& file, const std::string& format) {
   const std::string& input = file.name();
@@ -74,18 +81,13 @@ void require_possible(const LandfallFileReader& file, const std::string& format)
     throw UsageError(input + " is a mesh terrain, which can become .png; terrain-gen --from " + input +
                      " -o mesh.ply exports the mesh");
   const std::string kind = kind_of(file);
-  const bool is_scan = kind == "scan";
-  const bool has_sites = kind == "hazards";
-  if (has(is_scan     ? "csv html las pcd ply png xmf"
-          : has_sites ? "csv gpkg png tif xmf"
-                      : "csv png tif xmf",
-          format))
-    return;
-  throw UsageError(input + " is a landfall." + kind + " file, which can become " +
-                   (is_scan     ? ".csv, .html, .las, .pcd, .ply, .png or .xmf"
-                    : has_sites ? ".csv, .gpkg, .png, .tif or .xmf"
-                                : ".csv, .png, .tif or .xmf") +
-                   "; not ." + format);
+  const std::vector<std::string> formats = formats_of(kind);
+  if (std::ranges::find(formats, format) != formats.end()) return;
+  std::string listed;
+  for (const std::string& each : formats)
+    listed += (listed.empty() ? "." : each == formats.back() ? " or ." : ", .") + each;
+  throw UsageError(input + " is a landfall." + kind + " file, which can become " + listed + "; not ." +
+                   format);
 }
 
 /// Throws UsageError for an option that has no effect in an export to this format.

@@ -67,15 +67,13 @@ void move_rows(std::vector<double>& column, std::size_t from, std::size_t count,
 }
 
 /// The columns from which a DEM is made, in the order in which ScanReader::read() takes them.
-std::vector<std::string> columns_of_a_dem(const LandfallFileReader& file) {
-  const bool is_imported = is_imported_scan(file);
+std::vector<std::string> columns_of_a_dem(bool is_imported, bool has_times) {
   std::vector<std::string> names;
   for (std::size_t i = 0; i < (is_imported ? 3 : kCoordinates.size()); ++i)
     names.emplace_back(name_of(kCoordinates[i]));
   if (!is_imported) names.emplace_back(name_of(&PointColumns::pulse));
   names.emplace_back(name_of(&PointColumns::status));
-  if (is_imported && TableReader(file.root(), "points", file.name()).has(kPulseTime))
-    names.emplace_back(kPulseTime);
+  if (is_imported && has_times) names.emplace_back(kPulseTime);
   return names;
 }
 
@@ -217,12 +215,12 @@ ScanReader::ScanReader(const std::filesystem::path& path)
       points_(file_.root(), "points", file_.name()),
       is_imported_(is_imported_scan(file_)),
       has_times_(!is_imported_ || points_.has(kPulseTime)),
-      columns_(points_, columns_of_a_dem(file_)),
+      columns_(points_, columns_of_a_dem(is_imported_, has_times_)),
       pulse_times_(is_imported_ ? PulseTimes{.epoch_s = imported_epoch_s(file_)}
                                 : read_pulse_times_since_first(file_)),
       crs_wkt_(read_crs(file_.root())),
       row_count_(points_.row_count(row_column())) {
-  for (const std::string& column : columns_of_a_dem(file_))
+  for (const std::string& column : columns_of_a_dem(is_imported_, has_times_))
     if (points_.row_count(column) != row_count_)
       file_.fail(std::string("columns /points/") + row_column() + " and /points/" + column +
                  " differ in length");
@@ -234,7 +232,7 @@ const char* ScanReader::row_column() const {
 
 bool ScanReader::is_valid(const ScanPoints& points, std::size_t i) const {
   return !is_return(PointStatus{status_[i]}) ||
-         (has_pulse(i) && is_finite(points.t[i]) && std::ranges::all_of(kCoordinates, [&](auto member) {
+         (has_pulse(i) && has_valid_time(points, i) && std::ranges::all_of(kCoordinates, [&](auto member) {
             return is_finite((points.columns.*member)[i]);
           }));
 }
@@ -243,7 +241,7 @@ bool ScanReader::all_valid(const ScanPoints& points, std::size_t first, std::siz
   bool valid = true;  // no early exit, so that the loops run at memory speed
   for (std::size_t i = first; i < end; ++i) valid &= is_return(PointStatus{status_[i]});
   for (std::size_t i = first; i < end; ++i) valid &= has_pulse(i);
-  for (std::size_t i = first; i < end; ++i) valid &= is_finite(points.t[i]);
+  for (std::size_t i = first; is_imported_ && i < end; ++i) valid &= is_finite(points.t[i]);
   for (const auto member : kCoordinates) {
     const std::span<const double> column = points.columns.*member;
     for (std::size_t i = first; i < end; ++i) valid &= is_finite(column[i]);
@@ -258,7 +256,7 @@ void ScanReader::fail_at_row(const ScanPoints& points, std::size_t i, std::size_
   if (!has_pulse(i))
     file_.fail("/points/pulse[" + std::to_string(row) + "] = " + std::to_string(pulse_[i]) +
                " is not a row of /pulses (" + std::to_string(pulse_times_.since_s.size()) + ")");
-  if (!is_finite(points.t[i]))
+  if (!has_valid_time(points, i))
     file_.fail("/points/" + std::string(kPulseTime) + "[" + std::to_string(row) +
                "] of a return is not finite");
   const auto* const bad = std::ranges::find_if_not(
@@ -289,7 +287,8 @@ void ScanReader::read_columns(std::size_t begin, std::size_t count, ScanPoints& 
     column.resize(count);
     targets.emplace_back(std::span(column));
   }
-  points.t.assign(count, pulse_times_.epoch_s);
+  points.t.resize(count);
+  if (is_imported_) std::ranges::fill(points.t, pulse_times_.epoch_s);
   pulse_.resize(is_imported_ ? 0 : count);
   status_.resize(count);
   if (!is_imported_) targets.emplace_back(std::span(pulse_));

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <cmath>
 #include <cstdint>
 #include <filesystem>
 #include <memory>
@@ -114,6 +115,10 @@ class ScanReader {
   [[nodiscard]] bool has_pulse(std::size_t i) const {
     return is_imported_ ||
            (pulse_[i] >= 0 && static_cast<std::size_t>(pulse_[i]) < pulse_times_.since_s.size());
+  }
+  /// The times of pulses are finite; those of imported points are their own.
+  [[nodiscard]] bool has_valid_time(const ScanPoints& points, std::size_t i) const {
+    return !is_imported_ || std::isfinite(points.t[i]);
   }
   [[nodiscard]] bool is_valid(const ScanPoints& points, std::size_t i) const;
   [[nodiscard]] bool all_valid(const ScanPoints& points, std::size_t first, std::size_t end) const;

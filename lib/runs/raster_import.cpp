@@ -13,6 +13,7 @@
 #include "files/raster_screening.h"
 #include "files/terrain_file.h"
 #include "scene/scene.h"
+#include "terrain/bin_elevations.h"
 #include "terrain/gdal/gdal_loader.h"
 
 namespace landfall {
@@ -42,16 +43,6 @@ Grid<double> values_of(const DemRaster& raster, const RasterGrid& grid) {
   return z;
 }
 
-Grid<double> elevations(const TerrainSurface& surface, const GridSpec& spec) {
-  auto z = Grid<double>::unset(spec);
-  parallel_for(static_cast<std::size_t>(spec.rows), kRowsPerPiece, [&](std::size_t begin, std::size_t end) {
-    for (auto row = static_cast<std::int64_t>(begin); row < static_cast<std::int64_t>(end); ++row)
-      for (std::int64_t col = 0; col < spec.cols; ++col)
-        z.at({row, col}) = surface.elevation(spec.x(col), spec.y(row));
-  });
-  return z;
-}
-
 Truth truth_of_terrain(const RasterImport& import, const GridSpec& spec, const std::string& crs_wkt,
                        Provenance& provenance) {
   const Scene scene = open_scene({.terrain = import.terrain, .use = SceneUse::surface});
@@ -61,7 +52,7 @@ Truth truth_of_terrain(const RasterImport& import, const GridSpec& spec, const s
                       ": give the --center of the terrain, or --other-terrain");
   if (scene.window)
     scene.window->require({spec.x(0), spec.x(spec.cols - 1), spec.y(0), spec.y(spec.rows - 1)});
-  return {elevations(*scene.surface, spec), "elevation of the terrain at the bin centre"};
+  return {bin_elevations(*scene.surface, spec), "elevation of the terrain at the bin centre"};
 }
 
 Truth truth_of_raster(const RasterImport& import, const RasterGrid& grid, Provenance& provenance,

@@ -98,7 +98,7 @@ class Design:
 
     def part(self, scan, draws, begin, end):
         """The file of the draws begin..end-1 of a campaign; an earlier run may have made it."""
-        path = self.runner.place("part", [scan.configs, draws, begin, end, *([] if self.problem.traced is None else [self.problem.traced])], "h5")
+        path = self.runner.place("part", [*scan.depends, draws, begin, end], "h5")
         if not os.path.exists(path):
             scan.campaign(draws, path, "--draws", f"{begin}:{end}")
         return path

@@ -197,7 +197,7 @@ class _Campaign(_Task):
         self.numbers, self.runner, self.progress, self.scan, self.samples, self.seed = numbers, of.runner, of.progress, scan, samples, seed
         needed = [*of.outputs, *(own["metric"] for own in scan.configs["eval"].get("requirements", []))]
         self.metrics = "verdict" if all(VERDICT_NUMBERS.fullmatch(name) for name in needed) else "full"
-        self.kind, self.depends = "rows", [scan.configs, samples, seed, self.metrics, *([] if of.traced is None else [of.traced])]
+        self.kind, self.depends = "rows", [*scan.depends, samples, seed, self.metrics]
 
     def make(self):
         return self._rows(self.samples, self.seed)

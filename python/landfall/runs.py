@@ -218,7 +218,7 @@ class Runner:
 
 
 class Draws:
-    """Draws of monte-carlo; campaign() of a subclass makes their file."""
+    """Draws of monte-carlo; campaign() of a subclass makes their file, which depends on the values of `depends`."""
 
     def rows(self, draws, *arguments, samples=None):
         """The numbers of each draw: [{name: value, None where it has none}]. `samples` are (keys, rows of values)."""
@@ -237,7 +237,7 @@ class TracedDraws(Draws):
     """Draws that trace their own rays. `traced` are keys of monte-carlo's configuration: terrain_seed, uncertainty, landing."""
 
     def __init__(self, runner, configs, traced):
-        self.runner, self.configs, self.traced = runner, configs, traced
+        self.runner, self.configs, self.traced, self.depends = runner, configs, traced, [configs, traced]
 
     def campaign(self, draws, output, *arguments):
         """Writes `output`, the draws with monte-carlo's configuration `draws`."""
@@ -270,7 +270,7 @@ class Scan(Draws):
     """A scan that is traced without errors when the first user needs it, and removed after the last one."""
 
     def __init__(self, runner, configs, users):
-        self.runner, self.configs, self.users = runner, configs, users
+        self.runner, self.configs, self.users, self.depends = runner, configs, users, [configs]
         truth = truth_of(configs["scan"])
         self.place = os.path.join(runner.scratch, os.path.basename(runner.place("scan", [configs["terrain"], truth], "h5")))
         self._truth, self._lock = truth, threading.Lock()

@@ -26,8 +26,8 @@ function controls(view, legend, first) {
   const layers = report.layers.filter(({style}) => style !== "");
   const select = htmlElement("select", {id: "color"}, ...layers.map(({name, title}) => htmlElement(
       "option", {value: name, selected: name === first}, title)));
-  select.addEventListener("change", async () => {
-    const column = await columnOf(select.value);
+  select.addEventListener("change", () => {
+    const column = columnOf(select.value);
     view.show(column);
     legend.replaceChildren(legendOf(column));
   });
@@ -42,8 +42,8 @@ function controls(view, legend, first) {
                      htmlElement("label", {}, "size of the points", size), reset);
 }
 
-async function fillCloud(section) {
-  const columns = await Promise.all(["x_est", "y_est", "z_est"].map(columnOf));
+function fillCloud(section) {
+  const columns = ["x_est", "y_est", "z_est"].map(columnOf);
   let view;
   try {
     view = new CloudView(columns);
@@ -52,7 +52,7 @@ async function fillCloud(section) {
     return;
   }
   const first = FIRST_COLORS.find((name) => report.layers.some((layer) => layer.name === name));
-  const column = await columnOf(first);
+  const column = columnOf(first);
   const legend = htmlElement("div", {id: "points-legend", class: "orbit-legend"}, legendOf(column));
   const box = boxFields(view);
   section.append(controls(view, legend, first), view.canvas, legend, htmlElement("p", {class: "note"}, HANDLING),

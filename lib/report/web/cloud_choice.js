@@ -26,11 +26,11 @@ function siblingText(pulses, siblings) {
       `${siblings.length > 1 ? "are" : "is"} among the points shown${siblings.length > 0 ? ", lit in magenta" : ""}.`;
 }
 
-async function valueRows(index) {
+function valueRows(index) {
   const titled = report.layers.filter(({name}) => ORDER.includes(name)).sort((a, b) => ORDER.indexOf(a.name) - ORDER.indexOf(b.name));
-  return Promise.all(titled.map(async (layer) => htmlElement(
+  return titled.map((layer) => htmlElement(
       "tr", {"data-column": layer.name}, htmlElement("th", {scope: "row"}, layer.title),
-      htmlElement("td", {}, valueText(await columnOf(layer.name), index)))));
+      htmlElement("td", {}, valueText(columnOf(layer.name), index))));
 }
 
 /** Creates the table of values; `box` is that of cloud_box.js. */
@@ -45,20 +45,20 @@ export function choiceTable(view, box) {
     view.light(-1, []);
     element.replaceChildren(htmlElement("p", {class: "note"}, `No point there. ${HINT}`));
   };
-  const showPoint = async (index) => {
-    const pulses = await columnOf("pulse");
+  const showPoint = (index) => {
+    const pulses = columnOf("pulse");
     const siblings = pulses ? siblingsOf(pulses, index) : [];
     view.light(index, siblings);
     const half = SURROUNDINGS * Math.max(...view.ends.map(([low, high]) => high - low));
     const around = () => box.show(view.placeOf(index).map((value, axis) => [-half, half].map((d) => value + view.middle[axis] + d)));
     element.replaceChildren(
-        htmlElement("table", {id: "chosen"}, htmlElement("tbody", {}, ...await valueRows(index))),
+        htmlElement("table", {id: "chosen"}, htmlElement("tbody", {}, ...valueRows(index))),
         htmlElement("p", {class: "note", id: "siblings"}, siblingText(pulses, siblings)),
         htmlElement("div", {class: "controls"}, button("turn about it", () => view.centre(index)), button("box around it", around)));
   };
   let clicks = 0;
-  view.onClick = async (index) => {
-    if (index < 0) showNothing(); else await showPoint(index);
+  view.onClick = (index) => {
+    if (index < 0) showNothing(); else showPoint(index);
     element.dataset.clicks = String(++clicks);
   };
   return element;

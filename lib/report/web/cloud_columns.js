@@ -22,13 +22,13 @@ class Column {
 }
 
 /** The halves of the codes, packed apart; null where all are 0. */
-async function halfOf(name) {
+function halfOf(name) {
   const element = document.getElementById("layer-" + name);
   return element === null ? null : unpackCodes(inflate(element.textContent));
 }
 
-async function readColumn(layer) {
-  const [low, high] = await Promise.all([halfOf(layer.name + "-low"), halfOf(layer.name + "-high")]);
+function readColumn(layer) {
+  const [low, high] = ["low", "high"].map((half) => halfOf(`${layer.name}-${half}`));
   const codes = Uint32Array.from(low);
   if (high !== null) high.forEach((part, i) => { codes[i] += 65536 * part; });
   return new Column(layer, codes);

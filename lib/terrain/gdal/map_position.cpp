@@ -4,7 +4,6 @@
 // over it.
 #include "terrain/gdal/map_position.h"
 
-#include <cpl_conv.h>
 #include <ogr_spatialref.h>
 
 #include <algorithm>
@@ -14,21 +13,13 @@
 
 #include "terrain/gdal/gdal_errors.h"
 #include "terrain/gdal/map_projection.h"
+#include "terrain/gdal/site_crs.h"
 #include "terrain/site_wkt.h"
 
 namespace landfall {
 namespace {
 
 constexpr const char* kRemarkEnd = "\"]";
-
-std::string wkt_of(const OGRSpatialReference& crs) {
-  char* text = nullptr;
-  const char* const options[] = {"FORMAT=WKT2_2018", "MULTILINE=NO", nullptr};
-  const OGRErr status = crs.exportToWkt(&text, options);
-  std::string wkt = status == OGRERR_NONE && text != nullptr ? text : "";
-  CPLFree(text);
-  return wkt;
-}
 
 /// The map of a site frame; none without a remark that names a projected one.
 std::optional<OGRSpatialReference> map_of(const std::string& site_wkt) {
@@ -57,7 +48,7 @@ std::string with_map(const std::string& site_wkt, const OGRSpatialReference& map
   if (!site_wkt.starts_with("PROJCRS") || map.IsProjected() == 0) return site_wkt;
   OGRSpatialReference flat = map;
   flat.StripVertical();
-  std::string text = wkt_of(flat);
+  std::string text = to_wkt(flat);
   if (text.empty() || text.find('\'') != std::string::npos) return site_wkt;
   std::ranges::replace(text, '"', '\'');
   return site_wkt.substr(0, site_wkt.rfind(']')) + std::string(kMapRemark) + text + kRemarkEnd + "]";

@@ -13,15 +13,6 @@
 namespace landfall {
 namespace {
 
-std::string to_wkt(const OGRSpatialReference& crs) {
-  char* text = nullptr;
-  const char* const options[] = {"FORMAT=WKT2_2018", "MULTILINE=NO", nullptr};
-  const OGRErr status = crs.exportToWkt(&text, options);
-  const std::string wkt = text != nullptr ? text : "";
-  CPLFree(text);
-  return status == OGRERR_NONE ? wkt : "";
-}
-
 /// True where `site` has its origin at `center` of `map`, both axes parallel and in metres.
 bool is_shift_of(const MapProjection& site, const MapProjection& map, const MapPoint& center,
                  double metres_per_unit) {
@@ -36,6 +27,15 @@ bool is_shift_of(const MapProjection& site, const MapProjection& map, const MapP
 }
 
 }  // namespace
+
+std::string to_wkt(const OGRSpatialReference& crs) {
+  char* text = nullptr;
+  const char* const options[] = {"FORMAT=WKT2_2018", "MULTILINE=NO", nullptr};
+  const OGRErr status = crs.exportToWkt(&text, options);
+  const std::string wkt = text != nullptr ? text : "";
+  CPLFree(text);
+  return status == OGRERR_NONE ? wkt : "";
+}
 
 std::string shifted_wkt(const OGRSpatialReference& crs, const std::optional<MapProjection>& projection,
                         const MapPoint& center) {

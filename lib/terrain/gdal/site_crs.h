@@ -9,6 +9,9 @@
 
 namespace landfall {
 
+/// WKT 2 of 2018 on one line; empty where PROJ refuses.
+[[nodiscard]] std::string to_wkt(const OGRSpatialReference& crs);
+
 /// The same projection in metres with its false origin moved to the site centre; the local CRS where the
 /// projection has no false origin or PROJ refuses. `center` in the units of `crs`.
 [[nodiscard]] std::string shifted_wkt(const OGRSpatialReference& crs,

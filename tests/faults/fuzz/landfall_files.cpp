@@ -129,7 +129,11 @@ void make_dem(const fs::path& path, const fs::path& scan_path, const fs::path& t
   const PoseTrack poses({read_scan_poses(*scans.front())});
   gridded.uncertainty = std::make_unique<UncertaintyMap>(*gridded.nearest, *gridded.moments, gridded.slopes,
                                                          poses, UncertaintyParameters{.range_sigma_m = 0.02});
-  const DemRequest request{{}, terrain.surface.get(), TruthAt::bin_center, true, true, "nothing"};
+  const DemRequest request{.layers = {},
+                           .truth = terrain.surface.get(),
+                           .uncertainty = true,
+                           .corrected = true,
+                           .left_out = "nothing"};
   LandfallFileWriter file({path}, "dem", provenance);
   write_dem(file, gridded, request, scans.front()->crs_wkt());
 }
