@@ -8,6 +8,7 @@ FACET_TILT = 15
 PENITENTE = 20
 PHOTON_COUNT, PHOTON_TIME, BACKGROUND, TIMING_JITTER, PIXEL_OFFSET = 50, 51, 52, 53, 54
 
+MASK = 2**64 - 1
 LOW = np.uint64(0xFFFFFFFF)
 HALF = np.uint64(32)
 MULTIPLIERS = (np.uint64(0xD2E7470EE14C6C93), np.uint64(0xCA5A826395121157))
@@ -22,8 +23,26 @@ def product(a, b):
     return a_high * b_high + (middle_1 >> HALF) + (middle_2 >> HALF) + (carry >> HALF), a * b
 
 
+FEW = 16  # words of a counter, for which Python's integers are faster than arrays
+
+
+def philox_of_integers(words, key):
+    """philox() of one counter."""
+    a, b, c, d = words
+    for round_number in range(10):
+        k0, k1 = (key[n] + round_number * WEYL[n] & MASK for n in (0, 1))
+        first, second = int(MULTIPLIERS[0]) * a, int(MULTIPLIERS[1]) * c
+        a, b, c, d = second >> 64 ^ b ^ k0, second & MASK, first >> 64 ^ d ^ k1, first & MASK
+    return a, b, c, d
+
+
 def philox(counter, key):
     """Philox4x64-10 (Salmon et al. 2011): four words from the four words of a counter and the two of a key."""
+    shape = np.shape(counter[0])
+    if np.size(counter[0]) <= FEW:
+        each = zip(*([int(word) & MASK for word in np.ravel(words)] for words in counter))
+        found = [philox_of_integers(words, key) for words in each]
+        return list(np.array(found, np.uint64).reshape(*shape, 4).transpose(-1, *range(len(shape))))
     with np.errstate(over="ignore"):
         words = [np.asarray(word).astype(np.uint64) for word in counter]
         for round_number in range(10):

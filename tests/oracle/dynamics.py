@@ -3,7 +3,7 @@
 import numpy as np
 
 from oracle import draws
-from oracle.frames import matrix_of_quaternion, product_of_quaternions, roll_pitch_yaw, rotation_vector
+from oracle.frames import matrix_of_quaternion, roll_pitch_yaw, rotation_vector
 
 STEPS_PER_PERIOD = 16
 
@@ -66,13 +66,15 @@ class RigidBody:
             d["seed"], draws.DISTURBANCE, period, np.arange(3))
 
     def derivative(self, state, load):
-        q, omega = state[6:10], state[10:]
+        """In plain numbers: numpy's calls on three numbers each took most of the test."""
         force, torque = load
-        acceleration = matrix_of_quaternion(q)[:, 2] * (force / self.c["mass_kg"])
-        acceleration[2] -= self.c["gravity_mps2"]
-        turning = product_of_quaternions(q, np.array([0, *omega])) / 2
-        return np.concatenate([state[3:6], acceleration, turning,
-                               self.inverse @ (torque - np.cross(omega, self.inertia @ omega))])
+        vx, vy, vz, w, x, y, z, p, q, r = state[3:].tolist()
+        f = force / self.c["mass_kg"]
+        acceleration = [2 * (x * z + w * y) * f, 2 * (y * z - w * x) * f, (1 - 2 * (x * x + y * y)) * f - self.c["gravity_mps2"]]
+        turning = [(-x * p - y * q - z * r) / 2, (w * p + y * r - z * q) / 2, (w * q + z * p - x * r) / 2, (w * r + x * q - y * p) / 2]
+        a, b, c = (self.inertia @ state[10:]).tolist()
+        gyroscopic = np.array([q * c - r * b, r * a - p * c, p * b - q * a])
+        return np.array([vx, vy, vz, *acceleration, *turning, *(self.inverse @ (torque - gyroscopic))])
 
     def after(self, state, duration, load):
         steps = max(1, int(np.ceil(STEPS_PER_PERIOD * duration / self.h)))
