@@ -14,7 +14,7 @@ from harness import SCAN, ToolTest, columns, config_of, with_values
 from monte_carlo_test import ERRORS, REQUIREMENTS, VARY, DrawsTest, campaign, merged
 
 STUDIES = os.path.join(os.environ["LANDFALL_ROOT"], "studies")
-SCENES = 50
+SCENES = 24
 PASSES = [f"requirements.{name}.pass" for name in REQUIREMENTS]
 # The numbers of a scan's configuration that --ranges-from redraws; the rest of these sections moves the rays.
 REDRAWN = ("noise", "pointing_error", "navigation_error")

@@ -4,7 +4,6 @@
 import json
 import os
 import shutil
-import subprocess
 import sys
 import unittest
 
@@ -12,6 +11,7 @@ import h5py
 import numpy as np
 
 import harness
+from harness.commands import run_command
 
 PYTHON = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", "python")
 sys.path.insert(0, PYTHON)
@@ -152,8 +152,7 @@ class DrawsTest(harness.ChainTest):
 
     def test_the_command(self):
         shutil.copy(self.draws, self.path("draws.h5"))
-        command = ["/usr/bin/python3", os.path.join(PYTHON, "commands", "plot_draws.py")]
-        run = lambda *arguments: subprocess.run([*command, *arguments], capture_output=True, text=True, check=False, cwd=self.folder)
+        run = lambda *arguments: run_command("plot_draws", *arguments, cwd=self.folder)
         done = run("draws.h5", "--dpi", "50")
         self.assertEqual((done.returncode, done.stderr, done.stdout), (0, "", "draws-figure.png\n"))
         self.assertEqual(plt.imread(self.path("draws-figure.png")).shape[1], 950)

@@ -3,7 +3,6 @@
 """Tests of plot_terrain.py on small files that the tests make."""
 import math
 import os
-import subprocess
 import sys
 import tempfile
 import unittest
@@ -15,6 +14,7 @@ PYTHON = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", "p
 sys.path.insert(0, PYTHON)
 sys.dont_write_bytecode = True
 
+from harness.commands import run_command
 from landfall import files
 import matplotlib.pyplot as plt
 from landfall import plot_terrain
@@ -97,8 +97,7 @@ class Script(unittest.TestCase):
         self.path = os.path.join(self.folder.name, "t.h5")
 
     def run_script(self, *arguments):
-        return subprocess.run(["/usr/bin/python3", os.path.join(PYTHON, "commands", "plot_terrain.py"), *arguments],
-                              capture_output=True, text=True, check=False)
+        return run_command("plot_terrain", *arguments)
 
     def test_draws_a_terrain_with_and_without_objects(self):
         for objects in (True, False):

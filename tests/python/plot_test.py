@@ -4,7 +4,6 @@
 import json
 import os
 import shutil
-import subprocess
 import sys
 import tempfile
 import unittest
@@ -16,6 +15,7 @@ PYTHON = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", "p
 sys.path.insert(0, PYTHON)
 sys.dont_write_bytecode = True
 
+from harness.commands import run_command
 from landfall import colors, dictionary, files, maps, plot_compare, plot_dem, plot_eval, plot_plan, scales
 import matplotlib.pyplot as plt
 
@@ -103,8 +103,7 @@ class ScriptTest(unittest.TestCase):
         return os.path.join(self.folder, name)
 
     def call(self, script, *arguments):
-        command = [sys.executable, os.path.join(PYTHON, "commands", script), *arguments]
-        return subprocess.run(command, capture_output=True, text=True, check=False, cwd=self.folder)
+        return run_command(script.removesuffix(".py"), *arguments, cwd=self.folder)
 
     def expect_success(self, script, *arguments):
         done = self.call(script, *arguments)

@@ -11,6 +11,8 @@ import sys
 import tempfile
 import unittest
 
+from harness.commands import run_command
+
 ROOT = os.environ["LANDFALL_ROOT"]
 BIN = os.path.abspath(os.environ["LANDFALL_BIN"])
 PYTHON = "/usr/bin/python3"
@@ -78,8 +80,7 @@ class StudyTest(unittest.TestCase):
         return result
 
     def sweep(self, *arguments, code=0):
-        result = subprocess.run([PYTHON, os.path.join(ROOT, "python", "commands", "sweep.py"), *map(str, arguments)],
-                                capture_output=True, text=True, timeout=120, cwd=ROOT, check=False)
+        result = run_command("sweep", *arguments, cwd=ROOT)
         self.assertEqual(result.returncode, code, result.stdout + result.stderr)
         return result
 

@@ -6,7 +6,6 @@ import dataclasses
 import json
 import math
 import os
-import subprocess
 import sys
 import tempfile
 import unittest
@@ -19,6 +18,7 @@ sys.path.insert(0, os.path.join(ROOT, "python"))
 sys.dont_write_bytecode = True
 
 # pylint: disable=wrong-import-position
+from harness.commands import run_command
 from landfall.study import crossing, figures, table, verdicts
 from landfall.study.results import Table, flatten, write_h5
 
@@ -126,8 +126,7 @@ class PlotTest(unittest.TestCase):
         return self.path("results.h5")
 
     def plot(self, *arguments, code=0):
-        result = subprocess.run([os.path.join(ROOT, "python", "commands", "plot_study.py"), *arguments], capture_output=True, text=True,
-                                timeout=120, check=False)
+        result = run_command("plot_study", *arguments)
         self.assertEqual(result.returncode, code, result.stderr)
         return result
 

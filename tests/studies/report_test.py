@@ -8,16 +8,16 @@ import io
 import json
 import os
 import re
-import subprocess
 import sys
 import unittest
 
 import h5py
-from case import BASE, BIN, PYTHON, RESOLUTIONS, ROOT, SIGMAS, StudyTest, read, study
+from case import BASE, BIN, RESOLUTIONS, ROOT, SIGMAS, StudyTest, read, study
 
 sys.path.insert(0, os.path.join(ROOT, "tests", "harness"))
 # pylint: disable=wrong-import-order
 import browser
+from harness.commands import run_command
 from harness.page import CONTRAST
 from landfall.study import configs, model, plot_study, reader, stages, table
 
@@ -66,8 +66,7 @@ def values(column, count):
 
 class ReportTest(StudyTest):
     def report(self, *arguments, code=0, folder=None):
-        result = subprocess.run([PYTHON, os.path.join(ROOT, "python", "commands", "report_study.py"), folder or self.out(), *arguments],
-                                capture_output=True, text=True, timeout=120, check=False)
+        result = run_command("report_study", folder or self.out(), *arguments)
         self.assertEqual(result.returncode, code, result.stdout + result.stderr)
         return result
 

@@ -217,7 +217,7 @@ class Landfall(SensitivityTest):
 
     def test_killed_and_resumed_and_two_workers(self):
         """Each gives the bytes of an undisturbed run; what was done is not done again."""
-        self.file(size=100)
+        self.file(size=40)
         whole = self.run_it(out="whole")
         process = subprocess.Popen([PYTHON, os.path.join(ROOT, "python", "commands", "sensitivity.py"), self.path("tiny.json"), "--out",
                                     self.path("killed"), "--bin", BIN], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
