@@ -66,7 +66,7 @@ class SpreadTest(ToolTest):
         self.assertAlmostEqual(np.std(known) * math.sqrt(2 * (DRAWS - 1)), 1, delta=0.1)
 
     def test_range_noise_alone_on_planes(self):
-        for degrees in (0, 20, 45):
+        for degrees in (0, 45):
             with self.subTest(degrees=degrees):
                 layers = self.campaign(math.tan(math.radians(degrees)), scan_of(2.2, 20), {})
                 with h5py.File(self.path("scan.h5")) as file:
@@ -118,7 +118,7 @@ class SpreadTest(ToolTest):
         dither_m = DRAWS * RESOLUTION_M / 2
         steps = np.random.default_rng(5).permutation((np.arange(DRAWS) + 0.5) / DRAWS * 2 * dither_m - dither_m)
         scan = self.dithered_scan(dither_m)
-        for degrees in (0, 20, 45):
+        for degrees in (0, 45):
             with self.subTest(degrees=degrees):
                 layers = self.campaign(math.tan(math.radians(degrees)), scan, {
                     "regrid": {**REGRID, "uncertainty": {"navigation_sigma": NO_NAVIGATION}},
