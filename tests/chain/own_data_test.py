@@ -418,7 +418,9 @@ class Chain(Imports):
             self.refuse(2, "regrid", self.scan, "-o", self.path("x.h5"), *self.grid, *arguments, words=[expected], output=self.path("x.h5"))
 
     def test_points_without_times_give_no_mean_time(self):
-        self.succeed("landfall-import", self.write("p.csv", "x,y,z\n0,0,1\n1,1,2\n"), "-o", self.path("p.h5"), "-q", "--center", "0,0")
+        self.succeed("landfall-import", self.write("p.csv", "x,y,z\n-0.5,-0.5,1\n0.5,0,2\n"), "-o", self.path("p.h5"), "-q")
+        with h5py.File(self.path("p.h5")) as file:
+            self.assertEqual(str(file["points"].attrs["origin_x"]), "0.0")
         self.succeed("regrid", self.path("p.h5"), "-o", self.dem, "-O", *self.grid)
         with h5py.File(self.dem) as file:
             self.assertNotIn("t_mean", file)
