@@ -95,6 +95,12 @@ class Las(Imports):
                 self.assertIn("landfall site frame", file["crs"].attrs["crs_wkt"].decode())
                 self.assertIn("Transverse Mercator", file["crs"].attrs["crs_wkt"].decode())
 
+    def test_a_short_name_of_the_crs_is_kept(self):
+        keys = struct.pack("<24H", 1, 1, 0, 5, 1024, 0, 1, 1, 1026, 34737, 3, 0, 2048, 0, 1, 4326, 3072, 0, 1, 32767, 3074, 0, 1, 16032)
+        records = [clouds.las_vlr("LASF_Projection", 34735, keys), clouds.las_vlr("LASF_Projection", 34737, b"ab|\0")]
+        path = self.write("a.las", clouds.las(clouds.las_points(40), offset=OFFSET, records=records))
+        self.assertEqual(json.loads(self.succeed("landfall-import", path, "-o", self.path("scan.h5"), "-q", "--json").stdout)["crs"], "ab")
+
     def test_feet_and_degrees_become_metres(self):
         foot = 1200 / 3937
         points = [{**p, "xyz": xyz} for p, xyz in zip(clouds.las_points(3), [(0, 0, 0), (100000, 0, 5000), (0, 100000, 0)])]
