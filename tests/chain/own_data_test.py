@@ -430,7 +430,18 @@ class Chain(Imports):
         self.succeed("regrid", self.path("p.h5"), "-o", self.dem, "-O", *self.grid)
         with h5py.File(self.dem) as file:
             self.assertNotIn("t_mean", file)
-        self.refuse(2, "landfall-export", self.path("p.h5"), "-o", self.path("p.las"), words=["no column 't'"])
+        self.refuse(2, "landfall-export", self.path("p.h5"), "-o", self.path("p.las"), "--time", "gps", words=["no column 't'"], output=self.path("p.las"))
+        self.assertEqual(self.succeed("landfall-export", self.path("p.h5"), "-o", self.path("p.las")).stderr.count("its points have no times"), 1)
+        self.succeed("landfall-import", self.path("p.las"), "-o", self.path("again.h5"), "-q", "--center", "0,0")
+        self.assertEqual(columns(self.path("again.h5"), "points")["z_est"].tolist(), [1, 2])
+        with h5py.File(self.path("again.h5")) as file:
+            self.assertEqual(file["points"].attrs["imported_from"], b"LAS 1.2, point format 0")
+
+    def test_what_las_cannot_hold_is_said(self):
+        self.succeed("landfall-import", self.write("p.csv", "x,y,z,return_number,intensity\n0,0,1,1,0.25\n1,1,2,6,70000\n"), "-o", self.path("p.h5"), "-q")
+        said = self.succeed("landfall-export", self.path("p.h5"), "-o", self.path("p.las")).stderr
+        self.assertIn("intensities are rounded to integers of 0 to 65535", said)
+        self.assertIn("numbers of returns above 5 are written as 5", said)
 
     def test_a_terrain_of_another_place_is_refused(self):
         points = self.write("u.csv", "x,y,z\n500000,5400000,1\n500004,5400004,2\n")
