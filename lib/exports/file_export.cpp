@@ -150,6 +150,8 @@ void export_points_xdmf(const PointReader& points, const ExportOptions& o, const
 /// A remark on the times of a .las; empty if the options say it.
 std::string time_remark(const PointReader& points, const ExportOptions& o, const std::string& output) {
   constexpr double kWeek_s = 604800;
+  if (o.time.empty() && points.is_imported())
+    return points.has(name_of(&PulseColumns::t)) ? output + ": times are seconds since the first point" : "";
   if (o.time.empty())
     return output + ": times are seconds since the first pulse; --time gps writes adjusted standard GPS time";
   if (o.time == "gps" && points.pulse_times().epoch_s < kWeek_s)
@@ -167,26 +169,34 @@ std::string rounding_remark(double rounding_m, const std::string& output) {
 }
 
 /// Returns a remark about the values in the file, or nothing.
+std::string export_las(const PointReader& points, const ExportOptions& o, const std::string& output,
+                       const std::string& tool, ByteSink& sink, const ProgressCallback& progress) {
+  std::string remark = time_remark(points, o, output);
+  for (const std::string& each : write_points_las(points,
+                                                  {.position = o.position,
+                                                  .every = o.every,
+                                                  .time = o.time == "gps" ? LasTime::gps : LasTime::scan,
+                                                  .software = tool + " " + program_version()},
+                                                  sink, progress))
+    remark += (remark.empty() ? output + ": " : "; ") + each;
+  return remark;
+}
+
+/// Returns a remark about the values in the file, or nothing.
 std::string export_scan(const ExportOptions& o, const OutputOptions& output, const std::string& tool,
                         ByteSink& sink, const ProgressCallback& progress) {
   const PointReader points(o.input);
   if (o.format == "pcd")
     return rounding_remark(write_points_pcd(points, properties_pass(points, o), sink, progress),
                            output.path.string());
+  if (o.format == "las") return export_las(points, o, output.path.string(), tool, sink, progress);
   if (o.format == "csv")
     write_points_csv(points, {points.choose(o.columns), {!o.keep_misses, o.every}}, sink, progress);
   else if (o.format == "ply")
     write_points_ply(points, properties_pass(points, o), sink, progress);
-  else if (o.format == "las")
-    write_points_las(points,
-                     {.position = o.position,
-                      .every = o.every,
-                      .time = o.time == "gps" ? LasTime::gps : LasTime::scan,
-                      .software = tool + " " + program_version()},
-                     sink, progress);
   else
     export_points_xdmf(points, o, output, tool, sink);
-  return o.format == "las" ? time_remark(points, o, output.path.string()) : "";
+  return "";
 }
 
 void export_grid(const ExportOptions& o, const OutputOptions& output, ByteSink& sink,

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "base/error.h"
 #include "base/number_text.h"
@@ -22,17 +23,30 @@ void append_text(std::string& out, std::string text, std::size_t length) {
   out += text;
 }
 
-/// Columns of a pass over the points: coordinates, then time, status and, if the scan has it, intensity.
-constexpr std::size_t kTimeColumn = 3;
-constexpr std::size_t kStatusColumn = 4;
-constexpr std::size_t kIntensityColumn = 5;
+/// Columns of the pass that writes the points: coordinates, status, then what the scan has of the others.
+constexpr std::size_t kStatusColumn = 3;
+
+struct OtherColumns {
+  std::optional<std::size_t> time, intensity;
+};
+
+OtherColumns add_columns(const PointReader& points, std::vector<std::string>& columns) {
+  columns.emplace_back(name_of(&PointColumns::status));
+  const auto add = [&](const char* name) -> std::optional<std::size_t> {
+    if (!points.has(name)) return std::nullopt;
+    columns.emplace_back(name);
+    return columns.size() - 1;
+  };
+  const auto time = add(name_of(&PulseColumns::t));
+  return {.time = time, .intensity = add(name_of(&PointColumns::intensity))};
+}
 
 /// The number of each return, from 1, and of all returns of its pixel, by row of the scan; empty: 1 of 1.
 class ReturnNumbers {
  public:
   ReturnNumbers() = default;
   explicit ReturnNumbers(const PointReader& points) {
-    if (!has_column(points, name_of(&PointColumns::return_number))) return;
+    if (!points.has(name_of(&PointColumns::return_number))) return;
     const PointReader::Pass pass{{name_of(&PointColumns::return_number)}, {.only_returns = false}, 0};
     points.read(pass, [&](const PointBatch& batch) {
       const auto& rows = std::get<std::vector<std::int8_t>>(batch.columns[0]);
@@ -43,41 +57,41 @@ class ReturnNumbers {
       if (number_[row] > 1) total_[row - 1] = total_[row];
   }
 
-  [[nodiscard]] static bool has_column(const PointReader& points, const std::string& name) {
-    return std::ranges::find(points.columns(), name, &ContentInfo::name) != points.columns().end();
+  [[nodiscard]] bool all_fit() const {
+    return std::ranges::none_of(number_, [](std::int8_t number) { return number > kMaxReturn; });
   }
   [[nodiscard]] std::uint8_t number(std::size_t row) const { return value(number_, row); }
   [[nodiscard]] std::uint8_t total(std::size_t row) const { return value(total_, row); }
 
  private:
+  static constexpr int kMaxReturn = 5;
+
   /// In 1 .. 5, also for a file of another program.
   [[nodiscard]] static std::uint8_t value(const std::vector<std::int8_t>& values, std::size_t row) {
-    return row < values.size() ? static_cast<std::uint8_t>(std::clamp<int>(values[row], 1, 5))
+    return row < values.size() ? static_cast<std::uint8_t>(std::clamp<int>(values[row], 1, kMaxReturn))
                                : std::uint8_t{1};
   }
 
   std::vector<std::int8_t> number_, total_;
 };
 
-std::uint16_t intensity_of(const PointBatch& batch, std::size_t row) {
-  if (batch.columns.size() <= kIntensityColumn) return 0;
-  const double photoelectrons = batch.real(kIntensityColumn)[row];
+std::uint16_t stored_intensity(double photoelectrons) {
   return photoelectrons > 0 ? static_cast<std::uint16_t>(std::min(std::round(photoelectrons), 65535.0))
                             : std::uint16_t{0};
 }
 
-void append_point(std::string& out, const LasGrid& grid, const PointBatch& batch,
+void append_point(std::string& out, const LasGrid& grid, const PointBatch& batch, const OtherColumns& others,
                   const ReturnNumbers& numbers, std::size_t row) {
   for (std::size_t axis = 0; axis < 3; ++axis) append_raw(out, grid.stored(batch.real(axis)[row], axis));
   const bool is_false = batch.number(kStatusColumn, row) == static_cast<double>(PointStatus::false_return);
   const std::size_t in_file = batch.first_row + row;
-  append_raw(out, intensity_of(batch, row));
+  append_raw(out, others.intensity ? stored_intensity(batch.real(*others.intensity)[row]) : std::uint16_t{0});
   append_raw(out, static_cast<std::uint8_t>(numbers.number(in_file) | (numbers.total(in_file) << 3U)));
   append_raw(out, static_cast<std::uint8_t>(is_false ? 7 : 1));
   append_raw(out, std::uint8_t{0});   // scan angle
   append_raw(out, std::uint8_t{0});   // user data
   append_raw(out, std::uint16_t{0});  // point source
-  append_raw(out, batch.real(kTimeColumn)[row]);
+  if (others.time) append_raw(out, batch.real(*others.time)[row]);
 }
 
 struct Extent {
@@ -142,9 +156,9 @@ std::string las_header(const LasContent& content) {
   append_raw(out, std::uint16_t{0});  // year
   append_raw(out, static_cast<std::uint16_t>(kLasHeaderBytes));
   append_raw(out, static_cast<std::uint32_t>(kLasHeaderBytes + kRecordHeaderBytes + content.file_id.size()));
-  append_raw(out, std::uint32_t{1});  // variable-length records
-  append_raw(out, std::uint8_t{1});   // point format
-  append_raw(out, static_cast<std::uint16_t>(kLasPointBytes));
+  append_raw(out, std::uint32_t{1});                                      // variable-length records
+  append_raw(out, static_cast<std::uint8_t>(content.has_times ? 1 : 0));  // point format
+  append_raw(out, static_cast<std::uint16_t>(content.has_times ? kLasPointBytes : kLasUntimedPointBytes));
   append_raw(out, static_cast<std::uint32_t>(content.count));
   for (const std::size_t count : content.count_by_return) append_raw(out, static_cast<std::uint32_t>(count));
   for (int axis = 0; axis < 3; ++axis) append_raw(out, content.grid.scale_m);
@@ -161,6 +175,7 @@ std::string las_header(const LasContent& content) {
 }
 
 void require_gps_times(const PointReader& points) {
+  static_cast<void>(points.column(name_of(&PulseColumns::t)));
   if (points.is_imported())
     throw UsageError("--time gps: " + points.file().name() +
                      " is imported, and the clock of its times is that of its source: use --time scan");
@@ -172,9 +187,8 @@ void require_gps_times(const PointReader& points) {
                      " s; the GPS clock begins at 0 s (1980-01-06): use --time scan");
 }
 
-void write_points_las(const PointReader& points, const LasRequest& request, ByteSink& sink,
-                      const ProgressCallback& progress) {
-  static_cast<void>(points.column(name_of(&PulseColumns::t)));
+std::vector<std::string> write_points_las(const PointReader& points, const LasRequest& request,
+                                          ByteSink& sink, const ProgressCallback& progress) {
   if (request.time == LasTime::gps) require_gps_times(points);
   PointReader::Pass pass{position_columns(request.position), {true, request.every}, 3};
   pass.first_time_s = request.time == LasTime::gps ? points.pulse_times().epoch_s - 1e9 : 0;
@@ -184,21 +198,26 @@ void write_points_las(const PointReader& points, const LasRequest& request, Byte
   if (extent.count > kMaxPoints)
     points.file().fail("has " + std::to_string(extent.count) +
                        " points; LAS 1.2 holds 4294967295: use --every, or export .ply");
+  const OtherColumns others = add_columns(points, pass.columns);
   const LasContent content{LasGrid::fitting(extent.box, points.file().name()),
                            extent.box,
                            extent.count,
                            extent.count_by_return,
                            request.software,
                            request.time,
+                           others.time.has_value(),
                            points.file().file_id().substr(0, 256)};
   sink.write(las_header(content));
-  pass.columns.insert(pass.columns.end(), {name_of(&PulseColumns::t), name_of(&PointColumns::status)});
-  if (ReturnNumbers::has_column(points, name_of(&PointColumns::intensity)))
-    pass.columns.emplace_back(name_of(&PointColumns::intensity));
   const auto encode = [&](const PointBatch& batch, std::span<const std::uint32_t> rows, std::string& out) {
-    for (const std::uint32_t row : rows) append_point(out, content.grid, batch, numbers, row);
+    for (const std::uint32_t row : rows) append_point(out, content.grid, batch, others, numbers, row);
   };
   write_points(points, pass, encode, sink, [&](double f) { report(progress, (1 + 3 * f) / 4); });
+  std::vector<std::string> remarks;
+  if (!others.time) remarks.emplace_back("its points have no times");
+  if (points.is_imported() && others.intensity)
+    remarks.emplace_back("intensities are rounded to integers of 0 to 65535");
+  if (!numbers.all_fit()) remarks.emplace_back("numbers of returns above 5 are written as 5");
+  return remarks;
 }
 
 }  // namespace landfall

@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <limits>
 #include <string>
+#include <vector>
 
 #include "base/progress.h"
 #include "exports/point_reader.h"
@@ -13,9 +14,10 @@
 
 namespace landfall {
 
-/// Bytes of the LAS 1.2 public header block, and of a point of format 1.
+/// Bytes of the LAS 1.2 public header block, of a point of format 1, and of one of format 0, without time.
 inline constexpr std::size_t kLasHeaderBytes = 227;
 inline constexpr std::size_t kLasPointBytes = 28;
+inline constexpr std::size_t kLasUntimedPointBytes = 20;
 
 /// The box of points, metres. Empty: low > high.
 struct PointBox {
@@ -55,6 +57,7 @@ struct LasContent {
   std::array<std::size_t, 5> count_by_return{};  ///< the first returns, the second ones, ...
   std::string software;                          ///< cut to 32 bytes
   LasTime time = LasTime::scan;                  ///< bit 0 of the global encoding is set for gps
+  bool has_times = true;
   std::string file_id;  ///< of the scan: a variable-length record of user "landfall", number 1
 };
 
@@ -70,16 +73,19 @@ struct LasRequest {
   std::string software;
 };
 
-/// Throws UsageError where a pulse is sent before the beginning of GPS time.
+/// Throws UsageError for a scan without times, an imported one, and where a pulse is sent before the
+/// beginning of GPS time.
 void require_gps_times(const PointReader& points);
 
-/// Writes the selected returns as LAS 1.2, point format 1: GPS time is the pulse's time, the number of the
-/// return and of all returns of its pixel (1 of 1 unless the scan has several), the intensity in
-/// photoelectrons, at most 65535 (0 without a receiver), classification 1 (unclassified) for a return and 7
-/// (low point, noise) for a false return; scan angle, user data and point source are 0. Throws UsageError
-/// as require_gps_times() does, and FormatError for a scan that does not fit (LasGrid::fitting, more than
-/// 2^32 - 1 points).
-void write_points_las(const PointReader& points, const LasRequest& request, ByteSink& sink,
-                      const ProgressCallback& progress = {});
+/// Writes the selected returns as LAS 1.2, point format 1, or 0 for an imported scan without times: GPS time
+/// is the pulse's time, the number of the return and of all returns of its pixel (1 of 1 unless the scan has
+/// several), the intensity in photoelectrons, at most 65535 (0 without a receiver), classification 1
+/// (unclassified) for a return and 7 (low point, noise) for a false return; scan angle, user data and point
+/// source are 0. Throws UsageError as require_gps_times() does, and FormatError for a scan that does not fit
+/// (LasGrid::fitting, more than 2^32 - 1 points).
+///
+/// Returns sentences about values that the file lacks or that LAS cannot hold.
+std::vector<std::string> write_points_las(const PointReader& points, const LasRequest& request,
+                                          ByteSink& sink, const ProgressCallback& progress = {});
 
 }  // namespace landfall

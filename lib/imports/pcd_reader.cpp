@@ -82,19 +82,19 @@ PcdHeader read_pcd_header(const CloudBytes& file) {
   return pcd;
 }
 
-PlyType type_of(const CloudBytes& file, const std::string& type, const std::string& size) {
+NumberType type_of(const CloudBytes& file, const std::string& type, const std::string& size) {
   struct Known {
     const char *type, *size;
-    PlyType value;
+    NumberType value;
   };
-  constexpr std::array<Known, 8> kKnown = {{{"I", "1", PlyType::int8},
-                                            {"U", "1", PlyType::uint8},
-                                            {"I", "2", PlyType::int16},
-                                            {"U", "2", PlyType::uint16},
-                                            {"I", "4", PlyType::int32},
-                                            {"U", "4", PlyType::uint32},
-                                            {"F", "4", PlyType::float32},
-                                            {"F", "8", PlyType::float64}}};
+  constexpr std::array<Known, 8> kKnown = {{{"I", "1", NumberType::int8},
+                                            {"U", "1", NumberType::uint8},
+                                            {"I", "2", NumberType::int16},
+                                            {"U", "2", NumberType::uint16},
+                                            {"I", "4", NumberType::int32},
+                                            {"U", "4", NumberType::uint32},
+                                            {"F", "4", NumberType::float32},
+                                            {"F", "8", NumberType::float64}}};
   for (const Known& known : kKnown)
     if (type == known.type && size == known.size) return known.value;
   file.fail("a field of TYPE " + shown_word(type) + " and SIZE " + shown_word(size) + " is not known");
@@ -120,7 +120,7 @@ std::vector<Field> fields_of(const CloudBytes& file, const PcdHeader& pcd) {
     const bool is_padding = pcd.fields[i] == "_";
     const std::uint64_t size = is_padding ? count_of(file, {"SIZE", pcd.sizes[i]}) : 0;
     if (size > kMaxField) file.fail("a SIZE of " + std::to_string(size));
-    const PlyType type = is_padding ? PlyType::uint8 : type_of(file, pcd.types[i], pcd.sizes[i]);
+    const NumberType type = is_padding ? NumberType::uint8 : type_of(file, pcd.types[i], pcd.sizes[i]);
     const std::size_t bytes = static_cast<std::size_t>(values) * (is_padding ? size : size_of(type));
     fields.push_back({{pcd.fields[i], type, offset}, bytes, static_cast<std::size_t>(values)});
     offset += bytes;

@@ -4,9 +4,9 @@
 #include <memory>
 #include <vector>
 
+#include "base/stored_number.h"
 #include "imports/cloud_bytes.h"
 #include "imports/cloud_reader.h"
-#include "meshio/ply_header.h"
 
 namespace landfall {
 
@@ -16,7 +16,7 @@ inline constexpr std::size_t kCloudBatchPoints = std::size_t{1} << 18U;
 /// A number in each row of a binary file.
 struct RowColumn {
   std::string name;
-  PlyType type;
+  NumberType type;
   std::size_t offset;  ///< bytes from the beginning of the row
 };
 

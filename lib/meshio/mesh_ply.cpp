@@ -18,14 +18,14 @@ class Values {
   Values(std::string_view bytes, const std::string& name, const PlyHeader& header)
       : bytes_(bytes), name_(name), encoding_(header.encoding), at_(header.end), text_(bytes, name, at_) {}
 
-  double next(PlyType type) {
+  double next(NumberType type) {
     if (encoding_ != PlyEncoding::text) return next_binary(type);
     const std::string_view word = text_.word();
     if (word.empty()) fail("ends before its last element");
     return text_.number(word);
   }
 
-  std::int64_t next_integer(PlyType type) {
+  std::int64_t next_integer(NumberType type) {
     const double value = next(type);
     if (!(std::abs(value) < 0x1p53) || value != std::floor(value))
       fail("a length or number that is not an integer");
@@ -36,7 +36,7 @@ class Values {
     return bytes_.size() - (encoding_ == PlyEncoding::text ? text_.position() : at_);
   }
   /// The least number of bytes of a value.
-  [[nodiscard]] std::size_t min_size(PlyType type) const {
+  [[nodiscard]] std::size_t min_size(NumberType type) const {
     return encoding_ == PlyEncoding::text ? 1 : size_of(type);
   }
 
@@ -53,7 +53,7 @@ class Values {
   }
 
  private:
-  double next_binary(PlyType type) {
+  double next_binary(NumberType type) {
     const std::size_t size = size_of(type);
     if (bytes_left() < size) fail("ends before its last element");
     const double value = stored_number(type, bytes_.data() + at_, encoding_ == PlyEncoding::big_endian);

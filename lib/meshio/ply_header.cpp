@@ -1,9 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "meshio/ply_header.h"
 
-#include <algorithm>
 #include <array>
-#include <cstring>
 
 #include "base/foreign_content.h"
 #include "meshio/mesh_text.h"
@@ -13,36 +11,26 @@ namespace {
 
 struct TypeName {
   std::string_view name;
-  PlyType type;
+  NumberType type;
 };
-constexpr std::array<TypeName, 16> kTypeNames{{{"char", PlyType::int8},
-                                               {"int8", PlyType::int8},
-                                               {"uchar", PlyType::uint8},
-                                               {"uint8", PlyType::uint8},
-                                               {"short", PlyType::int16},
-                                               {"int16", PlyType::int16},
-                                               {"ushort", PlyType::uint16},
-                                               {"uint16", PlyType::uint16},
-                                               {"int", PlyType::int32},
-                                               {"int32", PlyType::int32},
-                                               {"uint", PlyType::uint32},
-                                               {"uint32", PlyType::uint32},
-                                               {"float", PlyType::float32},
-                                               {"float32", PlyType::float32},
-                                               {"double", PlyType::float64},
-                                               {"float64", PlyType::float64}}};
+constexpr std::array<TypeName, 16> kTypeNames{{{"char", NumberType::int8},
+                                               {"int8", NumberType::int8},
+                                               {"uchar", NumberType::uint8},
+                                               {"uint8", NumberType::uint8},
+                                               {"short", NumberType::int16},
+                                               {"int16", NumberType::int16},
+                                               {"ushort", NumberType::uint16},
+                                               {"uint16", NumberType::uint16},
+                                               {"int", NumberType::int32},
+                                               {"int32", NumberType::int32},
+                                               {"uint", NumberType::uint32},
+                                               {"uint32", NumberType::uint32},
+                                               {"float", NumberType::float32},
+                                               {"float32", NumberType::float32},
+                                               {"double", NumberType::float64},
+                                               {"float64", NumberType::float64}}};
 
-template <class T>
-double number_of(const unsigned char* bytes, bool is_big_endian) {
-  std::array<unsigned char, sizeof(T)> own{};
-  std::memcpy(own.data(), bytes, sizeof(T));
-  if (is_big_endian) std::reverse(own.begin(), own.end());  // all supported machines are little-endian
-  T value{};
-  std::memcpy(&value, own.data(), sizeof(T));
-  return static_cast<double>(value);
-}
-
-PlyType type_of(MeshText& text) {
+NumberType type_of(MeshText& text) {
   const std::string_view word = text.word_of_line();
   for (const TypeName& known : kTypeNames)
     if (known.name == word) return known.type;
@@ -59,12 +47,12 @@ PlyEncoding encoding_of(MeshText& text) {
 
 void add_property(MeshText& text, std::vector<PlyElement>& elements) {
   if (elements.empty()) text.fail("a property before any element");
-  PlyProperty property{"", PlyType::float64, std::nullopt};
+  PlyProperty property{"", NumberType::float64, std::nullopt};
   MeshText after_list = text;
   if (after_list.word_of_line() == "list") {
     text = after_list;
     property.length = type_of(text);
-    if (*property.length >= PlyType::float32) text.fail("the length of a list has no integer type");
+    if (*property.length >= NumberType::float32) text.fail("the length of a list has no integer type");
   }
   property.type = type_of(text);
   property.name = text.word_of_line();
@@ -101,34 +89,6 @@ PlyHeader read_ply_header(std::string_view bytes, const std::string& name) {
   text.skip_line();
   header.end = text.position();
   return header;
-}
-
-std::size_t size_of(PlyType type) {
-  constexpr std::array<std::size_t, 8> kSizes{1, 1, 2, 2, 4, 4, 4, 8};
-  return kSizes.at(static_cast<std::size_t>(type));
-}
-
-double stored_number(PlyType type, const void* bytes, bool is_big_endian) {
-  const auto* const at = static_cast<const unsigned char*>(bytes);
-  switch (type) {
-    case PlyType::int8:
-      return number_of<std::int8_t>(at, is_big_endian);
-    case PlyType::uint8:
-      return number_of<std::uint8_t>(at, is_big_endian);
-    case PlyType::int16:
-      return number_of<std::int16_t>(at, is_big_endian);
-    case PlyType::uint16:
-      return number_of<std::uint16_t>(at, is_big_endian);
-    case PlyType::int32:
-      return number_of<std::int32_t>(at, is_big_endian);
-    case PlyType::uint32:
-      return number_of<std::uint32_t>(at, is_big_endian);
-    case PlyType::float32:
-      return number_of<float>(at, is_big_endian);
-    case PlyType::float64:
-      return number_of<double>(at, is_big_endian);
-  }
-  return 0;
 }
 
 }  // namespace landfall

@@ -8,20 +8,14 @@
 #include <string_view>
 #include <vector>
 
+#include "base/stored_number.h"
+
 namespace landfall {
-
-/// The number types of PLY, which other formats of points have too.
-enum class PlyType { int8, uint8, int16, uint16, int32, uint32, float32, float64 };
-
-[[nodiscard]] std::size_t size_of(PlyType type);
-
-/// The number in size_of(type) bytes.
-[[nodiscard]] double stored_number(PlyType type, const void* bytes, bool is_big_endian);
 
 struct PlyProperty {
   std::string name;
-  PlyType type;
-  std::optional<PlyType> length;  ///< type of a list's length
+  NumberType type;
+  std::optional<NumberType> length;  ///< type of a list's length
 };
 
 struct PlyElement {

@@ -233,11 +233,14 @@ ImportedCloud import_cloud(const CloudImport& import, ImportOutput output) {
   output.phase("write", [&](const ProgressCallback& progress) {
     const SitePoints site(frame, result.center[2], import.path);
     ImportedPoints points;
+    std::int64_t count = 0;
     for (CloudBatch batch; cloud->next(batch); report(progress, cloud->progress())) {
       site.convert(batch, points);
+      count += static_cast<std::int64_t>(points.columns.size());
       add_bounds(points.columns, result.bounds_m);
       writer.append(points);
     }
+    if (count != extent.count) throw FormatError(import.path + ": changed while it was read");
     writer.commit({result.center, info.format, std::isfinite(extent.first_t_s) ? extent.first_t_s : 0});
   });
   return result;

@@ -8,7 +8,9 @@ namespace landfall {
 
 MapPoint rounded_center(const MapPoint& low, const MapPoint& high, double metres_per_unit) {
   const double steps = std::pow(10, -std::floor(-std::log10(metres_per_unit) + 1e-9));  // per unit
-  const auto rounded = [&](double a, double b) { return std::round((a / 2 + b / 2) * steps) / steps; };
+  const auto rounded = [&](double a, double b) {
+    return std::round((a / 2 + b / 2) * steps) / steps + 0.0;  // -0 becomes 0
+  };
   return {rounded(low.x, high.x), rounded(low.y, high.y)};
 }
 

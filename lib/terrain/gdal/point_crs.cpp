@@ -29,15 +29,15 @@ constexpr std::uint16_t kAscii = 2;
 class KeyTiff {
  public:
   explicit KeyTiff(const PointCrs& points) {
-    add(256, kLong, 1, {}, 1);
-    add(257, kLong, 1, {}, 1);
-    add(258, kShort, 1, {}, 8);
-    add(259, kShort, 1, {}, 1);
-    add(262, kShort, 1, {}, 1);
-    add(273, kLong, 1, {}, 8);  // the pixel lies behind the header
-    add(277, kShort, 1, {}, 1);
-    add(278, kLong, 1, {}, 1);
-    add(279, kLong, 1, {}, 1);
+    add_number(256, kLong, 1);
+    add_number(257, kLong, 1);
+    add_number(258, kShort, 8);
+    add_number(259, kShort, 1);
+    add_number(262, kShort, 1);
+    add_number(273, kLong, 8);  // the pixel lies behind the header
+    add_number(277, kShort, 1);
+    add_number(278, kLong, 1);
+    add_number(279, kLong, 1);
     add(34735, kShort, points.key_directory.size(), raw(points.key_directory));
     if (!points.key_numbers.empty()) add(34736, kDouble, points.key_numbers.size(), raw(points.key_numbers));
     if (!points.key_texts.empty()) add(34737, kAscii, points.key_texts.size() + 1, points.key_texts + '\0');
@@ -53,9 +53,12 @@ class KeyTiff {
       append_raw(directory, tag.id);
       append_raw(directory, tag.type);
       append_raw(directory, static_cast<std::uint32_t>(tag.count));
-      const bool is_inside = tag.values.size() <= 4;
-      append_raw(directory, is_inside ? tag.number : static_cast<std::uint32_t>(values_at + values.size()));
-      if (!is_inside) values += tag.values;
+      if (tag.values.size() <= 4) {
+        directory += tag.values + std::string(4 - tag.values.size(), '\0');
+        continue;
+      }
+      append_raw(directory, static_cast<std::uint32_t>(values_at + values.size()));
+      values += tag.values;
       if (values.size() % 2 != 0) values += '\0';
     }
     append_raw(directory, std::uint32_t{0});
@@ -71,7 +74,6 @@ class KeyTiff {
     std::uint16_t id, type;
     std::size_t count;
     std::string values;
-    std::uint32_t number;  ///< where the values have four bytes at most
   };
 
   template <class T>
@@ -80,9 +82,12 @@ class KeyTiff {
     for (const T number : numbers) append_raw(bytes, number);
     return bytes;
   }
-  void add(std::uint16_t id, std::uint16_t type, std::size_t count, std::string values,
-           std::uint32_t number = 0) {
-    tags_.push_back({id, type, count, std::move(values), number});
+  void add(std::uint16_t id, std::uint16_t type, std::size_t count, std::string values) {
+    tags_.push_back({id, type, count, std::move(values)});
+  }
+  /// A short number has the same first bytes.
+  void add_number(std::uint16_t id, std::uint16_t type, std::uint32_t number) {
+    add(id, type, 1, raw(std::vector{number}));
   }
 
   std::vector<Tag> tags_;

@@ -88,7 +88,7 @@ void export_points(const Path& path) {
   std::vector<std::string> names;
   for (const ContentInfo& column : points.columns()) names.push_back(column.name);
   write_points_csv(points, {names, {false, 2}}, sink);
-  write_points_las(points, {.software = "fuzz"}, sink);
+  static_cast<void>(write_points_las(points, {.software = "fuzz"}, sink));
 }
 
 void judge_dem(const Path& path) {

@@ -19,9 +19,10 @@ std::string las(const SmallScan& scan, std::size_t every = 1, LasTime time = Las
   const TemporaryFolder folder;
   scan.write(folder / "scan.h5");
   MemorySink sink;
-  write_points_las(PointReader(folder / "scan.h5"),
-                   {.every = every, .time = time, .software = "landfall-export 1.2.3 (a very long name)"},
-                   sink);
+  const std::vector<std::string> remarks = write_points_las(
+      PointReader(folder / "scan.h5"),
+      {.every = every, .time = time, .software = "landfall-export 1.2.3 (a very long name)"}, sink);
+  EXPECT_THAT(remarks, testing::IsEmpty());
   return sink.bytes();
 }
 

@@ -1,0 +1,129 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "cloud_files.h"
+
+namespace landfall {
+namespace {
+
+using testing::ElementsAre;
+using testing::HasSubstr;
+
+/// A header of points with a normal of three values, which is not read, and padding.
+std::string pcd_header(const std::string& form, const std::string& points = "POINTS 2\n") {
+  return "# .PCD v0.7\nVERSION 0.7\nFIELDS x normal y _ z intensity\nSIZE 4 4 8 1 4 2\nTYPE F F F U F U\n"
+         "COUNT 1 3 1 2 1 1\nWIDTH 2\nHEIGHT 1\n" +
+         points + "DATA " + form + "\n";
+}
+
+/// Field after field, each of both points.
+std::string pcd_columns() {
+  std::string bytes;
+  for (const float x : {1.5F, 2.5F}) put(bytes, x);
+  bytes += std::string(24, '\x7f');
+  for (const double y : {0.1, 0.2}) put(bytes, y);
+  bytes += std::string(4, '\x7f');
+  for (const float z : {-1.0F, -2.0F}) put(bytes, z);
+  for (const int intensity : {7, 65535}) put(bytes, static_cast<std::uint16_t>(intensity));
+  return bytes;
+}
+
+std::string pcd_rows() {
+  std::string bytes;
+  for (const int i : {0, 1}) {
+    put(bytes, 1.5F + static_cast<float>(i));
+    bytes += std::string(12, '\x7f');
+    put(bytes, i == 0 ? 0.1 : 0.2);
+    bytes += std::string(2, '\x7f');
+    put(bytes, -1.0F - static_cast<float>(i));
+    put(bytes, static_cast<std::uint16_t>(i == 0 ? 7 : 65535));
+  }
+  return bytes;
+}
+
+/// LibLZF: runs of up to 32 literal bytes.
+std::string lzf_literals(const std::string& bytes) {
+  std::string packed;
+  for (std::size_t at = 0; at < bytes.size(); at += 32) {
+    const std::string run = bytes.substr(at, 32);
+    packed += static_cast<char>(run.size() - 1);
+    packed += run;
+  }
+  return packed;
+}
+
+std::string pcd_compressed(const std::string& packed, std::uint32_t unpacked) {
+  std::string bytes = pcd_header("binary_compressed");
+  put(bytes, static_cast<std::uint32_t>(packed.size()));
+  put(bytes, unpacked);
+  return bytes + packed;
+}
+
+void expect_both_points(const std::string& bytes) {
+  const WholeCloud cloud = read_cloud("a.pcd", bytes, {}, 2);
+  EXPECT_THAT(cloud[CloudField::x], ElementsAre(1.5, 2.5));
+  EXPECT_THAT(cloud[CloudField::y], ElementsAre(0.1, 0.2));
+  EXPECT_THAT(cloud[CloudField::z], ElementsAre(-1, -2));
+  EXPECT_THAT(cloud[CloudField::intensity], ElementsAre(7, 65535));
+  EXPECT_EQ(cloud.info.point_count, 2);
+}
+
+TEST(PcdReader, ReadsItsThreeForms) {
+  expect_both_points(pcd_header("ascii") + "1.5 9 9 9 0.1 0 0 -1 7\n2.5 9 9 9 0.2 0 0 -2 65535\n");
+  expect_both_points(pcd_header("binary") + pcd_rows());
+  expect_both_points(pcd_header("binary", "") + pcd_rows());  // WIDTH x HEIGHT
+  expect_both_points(pcd_compressed(lzf_literals(pcd_columns()), 64));
+}
+
+// A reference of 3 + 2 bytes, one byte back, makes four further bytes of the first one.
+TEST(PcdReader, FollowsReferencesOfTheCompressedForm) {
+  std::string packed = lzf_literals(pcd_columns().substr(0, 9));
+  packed += std::string("\xe0\x0e\x00", 3);  // 7 + 14 + 2 bytes
+  packed += lzf_literals(pcd_columns().substr(32));
+  expect_both_points(pcd_compressed(packed, 64));
+}
+
+TEST(PcdReader, RefusesWhatDoesNotFit) {
+  const auto refusal = [](const std::string& bytes) { return cloud_refusal("a.pcd", bytes); };
+  const auto with = [](std::string bytes, const std::string& from, const std::string& to) {
+    return bytes.replace(bytes.find(from), from.size(), to);
+  };
+  const std::string binary = pcd_header("binary") + pcd_rows();
+  EXPECT_THAT(refusal(binary.substr(0, binary.size() - 1)), HasSubstr("but has the bytes of 1"));
+  EXPECT_THAT(refusal(with(binary, "POINTS 2", "POINTS 0")), HasSubstr("has no points"));
+  EXPECT_THAT(refusal(with(binary, "POINTS 2", "POINTS -2")), HasSubstr("POINTS '-2' is not a count"));
+  EXPECT_THAT(refusal(with(binary, "SIZE 4", "SIZE 3")), HasSubstr("TYPE F and SIZE 3 is not known"));
+  EXPECT_THAT(refusal(with(binary, "COUNT 1 3", "COUNT 1 0")), HasSubstr("a COUNT of 0"));
+  EXPECT_THAT(refusal(with(binary, "COUNT 1 3", "COUNT 1 65537")), HasSubstr("a COUNT of 65537"));
+  EXPECT_THAT(refusal(with(binary, "COUNT 1 3 1", "COUNT 3 1")), HasSubstr("COUNT differ in length"));
+  EXPECT_THAT(refusal(with(binary, "2 1 1\nW", "2 1 1\nHEIGHT 281474976710656\nW")), "accepted");
+  EXPECT_THAT(refusal(with(pcd_header("binary", ""), "WIDTH 2\nHEIGHT 1", "WIDTH 16777217\nHEIGHT 16777217")),
+              HasSubstr("declares too many points"));
+  EXPECT_THAT(refusal(with(binary, " z ", " u ")), HasSubstr("no column is recognised as z"));
+  EXPECT_THAT(refusal(with(binary, "DATA binary", "DATA other")), HasSubstr("'other' is not a form of PCD"));
+  EXPECT_THAT(refusal(binary.substr(0, 80)), HasSubstr("has no line DATA"));
+  EXPECT_THAT(refusal(pcd_header("ascii") + "1 9 9 9 1 0 0 1 7\n"),
+              HasSubstr("declares 2 points, but has 1"));
+  EXPECT_THAT(refusal(pcd_header("ascii") + "1 9 9 9 1 0 0 1\n"), HasSubstr("line 11: has 8 cells, not 9"));
+  EXPECT_THAT(refusal(pcd_header("binary_compressed")), HasSubstr("ends before its compressed points"));
+  EXPECT_THAT(refusal(pcd_compressed(lzf_literals(pcd_columns()), 63)), HasSubstr("but 63 unpacked bytes"));
+  EXPECT_THAT(refusal(pcd_compressed(lzf_literals(pcd_columns().substr(1)), 64)),
+              HasSubstr("points end too early"));
+  EXPECT_THAT(refusal(pcd_compressed(std::string("\x20\x00", 2), 64)),
+              HasSubstr("bytes before their beginning"));
+  const std::string whole = pcd_compressed(lzf_literals(pcd_columns()), 64);
+  EXPECT_THAT(refusal(whole.substr(0, whole.size() - 1)), HasSubstr("more than it has: it is truncated"));
+}
+
+TEST(PcdReader, SaysThatAViewpointIsIgnored) {
+  const auto notes = [](const std::string& viewpoint) {
+    return read_cloud("a.pcd", pcd_header("binary", "VIEWPOINT " + viewpoint + "\nPOINTS 2\n") + pcd_rows())
+        .info.notes;
+  };
+  EXPECT_THAT(notes("0 0 0 1 0 0 0"), testing::IsEmpty());
+  EXPECT_THAT(notes("1 0 0 1 0 0 0"), ElementsAre(HasSubstr("VIEWPOINT is ignored")));
+}
+
+}  // namespace
+}  // namespace landfall

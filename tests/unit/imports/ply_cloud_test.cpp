@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "cloud_files.h"
+
+namespace landfall {
+namespace {
+
+using testing::ElementsAre;
+using testing::HasSubstr;
+
+/// A camera of two values, two vertices, one face.
+std::string ply_header(const std::string& form) {
+  return "ply\nformat " + form +
+         " 1.0\nelement camera 1\nproperty float f\nproperty uchar kind\nelement vertex 2\nproperty double "
+         "x\n"
+         "property float y\nproperty short z\nproperty uchar intensity\nelement face 1\n"
+         "property list uchar int vertex_indices\nend_header\n";
+}
+
+std::string binary(bool is_big_endian) {
+  std::string bytes = ply_header(is_big_endian ? "binary_big_endian" : "binary_little_endian");
+  put(bytes, 50.0F, is_big_endian);
+  put(bytes, std::uint8_t{1});
+  for (const int i : {0, 1}) {
+    put(bytes, 0.1 + i, is_big_endian);
+    put(bytes, 1.5F + static_cast<float>(i), is_big_endian);
+    put(bytes, static_cast<std::int16_t>(-300 + i), is_big_endian);
+    put(bytes, static_cast<std::uint8_t>(254 + i));
+  }
+  put(bytes, std::uint8_t{3});
+  for (const std::int32_t vertex : {0, 1, 0}) put(bytes, vertex, is_big_endian);
+  return bytes;
+}
+
+const std::string kText = ply_header("ascii") + "50 1\n0.1 1.5 -300 254\n1.1 2.5 -299 255\n3 0 1 0\n";
+
+TEST(PlyCloud, ReadsTheVerticesOfItsThreeForms) {
+  for (const std::string& bytes : {kText, binary(false), binary(true)}) {
+    const WholeCloud cloud = read_cloud("a.ply", bytes, {}, 2);
+    EXPECT_THAT(cloud[CloudField::x], ElementsAre(0.1, 1.1));
+    EXPECT_THAT(cloud[CloudField::y], ElementsAre(1.5, 2.5));
+    EXPECT_THAT(cloud[CloudField::z], ElementsAre(-300, -299));
+    EXPECT_THAT(cloud[CloudField::intensity], ElementsAre(254, 255));
+    EXPECT_THAT(cloud.info.notes, ElementsAre(HasSubstr("are ignored: 1 camera, 1 face")));
+  }
+}
+
+TEST(PlyCloud, RefusesWhatDoesNotFit) {
+  const auto refusal = [](const std::string& bytes) { return cloud_refusal("a.ply", bytes); };
+  const auto with = [](std::string bytes, const std::string& from, const std::string& to) {
+    return bytes.replace(bytes.find(from), from.size(), to);
+  };
+  const std::string good = binary(false);
+  EXPECT_THAT(refusal(good.substr(0, good.size() - 14)), HasSubstr("but has the bytes of 1"));
+  EXPECT_THAT(refusal(with(good, "vertex 2", "vertex 9000000000000000000")), HasSubstr("it is truncated"));
+  EXPECT_THAT(refusal(with(good, "vertex 2", "vertex 0")), HasSubstr("has no points"));
+  EXPECT_THAT(refusal(with(good, "element vertex", "element point")), HasSubstr("has no element vertex"));
+  EXPECT_THAT(refusal(with(good, "short z", "short u")), HasSubstr("no column is recognised as z"));
+  EXPECT_THAT(refusal(with(good, "float f", "list uchar float f")), HasSubstr("element camera has a list"));
+  EXPECT_THAT(refusal(with(good, "short z", "list uchar short z")), HasSubstr("element vertex has a list"));
+  EXPECT_THAT(refusal(with(good, "camera 1", "camera 9000000000000000000")),
+              HasSubstr("is shorter than its elements before the vertices"));
+  EXPECT_THAT(refusal(good.substr(0, good.find("element vertex"))), HasSubstr("ends within the header"));
+  EXPECT_THAT(refusal(with(kText, "camera 1", "camera 9")), HasSubstr("ends before its vertices"));
+  EXPECT_THAT(refusal(with(kText, "1.1 2.5", "1.1 b")), HasSubstr("line 16: 'b' is not a number"));
+}
+
+}  // namespace
+}  // namespace landfall

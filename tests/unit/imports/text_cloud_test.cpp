@@ -1,0 +1,94 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "cloud_files.h"
+
+namespace landfall {
+namespace {
+
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::IsEmpty;
+
+std::string joined(const std::vector<std::string>& cells, const std::string& separator) {
+  std::string line;
+  for (const std::string& cell : cells) line += (line.empty() ? "" : separator) + cell;
+  return line;
+}
+
+TEST(TextCloud, ReadsEverySeparatorAndEndOfLine) {
+  for (const std::string separator : {",", ";", "\t", " ", "   ", ", ", ";\t"})
+    for (const std::string end : {"\n", "\r\n", "\r"})
+      for (const bool has_header : {true, false}) {
+        SCOPED_TRACE("'" + separator + "', header: " + std::to_string(has_header));
+        std::string text = has_header ? joined({"Easting", "N", "H"}, separator) + end : "";
+        text += joined({"1.5", "-2e1", "3"}, separator) + end + joined({"4", "5", "6"}, separator);
+        const WholeCloud cloud = read_cloud("a.csv", text, {}, 2);
+        EXPECT_THAT(cloud[CloudField::x], ElementsAre(1.5, 4));
+        EXPECT_THAT(cloud[CloudField::y], ElementsAre(-20, 5));
+        EXPECT_THAT(cloud[CloudField::z], ElementsAre(3, 6));
+        EXPECT_EQ(cloud.info.notes.size(), has_header ? 0U : 1U);
+      }
+}
+
+TEST(TextCloud, ReadsHeadersInCommentsAndInQuotes) {
+  for (const std::string header : {"# z y x", "//Z Y X", "% by a test\n# Z Y X", "\xef\xbb\xbfz y x"}) {
+    const WholeCloud cloud = read_cloud("a.xyz", header + "\n3 2 1\n# a comment\n\n6 5 4\n");
+    EXPECT_THAT(cloud[CloudField::x], ElementsAre(1, 4)) << header;
+    EXPECT_THAT(cloud.info.notes, IsEmpty());
+  }
+  EXPECT_THAT(read_cloud("a.csv", "\"x\",'y [m]',z\n\"1\",\"2\",\"3\"\n")[CloudField::y], ElementsAre(2));
+}
+
+TEST(TextCloud, AnEmptyCellHasNoValue) {
+  EXPECT_TRUE(std::isnan(read_cloud("a.csv", "x,y,z\n1,,3\n")[CloudField::y].at(0)));
+}
+
+TEST(TextCloud, TakesTheCountAtTheBeginningOfPts) {
+  EXPECT_EQ(read_cloud("a.pts", "2\n1 2 3\n4 5 6\n").info.point_count, 2);
+  EXPECT_THAT(cloud_refusal("a.pts", "3\n1 2 3\n4 5 6\n"), HasSubstr("declares 3 points, but has 2"));
+  EXPECT_THAT(cloud_refusal("a.pts", "1\n1 2 3\n4 5 6\n"), HasSubstr("declares 1 points, but has more"));
+  EXPECT_THAT(cloud_refusal("a.pts", "0\n1 2 3\n"), HasSubstr("has no points"));
+}
+
+TEST(TextCloud, KnowsTheColumnsOfHelios) {
+  const std::string row = "1 2 3 100.5 0 1 2 7 3 0 0.5\n";
+  const WholeCloud cloud = read_cloud("leg000_points.xyz", row);
+  EXPECT_EQ(cloud.info.format, "HELIOS++ xyz");
+  EXPECT_THAT(cloud[CloudField::pulse], ElementsAre(7));
+  EXPECT_THAT(cloud[CloudField::return_number], ElementsAre(1));
+  EXPECT_THAT(cloud[CloudField::t], ElementsAre(0.5));
+  EXPECT_EQ(read_cloud("a.xyz", "1 2 3 100.5 0 3 2 7 3 0 0.5\n").info.format, "text without a header");
+}
+
+// Blocks have 8 MiB, and pieces of them 256 KiB.
+TEST(TextCloud, ReadsBlockAfterBlock) {
+  std::string text = "x,y,z\n";
+  constexpr int kRows = 420'000;
+  for (int i = 0; i < kRows; ++i) text += std::to_string(i) + ",0.000000,0.500000\n";
+  const WholeCloud cloud = read_cloud("a.csv", text);
+  EXPECT_GT(cloud.batches.size(), 1U);
+  const std::vector<double> x = cloud[CloudField::x];
+  ASSERT_EQ(x.size(), std::size_t{kRows});
+  for (std::size_t i = 0; i < x.size(); i += 1009) EXPECT_EQ(x[i], static_cast<double>(i));
+  EXPECT_THAT(cloud_refusal("a.csv", text + "1,2\n"), HasSubstr("line 420002: has 2 cells, not 3"));
+}
+
+TEST(TextCloud, RefusesWhatIsNotPoints) {
+  const auto refusal = [](const std::string& text) { return cloud_refusal("a.csv", text); };
+  EXPECT_THAT(refusal(""), HasSubstr("is empty"));
+  EXPECT_THAT(refusal("# only\n"), HasSubstr("has no points"));
+  EXPECT_THAT(refusal("x,y\n1,2\n"), HasSubstr("no column is recognised as z; it has x, y"));
+  EXPECT_THAT(refusal("1 2\n"), HasSubstr("has 2 columns, but a point has x, y and z"));
+  EXPECT_THAT(refusal("x,y,z\n1,2,3\n4,b,6\n"), HasSubstr("line 3: 'b' is not a number"));
+  EXPECT_THAT(refusal("x;y;z\n1,5;2;3\n"), HasSubstr("decimal commas are not read"));
+  EXPECT_THAT(refusal("x,y,z,X\n1,2,3,4\n"), HasSubstr("two of its columns could be x"));
+  EXPECT_THAT(refusal(std::string("x,y,z\n1,2,3\n\0", 13)), HasSubstr("is not a point cloud"));
+  EXPECT_THAT(cloud_refusal("a.e57", "ASTM-E57 and more"), HasSubstr("is an E57 file"));
+}
+
+}  // namespace
+}  // namespace landfall
