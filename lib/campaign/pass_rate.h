@@ -24,7 +24,7 @@ struct ProbabilityInterval {
 /// Wilson's two-sided interval of the pass probability p (1927): the p with |k - n p| <= z sqrt(n p (1 - p)),
 /// z the normal quantile of (1 + confidence) / 2. It contains k / n, begins at exactly 0 for k = 0 and ends
 /// at exactly 1 for k = n. It covers p with the given confidence on average only: at p = 0.99 and n = 100
-/// with 0.92 instead of 0.95 (docs/user/monte-carlo.md).
+/// with 0.92 instead of 0.95 (docs/reference/statistics.md).
 [[nodiscard]] ProbabilityInterval wilson(const PassRate& rate, double confidence = 0.95);
 
 /// The lower bound of Clopper and Pearson (1934): the p with which k or more of n draws pass with probability

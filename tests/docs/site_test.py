@@ -3,6 +3,7 @@
 """The site that scripts/docs builds: every link and anchor holds, every page is near, its search finds, nothing leaves the machine."""
 import collections
 import functools
+import html
 import html.parser
 import http.server
 import json
@@ -206,6 +207,15 @@ class Search(unittest.TestCase):
         self.assertGreater(counts[0], 3)
         self.assertEqual(counts[0], counts[1])
         self.assertEqual([entry for entry in self.window.driver.get_log("browser") if entry["level"] == "SEVERE"], [])
+
+    def test_every_formula_can_be_typeset(self):
+        formulas = [html.unescape(formula) for document in Built.documents.values()
+                    for formula in re.findall(r'class="arithmatex">\s*\\[(\[](.*?)\\[)\]]\s*<', document.text, re.DOTALL)]
+        self.assertGreater(len(formulas), 60)
+        self.window.driver.get(self.address + "docs/user/glossary.html")
+        wrong = self.window.run("""return arguments[0].filter(formula => {
+            try { katex.renderToString(formula, {displayMode: true, throwOnError: true}); return false; } catch (error) { return true; } })""", formulas)
+        self.assertEqual(wrong, [])
 
     def test_dark_and_light(self):
         self.window.driver.get(self.address)

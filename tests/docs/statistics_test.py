@@ -1,8 +1,8 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Checks the tables of docs/user/monte-carlo.md's statistics, by enumerating the binomial distribution.
+"""Checks the tables of docs/reference/statistics.md and of docs/user/monte-carlo.md, by enumerating the binomial distribution.
 
-    statistics_test.py            compares the page's tables
+    statistics_test.py            compares the pages' tables
     statistics_test.py --print    prints them
 
 It shares no code and, where there is a choice, no formula with lib/campaign: an interval covers p if its test does not reject p, so
@@ -147,16 +147,20 @@ def table(heads, rows):
     return "\n".join("| " + " | ".join(map(str, line)) + " |" for line in lines)
 
 
-def page():
-    with open(os.path.join(ROOT, "docs", "user", "monte-carlo.md"), encoding="utf-8") as file:
-        return file.read()
+def pages():
+    """The pages that show these numbers, as one text."""
+    texts = []
+    for name in ("reference/statistics.md", "user/monte-carlo.md"):
+        with open(os.path.join(ROOT, "docs", *name.split("/")), encoding="utf-8") as file:
+            texts.append(file.read())
+    return "\n".join(texts)
 
 
 class Statistics(unittest.TestCase):
     maxDiff = None
 
     def assert_shown(self, text):
-        self.assertTrue(text in page(), f"the page does not show\n{text}")
+        self.assertTrue(text in pages(), f"no page shows\n{text}")
 
     def test_coverage_of_wilson(self):
         self.assert_shown(coverage_table(wilson_coverage))
@@ -172,7 +176,7 @@ class Statistics(unittest.TestCase):
         self.assert_shown(rules_table())
 
     def test_numbers_in_the_text(self):
-        flowing = " ".join(page().split())
+        flowing = " ".join(pages().split())
         for text in (f"{wilson_coverage(100, 0.99):.2f} instead of 0.95 at p = 0.99 and n = 100",
                      f"{wrong_by_looking(0.99, 500):.2f} within 500 draws",
                      f"{wrong_by_looking(0.99, 2000):.2f} within 2,000",

@@ -156,7 +156,7 @@ class Filters(DesignTest):
 
 class Statistics(unittest.TestCase):
     def test_failures_allowed(self):
-        """The table of docs/user/monte-carlo.md."""
+        """The table of docs/reference/statistics.md."""
         self.assertEqual([design_problem.draws_needed(0.99, failures) for failures in range(5)], [299, 473, 628, 773, 913])
         self.assertEqual([design_problem.failures_allowed(0.99, draws) for draws in (298, 299, 472, 473, 913)], [-1, 0, 0, 1, 4])
 
@@ -174,7 +174,7 @@ class Statistics(unittest.TestCase):
         self.assertAlmostEqual(design_problem.rate_of("x", [True] + [False] * 472)["exact_lower_bound"], 1 - 0.95 ** (1 / 473), delta=1e-14)
 
     def test_the_sequential_test(self):
-        """Straight passes as in the table of docs/user/monte-carlo.md, and a limit that is reached exactly (D305)."""
+        """Straight passes as in the table of docs/reference/statistics.md, and a limit that is reached exactly (D305)."""
         for p0, p1, passes in ((0.99, 0.97, 145), (0.995, 0.99, 585), (0.95, 0.9, 55)):
             rule = {"p0": p0, "p1": p1, "alpha": 0.05, "beta": 0.05}
             self.assertEqual(design_search.sprt([True] * 2000, **rule), (True, passes))
