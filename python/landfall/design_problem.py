@@ -13,13 +13,14 @@ import os
 import statistics
 
 from landfall import dictionary, model, runs, schema
-from landfall.errors import ToolError, UsageError
+from landfall.errors import ToolError, UsageError, printable
 
 ALL_REQUIREMENTS = "all six"
 CHOSEN_PLACE_SAFE = "chosen place safe"
 ACCEPTED_PLACE_SAFE = "accepted place safe"
 ALL_AND_OWN = "all and own"
 SAFE_LANDING = "safe landing"
+SITE_REQUIREMENTS = (CHOSEN_PLACE_SAFE, ACCEPTED_PLACE_SAFE, SAFE_LANDING)
 COSTS = ("ranges", "pulses", "pixels", "scan_time_s", "pulse_rate_hz")
 # Methods that put a return into the one bin whose centre is nearest.
 NEAREST = ("bilinear_nearest", "mean", "min", "max", "median")
@@ -49,11 +50,19 @@ class Problem:
         sections = {"own_requirements": "eval", "score.own_requirements": "hazard"}
         return {f"{path}.{own['name']}": own for path, stage in sections.items() for own in self.base.get(stage, {}).get("requirements", [])}
 
+    def _counted_own(self):
+        """Those of _own() that a draw must meet: all, the one that is named, or none."""
+        return {path: own for path, own in self._own().items() if self.requirement in (ALL_AND_OWN, own["name"])}
+
     def judges_map(self):
-        """Whether the requirements on the DEM count; else the best site counts."""
-        return self.requirement in (ALL_REQUIREMENTS, ALL_AND_OWN)
+        """Whether requirements on the DEM or of the user's own count; else the best site counts."""
+        return self.requirement not in SITE_REQUIREMENTS
 
     def _check(self):
+        known = [ALL_REQUIREMENTS, ALL_AND_OWN, *SITE_REQUIREMENTS]
+        if self.requirement not in known and not self._counted_own():
+            raise UsageError(f"{self.path}: /requirement: \"{printable(self.requirement)}\" is neither one of {', '.join(known)}, nor the name of a "
+                             "requirement of your own in eval or hazard" + "".join(f"; own: {own['name']}" for own in self._own().values()))
         if self.requirement == ALL_AND_OWN and not self._own():
             raise UsageError(f"{self.path}: /requirement: \"{ALL_AND_OWN}\" needs requirements of your own in eval or hazard")
         if not self.judges_map() and "hazard" not in self.base:
@@ -121,7 +130,11 @@ class Problem:
     def draws(self, **changes):
         """A configuration of monte-carlo; `seed` goes to the scan."""
         seed = changes.pop("seed")
-        return {"vary": self.vary, "metrics": "verdict", "scan": {"seed": seed}, **changes}
+        return {"vary": self.vary, "metrics": "full" if self._needs_full() else "verdict", "scan": {"seed": seed}, **changes}
+
+    def _needs_full(self):
+        """Whether a requirement of the user's own is on a number that monte-carlo's verdict alone does not have."""
+        return any(not own["metric"].startswith(("coverage.", "requirements.")) for own in self.base["eval"].get("requirements", []))
 
     def passes(self, row):
         """Whether a draw meets the requirement. An accepted place is one that hazard-map --require-safe accepts."""
@@ -129,6 +142,8 @@ class Problem:
             return bool(row["pass"])
         if self.requirement == ALL_REQUIREMENTS:
             return all(row[f"requirements.{name}.pass"] == 1 for name in dictionary.requirements())
+        if self.judges_map():
+            return all(row[path + ".pass"] == 1 for path in self._counted_own())
         if self.requirement == SAFE_LANDING:
             return bool(row["landing.safe"])
         return bool(row["site.true_safe"]) and (self.requirement == CHOSEN_PLACE_SAFE or row["site.p_touchdown"] >= self.base["hazard"]["sites"]["min_p"])
@@ -154,11 +169,11 @@ class Problem:
             return {self.requirement: model.margin(risk, 1 - self.base["hazard"]["sites"]["min_p"])}
         limits = self.base["eval"]["limits"]
         found = {}
-        for requirement in dictionary.requirements().values():
+        for requirement in dictionary.requirements().values() if self.requirement in (ALL_REQUIREMENTS, ALL_AND_OWN) else ():
             values = [row[number] for number in requirement.worst]
             limit = limits[requirement.worst_limit]
             found[requirement.words] = NO_NUMBER if None in values else max(model.margin(value, limit) for value in values)
-        for path, own in self._own().items() if self.requirement == ALL_AND_OWN else ():
+        for path, own in self._counted_own().items():
             value = row[path + ".value"]
             found[own["name"]] = NO_NUMBER if value is None else model.margin(value, own["max"]) if "max" in own else model.margin(own["min"], value)
         return found

@@ -180,8 +180,9 @@ class Design:
         self.runner.run("monte-carlo", "merge", *parts, "-o", os.path.join(self.runner.scratch, "merged.h5"), "-O", "--verdict", verdict)
         tree = schema.read_json(verdict)
         rates = {rate["requirement"]: rate for rate in tree["rates"]}
-        of_map = {ALL_REQUIREMENTS: "all", ALL_AND_OWN: "all_and_own"}.get(self.problem.requirement)
-        return {**(rates[of_map] if of_map else rate_of(self.problem.requirement, passes)), "rates": tree["rates"]}
+        of_map = {ALL_REQUIREMENTS: "all", ALL_AND_OWN: "all_and_own"}.get(self.problem.requirement, self.problem.requirement)
+        rate = rates[of_map] if self.problem.judges_map() else rate_of(self.problem.requirement, passes)
+        return {**rate, "rates": tree["rates"]}
 
     def improve(self, accepted, raced):
         """The cheapest neighbour that is accepted too, and so on until none is; with the neighbours of the last one."""

@@ -1,12 +1,16 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Tests of the documentation tests themselves, with correct and wrong pages."""
+import contextlib
+import io
+import tempfile
 import unittest
 from unittest import mock
 
 import page as pages
 import run_docs_test
 import structure_test
+import type_pages
 
 
 def block(language, text, *notes):
@@ -120,6 +124,29 @@ class HiddenInputs(unittest.TestCase):
         self.assertEqual(self.found(text), [(4, "raster.tif")], "the prose must name it")
         self.assertEqual(self.found("Your raster is `raster.tif`.\n\n" + text), [])
         self.assertEqual(self.found("<!-- setup: small_chain; echo dem.h5 -->\n```sh\ndem-eval dem.h5\n```\n"), [])
+
+
+class Typing(unittest.TestCase):
+    def typed(self, text):
+        with tempfile.TemporaryDirectory() as folder, contextlib.redirect_stderr(io.StringIO()):
+            reader = type_pages.Reader(folder, folder)
+            reader.read("made.md", text)
+        return reader.faults, reader.notes
+
+    def test_a_page_that_says_everything(self):
+        page = ("One file:\n\n" + block("json", '{"a": 1}') + block("sh", 'A=2; grep -o 1 one.json; echo "<$A>"') + block("text", "1\n<2>") + block("sh", "echo $A; echo 3; echo 4") +
+                block("text", "2\n...\n4") + block("python", "a = 5") + block("python", "print(a)") + block("text", "5") + block("sh", "scripts/test  # all"))
+        faults, notes = self.typed(page)
+        self.assertEqual((faults, len(notes)), ([], 1))
+        self.assertRegex(notes[0], "scripts/test .*: not typed")
+
+    def test_what_comments_hide_is_not_there(self):
+        [fault] = self.typed(block("sh", "cat made.txt", "setup: echo 1 > made.txt"))[0]
+        self.assertRegex(fault, r"block 1 \(cat made.txt\): exit 1\n.*No such file")
+
+    def test_another_output_is_a_fault(self):
+        [fault] = self.typed(block("sh", "echo 1; echo 2") + block("text", "1\n3"))[0]
+        self.assertRegex(fault, "(?s)block 2.*-3\n\\+2$")
 
 
 if __name__ == "__main__":

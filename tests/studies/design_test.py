@@ -109,6 +109,21 @@ class Filters(DesignTest):
         found = self.look(problem)
         self.assertEqual((found["stage"], found["passes"], list(found["margins"])), ("draw", True, [design_problem.CHOSEN_PLACE_SAFE]))
 
+    def test_one_requirement_of_its_own(self):
+        """By its name: the others, and the six, do not count."""
+        file = design_file(requirement="NMAD")
+        file["base"]["eval"]["requirements"] = [{"name": "NMAD", "metric": "statistics.z.nmad_m", "max": 0.05},
+                                                {"name": "CE90", "metric": "statistics.horizontal.ce90_m", "max": 1e-9}]
+        problem = design_problem.Problem(self.write(file))
+        for passed, value, other in ((1, 0.025, 0), (0, 0.1, 1)):
+            row = {"own_requirements.NMAD.pass": passed, "own_requirements.NMAD.value": value, "own_requirements.CE90.pass": other, "pass": other}
+            self.assertEqual((problem.passes(row), problem.margins(row)), (bool(passed), {"NMAD": math.log(value / 0.05)}))
+        found = self.look(problem)
+        self.assertEqual((found["stage"], found["passes"], list(found["margins"])), ("draw", True, ["NMAD"]))
+        self.assertEqual((problem.draws(seed=1)["metrics"], self.problem().draws(seed=1)["metrics"]), ("full", "verdict"))
+        with self.assertRaisesRegex(UsageError, r'/requirement: "NMAX" is neither one of all six, .* own: NMAD; own: CE90'):
+            design_problem.Problem(self.write({**file, "requirement": "NMAX"}))
+
     def landing_file(self, **keys):
         """Each draw on ground of its own, which follows its seed."""
         file = design_file(requirement="safe landing", traced_draws={"terrain_seed": "each", "landing": {"drift_time_s": 1}}, terrains=[{}], **keys)

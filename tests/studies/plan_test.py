@@ -9,7 +9,7 @@ import unittest
 from case import BASE, BIN, LIMITS, RESOLUTIONS, SIGMAS, StudyTest, read, study
 
 # pylint: disable=wrong-import-order
-from landfall.study import reader, rules, stages
+from landfall.study import disk, reader, rules, stages
 
 
 class Stages(StudyTest):
@@ -44,6 +44,18 @@ class Stages(StudyTest):
                             ("navigation_error.position_m", [[0, 0, 0], [0, 0, 1]]),
                             ("pointing_error.time_stamp_bias_s", [0, 0.1])):
             self.assertEqual(self.counts(study({"key": "scan." + key, "list": values}))[:3], [1, 1, 2], key)
+
+    def test_the_disk_that_truths_take_is_told(self):
+        """40 bytes of each ray: 400 pixels, 20,000 and 40,000 pulses."""
+        tree = study({"key": "scan.noise.range_bias_m", "list": [0, 1]}, {"key": "scan.laser.scan_time_s", "list": [20, 40]})
+        tree["set"] = {"scan.detector.rows": 16, "scan.detector.columns": 25, "scan.laser.pulse_rate_hz": 1000}
+        graph = self.graph(tree)
+        self.assertEqual(disk.text(graph, {"scan"}), "on the disk: 2 truths, about 960 MB, until study-clean; KEEP=scan")
+        self.assertEqual(disk.text(self.graph(study()), set()), "on the disk: no scans and DEMs (KEEP names files to keep)")
+        self.assertEqual(disk.rays_of({}), 40000 * 18 * 18)
+        self.write(tree)
+        printed = self.sweep("plan", self.path("tiny.json"), "--out", self.out(), "--bin", BIN).stdout
+        self.assertIn("\non the disk: 2 truths, about 960 MB, until study-clean; no scans and DEMs (KEEP names files to keep)\n", printed)
 
     def test_keys_that_move_the_true_beams_share_no_truth(self):
         for key, values in (("detector.rows", [8, 9]), ("laser.scan_time_s", [0.1, 0.2]), ("mount.position_m", [[0, 0, 0], [0, 0, 1]]),

@@ -228,6 +228,18 @@ class Plots(PlotTest):
             np.testing.assert_allclose([image.norm.vmin, image.norm.vmax], [low, high])
             self.assertEqual([line.get_ydata()[0] for line in bar.get_lines()], [100 * limit] if drawn else [])
 
+    def test_a_map_of_equal_values_has_no_scale(self):
+        """It would show numbers on both sides of the only one. Frames of passing cells have no colour that means failed elsewhere."""
+        results = self.results("sigma_m", "loss_frac", "repeat")
+        results.columns["coverage.invalid_frac"] = [0.0] * len(results.columns["case"])
+        figure = figures.map_figure(results, "coverage.invalid_frac", tuple(results.axes), 0.5)
+        self.assertEqual(len(figure.axes), 1)
+        self.assertIn(": 0 everywhere", figure.axes[0].get_title())
+        frames = figure.axes[0].patches
+        self.assertGreater(len(frames), 0)
+        for frame in frames:
+            np.testing.assert_allclose(frame.get_edgecolor()[:3], (0, 0x9E / 255, 0x73 / 255))
+
     def test_no_unit_twice(self):
         for metric, unit, label in (("statistics.z.mean_m", "m", "statistics.z.mean"), ("region.bin_count", "1", "region.bin_count"),
                                     ("accuracy.relative.z.max_m", "m", "relative elevation error, largest")):

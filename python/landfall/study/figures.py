@@ -5,6 +5,7 @@ import math
 import textwrap
 
 import matplotlib
+import matplotlib.patheffects
 import matplotlib.pyplot as plt
 import numpy as np
 
@@ -16,6 +17,9 @@ from landfall.study.table import BLIND_LANDING, error_sign, is_probability, metr
 COLORS = ["#0072B2", "#D55E00", "#009E73", "#CC79A7", "#56B4E9", "#E69F00", "#000000", "#999933"]
 MARKERS = "osD^vP*X"
 LIMIT_COLOR = "#7F0000"
+# Of cells in which every case passes; the orange of COLORS means failed in all reports.
+PASS_COLOR = "#009E73"
+FRAME = [matplotlib.patheffects.withStroke(linewidth=3.5, foreground="white")]
 MAX_SERIES = len(COLORS)
 # A logarithmic axis of so many values has a tick at each.
 MAX_TICKS = 12
@@ -274,9 +278,11 @@ def map_figure(results, metric, pair, quantile):
     limit = results.limit(metric)
     far = limit is None or limit * scale.factor > FAR_LIMIT * np.nanmax(values, initial=0)
     image = axes.imshow(values, origin="lower", aspect="auto", cmap=color_map("magnitude"), norm=map_norm(values, None if far else limit * scale.factor))
-    bar = figure.colorbar(image, ax=axes, label="\n".join(filter(None, [scale.title(), error_sign([metric])])))
-    if not far:
-        bar.ax.axhline(limit * scale.factor, color=LIMIT_COLOR, linewidth=2.5)
+    is_flat = image.norm.vmin == image.norm.vmax
+    if not is_flat:
+        bar = figure.colorbar(image, ax=axes, label="\n".join(filter(None, [scale.title(), error_sign([metric])])))
+        if not far:
+            bar.ax.axhline(limit * scale.factor, color=LIMIT_COLOR, linewidth=2.5)
     if len(columns) <= WIDEST_MAP and len(rows) <= TALLEST_MAP:
         write_cells(axes, values, rates, image)
     else:
@@ -285,7 +291,7 @@ def map_figure(results, metric, pair, quantile):
     axes.set_yticks(*map_ticks(rows, TALLEST_MAP))
     axes.set_xlabel(x.title())
     axes.set_ylabel(y.title())
-    notes = [estimate_name(results, quantile).split(",")[0], scale.requirement(metric, limit) if limit is not None else "",
+    notes = [f"{scale.title()}: {number(image.norm.vmin)} everywhere" if is_flat else "", estimate_name(results, quantile).split(",")[0], scale.requirement(metric, limit) if limit is not None else "",
              "framed: every case passes all requirements"]
     axes.set_title(results.title + "\n" + "; ".join(note for note in notes if note), fontsize=9)
     return figure
@@ -311,7 +317,7 @@ def frame_region(axes, shape, rates):
     for (row, column), (met, count, _, _) in rates.items():
         passed[row + 1, column + 1] = count > 0 and met == count
     if passed.any():
-        axes.contour(range(-1, shape[1] + 1), range(-1, shape[0] + 1), passed, [0.5], colors="#D55E00", linewidths=1.5)
+        axes.contour(range(-1, shape[1] + 1), range(-1, shape[0] + 1), passed, [0.5], colors=PASS_COLOR, linewidths=1.5)
         axes.set(xlim=(-0.5, shape[1] - 0.5), ylim=(-0.5, shape[0] - 0.5))
 
 
@@ -326,7 +332,7 @@ def write_cells(axes, values, rates, image):
         passed, count, _, _ = rates[row, column]
         if count and passed == count:
             axes.add_patch(matplotlib.patches.Rectangle((column - 0.46, row - 0.46), 0.92, 0.92, fill=False,
-                                                        edgecolor="#D55E00", linewidth=2))
+                                                        edgecolor=PASS_COLOR, linewidth=2, path_effects=FRAME))
 
 
 # Metrics side by side

@@ -24,7 +24,7 @@ from landfall import tools
 from landfall.command import Parser
 from landfall.errors import ToolError, UsageError, printable
 from landfall.schema import read_json, shown
-from landfall.study import lock, model, names, reader, rules, session, stages
+from landfall.study import disk, lock, model, names, reader, rules, session, stages
 from landfall.study.names import counted
 
 TOOLS = {"terrain": "terrain-gen", "scan": "scan-sim", "regrid": "regrid", "eval": "dem-eval", "hazard": "hazard-map",
@@ -87,6 +87,7 @@ def plan(options):
           f"{counted(len(graph.eval), 'evaluation')}" + (f", {counted(len(graph.hazard), 'hazard map')}" if graph.hazard else "") +
           (f", {counted(len(graph.draws), 'campaign')}" if graph.draws else "") +
           f"; {written} files written")
+    print(disk.text(graph, layout.keep))
 
 
 def write_plan(options, study, graph, fragment, versions):
