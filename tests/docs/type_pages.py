@@ -80,7 +80,7 @@ class Reader:
         self.clone()
 
     def clone(self):
-        """What a clone holds, with the tools where a build puts them."""
+        """The contents of a clone, with the tools where a build puts them."""
         for name in sorted(os.listdir(ROOT)):
             if name not in ("build", ".git") and not os.path.lexists(os.path.join(self.folder, name)):
                 os.symlink(os.path.join(ROOT, name), os.path.join(self.folder, name))
