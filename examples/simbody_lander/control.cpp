@@ -15,11 +15,21 @@ const Controls& Actuators::follow(const Controls& command, double period_s) {
   return now_;
 }
 
+double Controller::braking(const BusState& estimate) const {
+  double rate = gains_.descent_mps, feed_forward = 0;
+  if (site_m_) {
+    const double height = std::max(estimate.position_m.z() - site_m_->z() - design_.standing_m(), 0.0);
+    const double last = gains_.touchdown_mps;
+    rate = std::min(rate, std::sqrt(last * last + 2 * gains_.braking_mps2 * height));
+    if (rate < gains_.descent_mps && rate > last) feed_forward = gains_.braking_mps2;
+  }
+  return feed_forward + gains_.descent_gain_per_s * (-rate - estimate.velocity_mps.z());
+}
+
 Vector3d Controller::guidance(const BusState& estimate) const {
-  const double up =
-      design_.gravity_mps2 + gains_.descent_gain_per_s * (-gains_.descent_mps - estimate.velocity_mps.z());
-  Vector3d force =
-      -gains_.position_gain_per_s2 * estimate.position_m - gains_.velocity_gain_per_s * estimate.velocity_mps;
+  const double up = design_.gravity_mps2 + braking(estimate);
+  const Vector3d away = estimate.position_m - site_m_.value_or(Vector3d::Zero());
+  Vector3d force = -gains_.position_gain_per_s2 * away - gains_.velocity_gain_per_s * estimate.velocity_mps;
   force.z() = std::max(up, 0.1 * design_.gravity_mps2);
   const double sideways = force.head<2>().norm(), limit = std::tan(gains_.tilt_limit_rad) * force.z();
   if (sideways > limit) force.head<2>() *= limit / sideways;

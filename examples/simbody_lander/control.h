@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <optional>
+
 #include "lander.h"
 #include "navigation.h"
 
@@ -24,12 +26,15 @@ class Actuators {
   Controls now_;
 };
 
-/// Flies down at a constant rate above the origin of D, upright, yaw 0; sees only what the filter knows.
+/// Flies down at a constant rate above the origin of D, upright, yaw 0; sees only what the filter knows. With
+/// a site it flies above that, and brakes at a constant rate to stand on it.
 class Controller {
  public:
   struct Gains {
     double descent_mps = 23;
     double descent_gain_per_s = 0.5;
+    double braking_mps2 = 0.8;
+    double touchdown_mps = 1;
     double position_gain_per_s2 = 0.04;
     double velocity_gain_per_s = 0.32;
     double tilt_limit_rad = 0.14;
@@ -37,14 +42,19 @@ class Controller {
     double attitude_damping = 0.8;
   };
   Controller(const Gains& gains, const Design& design) : gains_(gains), design_(design) {}
+  /// A place of the ground, in D as the lander's map has it.
+  void land_at(const Vector3d& site_m) { site_m_ = site_m; }
   [[nodiscard]] Controls command(const BusState& estimate) const;
 
  private:
+  /// The acceleration up that keeps the rate of descent.
+  [[nodiscard]] double braking(const BusState& estimate) const;
   /// The specific force to fly, in D.
   [[nodiscard]] Vector3d guidance(const BusState& estimate) const;
 
   Gains gains_;
   Design design_;
+  std::optional<Vector3d> site_m_;
 };
 
 }  // namespace lander

@@ -40,6 +40,9 @@ class Flight {
   /// Advances by one period; `times_s` are increasing and within [t_s(), t_s() + period).
   std::vector<PoseSample> advance(std::span<const double> times_s = {});
 
+  /// From now on: see Controller.
+  void land_at(const Vector3d& site_m) { controller_.land_at(site_m); }
+
   [[nodiscard]] double t_s() const { return static_cast<double>(periods_) * plan_.period_s; }
   [[nodiscard]] const Lander& body() const { return lander_; }
   [[nodiscard]] const NavigationFilter& filter() const { return filter_; }

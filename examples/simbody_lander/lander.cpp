@@ -67,6 +67,8 @@ double Design::rod_m() const {
          (kFirstLateralMode * std::tanh(kFirstLateralMode * tanks.fill_height_m / tanks.radius_m));
 }
 
+double Design::standing_m() const { return legs.length_m * std::sin(legs.droop_rad) - legs.hinge_z_m; }
+
 double Design::total_kg() const { return bus_kg + legs.count * legs.mass_kg + 2 * slosh_kg(); }
 
 struct Lander::Model {

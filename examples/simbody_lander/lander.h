@@ -49,6 +49,8 @@ struct Design {
   [[nodiscard]] double slosh_kg() const;  ///< the mass of one pendulum
   [[nodiscard]] double rod_m() const;     ///< the length of its rod
   [[nodiscard]] double total_kg() const;
+  /// The height of the bus's origin above the feet, with the springs at rest.
+  [[nodiscard]] double standing_m() const;
 };
 
 /// The bus: its origin and the velocity of that in D; D <- B; the angular rate in B.

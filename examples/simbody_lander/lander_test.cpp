@@ -217,6 +217,22 @@ TEST(Controls, CommandsAgainstTiltAndTowardsTheSite) {
 
 /// The ray of a lidar mounted at the centre of leg 0 starts where Simbody has that centre, and points down
 /// the body's axis, which the centres of the legs give.
+/// On the braking curve the engine gives weight and braking; above it, in steady descent, the weight alone.
+TEST(Controls, BrakesToStandOnTheSite) {
+  const Design design;
+  Controller controller({}, design);
+  controller.land_at({2, -3, 5});
+  const auto thrust = [&](double height_m, double down_mps) {
+    const BusState state{
+        {2, -3, 5 + design.standing_m() + height_m}, {0, 0, -down_mps}, {1, 0, 0, 0}, {0, 0, 0}};
+    return controller.command(state).thrust_n / design.total_kg() - design.gravity_mps2;
+  };
+  EXPECT_NEAR(thrust(100, std::sqrt(1 + 2 * 0.8 * 100)), 0.8, 1e-9);
+  EXPECT_NEAR(thrust(400, 23), 0, 1e-9);
+  EXPECT_NEAR(thrust(-0.1, 1), 0, 1e-9);
+  EXPECT_NEAR(design.standing_m(), 0.3 + 1.2 * std::sin(0.7), 1e-12);
+}
+
 TEST(Host, ThePoseIsThatOfSimbody) {
   Design design;
   Start start = kTumble;

@@ -1,12 +1,15 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // A descent in Simbody with landfall's lidar: writes the returns as scan.h5 and the motion as flight.csv.
-//   simbody_lander terrain.h5 scan.json scan.h5 flight.csv [--seed N] [--perfect] [--frozen]
+// With a site of the map the same flight lands on it.
+//   simbody_lander terrain.h5 scan.json scan.h5 flight.csv [--seed N] [--perfect] [--frozen] [--site X,Y,Z]
 #include <cmath>
 #include <cstdint>
 #include <exception>
 #include <fstream>
 #include <iostream>
 #include <iterator>
+#include <optional>
+#include <sstream>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -24,7 +27,22 @@ struct Options {
   std::vector<std::string> files;  ///< terrain, configuration, scan, motion
   Knowledge knowledge = Knowledge::filter;
   FlightPlan plan;
+  std::optional<Vector3d> site_m;
 };
+
+constexpr const char* kUsage =
+    "usage: simbody_lander terrain.h5 scan.json scan.h5 flight.csv [--seed N] [--perfect] [--frozen] "
+    "[--site X,Y,Z]";
+
+Vector3d site_of(const std::string& text) {
+  std::istringstream in(text);
+  Vector3d site;
+  char comma_1 = 0, comma_2 = 0;
+  in >> site.x() >> comma_1 >> site.y() >> comma_2 >> site.z();
+  if (!in || !(in >> std::ws).eof() || comma_1 != ',' || comma_2 != ',')
+    throw std::invalid_argument("--site: " + text + " is not X,Y,Z in metres");
+  return site;
+}
 
 /// The propellant is part of the bus.
 void freeze(FlightPlan& plan) {
@@ -41,12 +59,12 @@ Options options_of(const std::vector<std::string>& arguments) {
       freeze(options.plan);
     else if (arguments[i] == "--seed" && i + 1 < arguments.size())
       options.plan.seed = std::stoull(arguments[++i]);
+    else if (arguments[i] == "--site" && i + 1 < arguments.size())
+      options.site_m = site_of(arguments[++i]);
     else
       options.files.push_back(arguments[i]);
   }
-  if (options.files.size() != 4)
-    throw std::invalid_argument(
-        "usage: simbody_lander terrain.h5 scan.json scan.h5 flight.csv [--seed N] [--perfect] [--frozen]");
+  if (options.files.size() != 4) throw std::invalid_argument(kUsage);
   return options;
 }
 
@@ -128,6 +146,23 @@ class Scan {
   ScanFile file_;
 };
 
+/// Flies on until the feet of the upright lander reach the ground below it.
+void land(Flight& flight, const Vector3d& site_m, const Heightfield& ground, double standing_m,
+          MotionLog& log) {
+  flight.land_at(site_m);
+  double height_m = 0;
+  do {
+    flight.advance();
+    log.write(flight);
+    const Vector3d p = flight.body().bus().position_m;
+    height_m = ground.range_m({p.x(), p.y(), p.z()}, {0, 0, -1});
+    if (!std::isfinite(height_m)) throw std::runtime_error("the lander left the terrain");
+  } while (height_m > standing_m);
+  const BusState touchdown = flight.body().bus();
+  std::cout << "landed at " << touchdown.position_m.x() << ", " << touchdown.position_m.y() << " m after "
+            << flight.t_s() << " s, " << -touchdown.velocity_mps.z() << " m/s down\n";
+}
+
 void run(const Options& options) {
   const Heightfield ground = read_terrain(options.files[0]);
   const landfall::lidar::Instrument instrument(text_of(options.files[1]), scene_of(ground), options.files[1]);
@@ -146,8 +181,9 @@ void run(const Options& options) {
   for (const double start_s = flight.t_s(); !scan.done(); log.write(flight))
     scan.advance(flight, start_s, options.plan.period_s);
   scan.file().write(options.files[2]);
-  if (!log.complete()) throw std::runtime_error(options.files[3] + ": cannot be written");
   std::cout << scan.file().return_count() << " returns, " << flight.t_s() << " s\n";
+  if (options.site_m) land(flight, *options.site_m, ground, options.plan.design.standing_m(), log);
+  if (!log.complete()) throw std::runtime_error(options.files[3] + ": cannot be written");
 }
 
 }  // namespace
