@@ -11,6 +11,7 @@
 #include "base/abbreviated.h"
 #include "base/number_text.h"
 #include "cli/tool.h"
+#include "files/landfall_file.h"
 #include "imports/cloud_reader.h"
 #include "runs/cloud_import.h"
 #include "runs/raster_import.h"
@@ -143,8 +144,17 @@ void import_dem(cli::Session& session, const Options& o) {
   report_dem(session, import_raster(import, {output, session.provenance(), session.phases()}));
 }
 
+void require_foreign_files(const Options& o) {
+  if (is_landfall_file(o.cloud.path))
+    throw UsageError(o.cloud.path + ": is a landfall file already and needs no import");
+  if (is_landfall_file(o.raster.truth))
+    throw UsageError("--truth " + o.raster.truth +
+                     ": is a landfall file, not a raster; --terrain takes a terrain.h5");
+}
+
 ExitCode run(cli::Session& session, const Options& o) {
   if (o.cloud.path.empty()) throw UsageError("a file to import is required");
+  require_foreign_files(o);
   const bool has_truth = !o.raster.truth.empty() || !o.raster.terrain.empty();
   if (!is_cloud_file(o.cloud.path)) {
     import_dem(session, o);

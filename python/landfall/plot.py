@@ -41,13 +41,15 @@ def compare(a: Source, b: Source, *, layer: str | None = None, dpi: int = 100) -
     return _figure("plot_compare", [a, b], dpi, layer=layer)
 
 
-def evaluation(source: Source, figure: str = "accuracy", *, data_only: bool = False, dpi: int = 100) -> Figure:
-    """A figure of an evaluation: "verdict", "coverage", "elevation_error", "accuracy" or "uncertainty"."""
+def evaluation(source: Source, figure: str | None = None, *, data_only: bool = False, dpi: int = 100) -> Figure:
+    """A figure of an evaluation: "verdict", "coverage", "elevation_error", "accuracy" or "uncertainty"; by default "accuracy", or the one before
+    for a DEM that lacks the truth for it."""
     module = _module("plot_eval")
     path = _path(source)
     with _style(dpi):
         read = module.Evaluation(path, data_only)
         chosen = module.figures_of(read)
+        figure = figure or next(name for name in ("accuracy", "elevation_error", "coverage") if f"{name}.png" in chosen)
         if f"{figure}.png" not in chosen:
             raise UsageError(f"figure {figure!r}: this evaluation has {', '.join(name[:-len('.png')] for name in chosen)}")
         return _closed(chosen[f"{figure}.png"](read))

@@ -481,6 +481,11 @@ class Rasters(Imports):
             x, y = np.meshgrid(file["x"][()] + 7.5, file["y"][()] + 5)
             np.testing.assert_allclose(file["z_true"][()], 50 + 2 * x - y, atol=1e-6)
             self.assertEqual(file["z_true"].attrs["comment"], b"bilinear interpolation of truth.asc")
+            row, col = np.argwhere((np.abs(file["y"][()] - 2) < 0.1)[:, None] & (np.abs(file["x"][()] - 1) < 0.1))[0]
+            z_true = file["z_true"][row, col]
+        at = json.loads(self.succeed("landfall-info", self.out, "--at", "1,2", "--json").stdout)
+        self.assertIn(repr(float(z_true)), json.dumps(at))
+        self.assertIn("\nz_true, m              651        0 ", self.succeed("landfall-info", "--compare", self.out, self.out).stdout)
         self.succeed("dem-eval", self.out, "--metrics", self.path("m.json"), "--set", "region_radius_m=4", "--set", "footprint_m=1")
         with open(self.path("m.json"), encoding="utf-8") as file:
             metrics = json.load(file)

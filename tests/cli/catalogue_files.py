@@ -8,7 +8,7 @@ import struct
 import h5py
 import numpy as np
 
-from harness import EVAL, REGRID, SCAN, TERRAIN, run
+from harness import EVAL, REGRID, SCAN, TERRAIN, clouds, run
 from harness.opencl import build_faulty_opencl
 
 TETRAHEDRON = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 1 4 3\n"
@@ -293,6 +293,56 @@ def make_rasters():
         file.write(b"II*\0" + struct.pack("<I", 8) + b"\x05")
 
 
+def write_bytes(path, content):
+    with open(path, "wb") as file:
+        file.write(content)
+
+
+def make_las():
+    points = clouds.las_points(2)
+    good = clouds.las(points)
+
+    def patched(name, at, form, value):
+        write_bytes(name + ".las", good[:at] + struct.pack(form, value) + good[at + struct.calcsize(form):])
+
+    write_bytes("good.las", good)
+    write_bytes("cut.las", good[:-1])
+    write_bytes("cut_header.las", good[:100])
+    patched("version", 25, "<B", 5)
+    patched("short_header", 94, "<H", 100)
+    patched("early_points", 96, "<I", 10)
+    patched("cut_record", 100, "<I", 9)
+    patched("format", 104, "<B", 11)
+    patched("packed", 104, "<B", 0x80)
+    patched("short_points", 105, "<H", 19)
+    patched("no_points", 107, "<I", 0)
+    patched("no_scale", 131, "<d", 0)
+    for name, record in (("packed_record", ("laszip encoded", 22204, b"x")), ("bad_keys", ("LASF_Projection", 34735, bytes(8))),
+                         ("bad_wkt", ("LASF_Projection", 2112, b"PROJCS["))):
+        write_bytes(name + ".las", clouds.las(points, records=[clouds.las_vlr(*record)]))
+
+
+def make_pcd():
+    good = clouds.pcd(np.zeros(40, [("x", "<f4"), ("y", "<f4"), ("z", "<f4")]), "binary_compressed")
+    body = good.index(b"compressed\n") + 11
+    packed, unpacked = struct.unpack_from("<II", good, body)
+    write_bytes("cut.pcd", good[:-1])
+    write_bytes("sizes.pcd", good[:body] + struct.pack("<II", packed, unpacked - 1) + good[body + 8:])
+    write_bytes("early.pcd", good[:body] + struct.pack("<II", packed - 3, unpacked) + good[body + 8:])
+    write_bytes("before.pcd", good[:body + 8] + b"\xff\xff\xff" + good[body + 11:])
+
+
+def make_imports():
+    make_las()
+    make_pcd()
+    write("far.asc", asc([[1, 2], [3, 4]]).replace("corner 0", "corner 500"))
+    write("oblong.asc", asc([[1, 2], [3, 4]]).replace("cellsize 1", "dx 1\ndy 2"))
+    write("empty.asc", asc([[-9999, -9999], [-9999, -9999]]))
+    write("degrees.vrt", vrt(SOURCE.format("dem.asc"), f"<SRS>{WGS84}</SRS><GeoTransform>9,0.001,0,48,0,-0.001</GeoTransform>"))
+    write("imported.csv", "x,y,z,t\n0,0,1,0\n1,1,2,1\n")
+    run("landfall-import", "imported.csv", "-o", "imported.h5", "-q")
+
+
 def make_files():
     """Makes all files in the current folder."""
     make_chain()
@@ -315,3 +365,4 @@ def make_files():
         file.write(b"ply\nformat binary_little_endian 1.0\nelement face 0\nproperty list uchar int vertex_indices\nend_header\n\x03\0\0")
     with open("short.stl", "wb") as file:
         file.write(b" " * 80 + struct.pack("<I", 7) + b"\0" * 60)
+    make_imports()

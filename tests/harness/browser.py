@@ -14,6 +14,7 @@ import shutil
 import subprocess
 import sys
 import tempfile
+import time
 
 try:
     from selenium import webdriver
@@ -92,7 +93,9 @@ def main(report, picture, width="1400", height=None):
     window = Browser()
     try:
         window.resize(int(width))
+        begin = time.monotonic()
         window.open(report)
+        print(f"drawn after {time.monotonic() - begin:.1f} s")
         clip = None if height is None else {"x": 0, "y": 0, "width": int(width), "height": int(height)}
         window.picture(picture, clip)
         for entry in window.driver.get_log("browser"):

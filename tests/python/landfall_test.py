@@ -451,6 +451,27 @@ class Figures(Chain):
         self.assertEqual({type(figure).__name__ for figure in figures}, {"Figure"})
         self.assertEqual((dict(plt.rcParams), plt.get_fignums()), (before, []), "a figure leaves pyplot as it is")
 
+    def test_data_of_other_programs(self):
+        """Imported points and a rectangular raster have no truth, poses or pulses."""
+        points, raster = self.path("points.csv"), self.path("own.asc")
+        x, y = np.random.default_rng(1).uniform(-2, 2, (2, 4000))
+        np.savetxt(points, np.column_stack([x, y, x / 8]), delimiter=",", header="x,y,z", comments="")
+        with open(raster, "w", encoding="ascii") as file:
+            file.write("ncols 30\nnrows 20\nxllcorner 0\nyllcorner 0\ncellsize 0.2\n")
+            np.savetxt(file, np.arange(600).reshape(20, 30) / 1e4)
+        scan = self.path("imported.h5")
+        with landfall.run("landfall-import", None, points, output=scan, center="0,0") as table:
+            self.assertEqual((table.columns, len(table)), (("x_est", "y_est", "z_est", "status"), 4000))
+        with self.assertRaisesRegex(landfall.DataError, "has no group pulses"):
+            landfall.open(scan, group="pulses")
+        name, evaluation, hazards = (self.path(f"own{part}.h5") for part in ("", "-eval", "-hazards"))
+        landfall.run("landfall-import", None, raster, output=name).close()
+        landfall.run("dem-eval", {"region_radius_m": 1.2, "footprint_m": 0.6}, name, output=evaluation).close()
+        landfall.run("hazard-map", {"region_radius_m": 1, "lander": {"leg_radius_m": 0.4, "body_radius_m": 0.5}}, name, output=hazards).close()
+        figures = [landfall.plot.dem(name), landfall.plot.profile(name, (-1, 0), (1, 0.5)), landfall.plot.compare(name, name),
+                   landfall.plot.evaluation(evaluation), landfall.plot.hazards(hazards, dem=name)]
+        self.assertEqual({type(figure).__name__ for figure in figures}, {"Figure"})
+
     def test_what_a_figure_would_not_show_is_refused(self):
         with landfall.open(self.path("dem.h5")) as dem:
             dem["z_est"] = dem.z_est + 1
