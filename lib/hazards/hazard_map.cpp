@@ -9,128 +9,12 @@
 #include <string>
 #include <utility>
 
-#include "base/error.h"
 #include "base/number_text.h"
+#include "hazards/map_judge.h"
 #include "hazards/safe_probability.h"
 
 namespace landfall {
 namespace {
-
-constexpr double kTolerance = 1e-9;  // bins, and metres
-
-struct Width {
-  const char* key;
-  const char* what;
-  double bins;  ///< from the place to the outermost bin that enters
-};
-
-/// The part of the lander or of the windows that reaches furthest.
-Width widest(const HazardParameters& parameters, double resolution_m) {
-  const auto bins = [&](double radius_m) { return std::floor((radius_m + kTolerance) / resolution_m); };
-  const Lander& lander = parameters.lander;
-  const Width body = {"lander/body_radius_m", "a lander", bins(lander.body_radius_m)};
-  if (parameters.method == HazardMethod::contact) {
-    const Width legs = {
-        "lander/leg_radius_m", "a lander",
-        std::floor(lander.leg_radius_m / resolution_m + 0.5 + kTolerance) + bins(lander.pad_diameter_m / 2)};
-    return legs.bins > body.bins ? legs : body;
-  }
-  if (parameters.method != HazardMethod::range_difference) return body;
-  const double rock = bins(parameters.limits.roughness_m);
-  return {rock > body.bins ? "limits/roughness_m" : body.key, "a window", body.bins + rock + 1};
-}
-
-/// A stencil of more bins than the map would take any amount of memory, so that this is checked first.
-void require_fits(const HazardParameters& parameters, const GridSpec& spec) {
-  const Width width = widest(parameters, spec.resolution_m);
-  if (2 * width.bins + 1 <= static_cast<double>(std::min(spec.rows, spec.cols))) return;
-  throw UsageError(std::string(width.key) + ": " + width.what + " of " + short_number(2 * width.bins + 1) +
-                   " bins across is larger than the map of " + std::to_string(spec.cols) + " x " +
-                   std::to_string(spec.rows) + " bins of " + number_text(spec.resolution_m) + " m");
-}
-
-/// Methods other than contact need bins on both sides of the centre, and no legs. With 5 samples the plane
-/// through any three of them would have a median of 0.
-Lander lander_for(const HazardParameters& parameters, double resolution_m) {
-  Lander lander = parameters.lander;
-  if (parameters.method == HazardMethod::contact) return lander;
-  const bool is_lmeds = parameters.method == HazardMethod::lmeds;
-  if (lander.body_radius_m < (is_lmeds ? 2 : 1) * resolution_m - kTolerance)
-    throw UsageError("lander/body_radius_m: " + number_text(lander.body_radius_m) + " is less than " +
-                     (is_lmeds ? "2 bins" : "1 bin") + " of " + number_text(resolution_m) +
-                     " m, and the method is " +
-                     (is_lmeds                                   ? "lmeds"
-                      : parameters.method == HazardMethod::plane ? "plane"
-                                                                 : "range_difference"));
-  lander.leg_radius_m = std::max(lander.leg_radius_m, 2 * resolution_m);
-  return lander;
-}
-
-/// Measures maps of one resolution by the method of the configuration.
-class Judge {
- public:
-  Judge(const HazardParameters& parameters, double resolution_m)
-      : parameters_(parameters), lander_(lander_for(parameters, resolution_m), resolution_m) {
-    if (parameters.method != HazardMethod::range_difference) return;
-    windows_ = {lander_.body.half_bins(), rock_half_bins(parameters.limits.roughness_m, resolution_m)};
-    if (windows_.rock_half_bins >= 1) return;
-    throw UsageError("limits/roughness_m: " + number_text(parameters.limits.roughness_m) +
-                     " is less than 1 bin of " + number_text(resolution_m) +
-                     " m: rocks of this height have no window of range_difference");
-  }
-
-  [[nodiscard]] const LanderStencil& lander() const { return lander_; }
-
-  [[nodiscard]] PlaceMeasures measure(const Grid<double>& z, const BinMask& places,
-                                      const ProgressCallback& progress = {}) const {
-    switch (parameters_.method) {
-      case HazardMethod::contact:
-        return measure_contact(z, lander_, places, progress);
-      case HazardMethod::plane:
-        return measure_plane(z, lander_, places, progress);
-      case HazardMethod::range_difference:
-        return measure_range_difference(z, windows_, places, progress);
-      case HazardMethod::lmeds:
-        return measure_lmeds(z, lander_, places, progress);
-    }
-    throw std::logic_error("unknown hazard method");
-  }
-
-  /// The length over which the noise of a bin becomes a gradient: the legs' radius, the width of the window,
-  /// the root of the sum of dx^2 over the body, or the body's radius, over which a triple of samples extends.
-  [[nodiscard]] double slope_base_m() const {
-    const auto half_bins = static_cast<double>(lander_.body.half_bins());
-    switch (parameters_.method) {
-      case HazardMethod::contact:
-        return parameters_.lander.leg_radius_m;
-      case HazardMethod::plane:
-        return std::sqrt(static_cast<double>(lander_.body.squared_offsets())) * lander_.resolution_m;
-      case HazardMethod::range_difference:
-        return 2 * half_bins * lander_.resolution_m;
-      case HazardMethod::lmeds:
-        return half_bins * lander_.resolution_m;
-    }
-    throw std::logic_error("unknown hazard method");
-  }
-
- private:
-  const HazardParameters& parameters_;
-  LanderStencil lander_;
-  RangeWindows windows_{};
-};
-
-[[noreturn]] void refuse_unknown(const Grid<double>& z, const BinMask& region,
-                                 const HazardParameters& parameters) {
-  const std::string where = " within " + number_text(parameters.region_radius_m) + " m of the origin";
-  if (count_set(region) == 0) throw FormatError("nothing to judge: no bin of the map lies" + where);
-  std::int64_t known = 0;
-  for (std::size_t i = 0; i < z.spec().size(); ++i)
-    if (region.values()[i] != 0 && std::isfinite(z.values()[i])) ++known;
-  if (known == 0) throw FormatError("nothing to judge: no bin" + where + " has an elevation");
-  throw FormatError("nothing to judge: at each place" + where +
-                    " a part of the lander lies on a bin without an elevation or beyond the map's border; " +
-                    "scan more, or fill larger holes (hole_fill_bins)");
-}
 
 /// The probability of each place that a touchdown counts: p_safe, without it 1 if the place is safe; 0 of
 /// unknown places.
@@ -180,7 +64,7 @@ SigmaParts take_sigma(HazardInput& input, const LanderStencil& lander) {
 }
 
 void add_probability(HazardMap& map, HazardInput& input, const HazardParameters& parameters,
-                     const Judge& judge) {
+                     const MapJudge& judge) {
   const bool knows_noise = input.z_sigma_noise.has_value();
   const auto measure = [&](const Grid<double>& z, const BinMask& places) { return judge.measure(z, places); };
   map.p_safe = safe_probability(
@@ -278,8 +162,7 @@ OwnVerdicts own_verdicts(const HazardMap& map, const HazardParameters& parameter
 
 HazardMap map_hazards(HazardInput& input, const HazardParameters& parameters, const PhaseRunner& phase) {
   const GridSpec& spec = input.z.spec();
-  require_fits(parameters, spec);
-  const Judge judge(parameters, spec.resolution_m);
+  const MapJudge judge(parameters, spec);
   HazardMap map;
   map.region = clipped_circle(spec, parameters.region_radius_m);
   phase("judge", [&](const ProgressCallback& progress) {
@@ -287,7 +170,8 @@ HazardMap map_hazards(HazardInput& input, const HazardParameters& parameters, co
   });
   map.safe = judge_places(map.measures, parameters.limits);
   const PlaceCounts counts = count_places(map.safe, map.region);
-  if (counts.unknown == counts.all()) refuse_unknown(input.z, map.region, parameters);
+  if (counts.unknown == counts.all())
+    refuse_unknown(map.region, known_places(input.z, map.region), parameters);
   if (input.z_sigma)
     phase("probability", [&](const ProgressCallback&) { add_probability(map, input, parameters, judge); });
   if (input.z_true)

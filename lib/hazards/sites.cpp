@@ -2,6 +2,7 @@
 // Decisions: D281
 #include "hazards/sites.h"
 
+#include <algorithm>
 #include <cmath>
 #include <functional>
 #include <limits>
@@ -24,7 +25,7 @@ constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
 std::vector<double> kernel(double sigma_m, double resolution_m) {
   std::vector<double> weights;
   double sum = 0;
-  for (std::int64_t k = 0; static_cast<double>(k) * resolution_m <= 3 * sigma_m + kTolerance_m; ++k) {
+  for (std::int64_t k = 0; static_cast<double>(k) * resolution_m <= touchdown_reach_m(sigma_m); ++k) {
     const double x = static_cast<double>(k) * resolution_m / sigma_m;
     weights.push_back(k == 0 ? 1 : portable::exp(-x * x / 2));
     sum += k == 0 ? weights.back() : 2 * weights.back();
@@ -126,32 +127,44 @@ Grid<float> distance_to_hazard(const Grid<std::int8_t>& safe, const BinMask& reg
   return distance;
 }
 
+double touchdown_reach_m(double sigma_m) { return 3 * sigma_m + kTolerance_m; }
+
+bool is_apart(const GridSpec& spec, BinIndex a, BinIndex b, const SiteParameters& parameters) {
+  return a != b && portable::hypot(spec.x(a.col) - spec.x(b.col), spec.y(a.row) - spec.y(b.row)) >=
+                       parameters.separation_m - kTolerance_m;
+}
+
+bool is_better(const GridSpec& spec, const SitePlace& a, const SitePlace& b) {
+  if (a.cost != b.cost) return a.cost < b.cost;
+  const std::int64_t from_a = squared_bins(spec, a.bin);
+  const std::int64_t from_b = squared_bins(spec, b.bin);
+  if (from_a != from_b) return from_a < from_b;
+  return a.bin.row != b.bin.row ? a.bin.row < b.bin.row : a.bin.col < b.bin.col;
+}
+
+std::optional<SitePlace> best_place(const Grid<float>& cost, const Grid<std::int8_t>& safe,
+                                    std::span<const BinIndex> sites, const SiteParameters& parameters) {
+  const GridSpec& spec = cost.spec();
+  std::optional<SitePlace> best;
+  for (std::int64_t row = 0; row < spec.rows; ++row)
+    for (std::int64_t col = 0; col < spec.cols; ++col) {
+      const SitePlace here{{row, col}, cost.at({row, col})};
+      if (std::isnan(here.cost) || safe.at(here.bin) != static_cast<std::int8_t>(Safety::safe)) continue;
+      if (best && !is_better(spec, here, *best)) continue;
+      if (std::ranges::all_of(sites,
+                              [&](BinIndex site) { return is_apart(spec, here.bin, site, parameters); }))
+        best = here;
+    }
+  return best;
+}
+
 std::vector<BinIndex> choose_sites(const Grid<float>& cost, const Grid<std::int8_t>& safe,
                                    const SiteParameters& parameters) {
-  const GridSpec& spec = cost.spec();
-  const auto is_apart = [&](BinIndex a, BinIndex b) {
-    return a != b && portable::hypot(spec.x(a.col) - spec.x(b.col), spec.y(a.row) - spec.y(b.row)) >=
-                         parameters.separation_m - kTolerance_m;
-  };
   std::vector<BinIndex> sites;
   while (static_cast<std::int64_t>(sites.size()) < parameters.count) {
-    std::optional<BinIndex> best;
-    for (std::int64_t row = 0; row < spec.rows; ++row)
-      for (std::int64_t col = 0; col < spec.cols; ++col) {
-        const BinIndex bin{row, col};
-        const float here = cost.at(bin);
-        if (std::isnan(here) || safe.at(bin) != static_cast<std::int8_t>(Safety::safe)) continue;
-        if (best) {
-          const float least = cost.at(*best);
-          if (here > least || (here == least && squared_bins(spec, bin) >= squared_bins(spec, *best)))
-            continue;
-        }
-        bool fits = true;
-        for (const BinIndex& site : sites) fits = fits && is_apart(bin, site);
-        if (fits) best = bin;
-      }
+    const std::optional<SitePlace> best = best_place(cost, safe, sites, parameters);
     if (!best) break;
-    sites.push_back(*best);
+    sites.push_back(best->bin);
   }
   return sites;
 }

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "hazards/reachable_area.h"
@@ -24,6 +25,9 @@ struct SiteParameters {
 /// kernel. NaN and bins off the map count 0. sigma_m >= 0; 0 copies. NaN outside the region.
 [[nodiscard]] Grid<float> touchdown_probability(const Grid<float>& p, double sigma_m, const BinMask& region);
 
+/// The largest offset along an axis at which a place counts: 3 sigma_m + 1e-9.
+[[nodiscard]] double touchdown_reach_m(double sigma_m);
+
 /// The places among which sites are looked for.
 [[nodiscard]] ReachableArea reachable_area(const SiteParameters& parameters);
 
@@ -35,8 +39,24 @@ struct SiteParameters {
 /// outside the region.
 [[nodiscard]] Grid<float> distance_to_hazard(const Grid<std::int8_t>& safe, const BinMask& region);
 
-/// The safe places of least cost: each is the best of the others at least separation_m - 1e-9 from all
-/// before. Of equal costs the one nearer to the origin is better, then the lower row, then the lower column.
+struct SitePlace {
+  BinIndex bin;
+  float cost = 0;
+};
+/// Whether a site at `a` is better than one at `b`: of less cost, else nearer to the origin, else in the
+/// lower row, else in the lower column.
+[[nodiscard]] bool is_better(const GridSpec& spec, const SitePlace& a, const SitePlace& b);
+
+/// Whether two bins, which need not lie in the grid, are at least separation_m - 1e-9 apart and not the same.
+[[nodiscard]] bool is_apart(const GridSpec& spec, BinIndex a, BinIndex b, const SiteParameters& parameters);
+
+/// The best of the safe places with a cost that are apart from all of `sites`, which need not lie in the
+/// grid.
+[[nodiscard]] std::optional<SitePlace> best_place(const Grid<float>& cost, const Grid<std::int8_t>& safe,
+                                                  std::span<const BinIndex> sites,
+                                                  const SiteParameters& parameters);
+
+/// The best places, each the best of those apart from all before.
 [[nodiscard]] std::vector<BinIndex> choose_sites(const Grid<float>& cost, const Grid<std::int8_t>& safe,
                                                  const SiteParameters& parameters);
 
