@@ -43,6 +43,7 @@ class Browser:
 
     def __init__(self, width=1400, height=1000):
         self.profile = tempfile.mkdtemp(prefix="landfall-browser-")
+        self.size = None
         options = webdriver.ChromeOptions()
         options.binary_location = CHROMIUM
         for flag in [*FLAGS, f"--user-data-dir={self.profile}", f"--window-size={width},{height}"]:
@@ -72,7 +73,8 @@ class Browser:
         return self.driver.execute_script(script, *arguments)
 
     def resize(self, width, height=1000):
-        """Sets the size of the page itself, excluding the window frame."""
+        """Sets the size of the page itself, excluding the window frame, for all pages until the next call; the page has been drawn again on return."""
+        self.size = (width, height)
         self.driver.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", {
             "width": width, "height": height, "deviceScaleFactor": 1, "mobile": False})
         self.driver.execute_async_script(

@@ -84,7 +84,8 @@ class PageTest(ToolTest):
         """Opens a page in the test's folder."""
         self.window.driver.get_log("browser")
         self.window.requests()
-        self.window.resize(WIDTHS[0])
+        if self.window.size != (WIDTHS[0], 1000):
+            self.window.resize(WIDTHS[0])
         self.window.open(self.path(name))
 
     def text(self, selector):
