@@ -300,9 +300,17 @@ def old_verdict(metrics):
     return [row(requirement) for requirement in dictionary.requirements().values()]
 
 
+def overall(verdicts, has_elevations):
+    """The verdict on all requirements, as dem-eval's table gives it: FAIL where one that is judged is missed."""
+    if "FAIL" in verdicts:
+        return "FAIL"
+    if "not judged" not in verdicts:
+        return "pass"
+    return "not judged, the DEM has no " + ("true positions" if has_elevations else "truth")
+
+
 def draw_verdict(evaluation):
-    passed = evaluation.metrics.get("pass")
-    text = "not judged, the DEM has no truth" if passed is None else VERDICT[passed]
+    text = overall([row["verdict"] for row in evaluation.verdict], evaluation.has("e_z"))
     height = 3.4 + 0.33 * (len(evaluation.verdict) - len(dictionary.requirements()))  # more rows are the user's own requirements
     figure, axes = maps.new_figure((1, 1), (11, height), f"{evaluation.name}: {text}")
     ax = axes[0, 0]

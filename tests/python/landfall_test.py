@@ -460,17 +460,25 @@ class Figures(Chain):
             file.write("ncols 30\nnrows 20\nxllcorner 0\nyllcorner 0\ncellsize 0.2\n")
             np.savetxt(file, np.arange(600).reshape(20, 30) / 1e4)
         scan = self.path("imported.h5")
-        with landfall.run("landfall-import", None, points, output=scan, center="0,0") as table:
+        with landfall.run("landfall-import", None, points, output=scan, center="0,0", quiet=True) as table:
             self.assertEqual((table.columns, len(table)), (("x_est", "y_est", "z_est", "status"), 4000))
         with self.assertRaisesRegex(landfall.DataError, "has no group pulses"):
             landfall.open(scan, group="pulses")
         name, evaluation, hazards = (self.path(f"own{part}.h5") for part in ("", "-eval", "-hazards"))
-        landfall.run("landfall-import", None, raster, output=name).close()
+        landfall.run("landfall-import", None, raster, output=name, quiet=True).close()
         landfall.run("dem-eval", {"region_radius_m": 1.2, "footprint_m": 0.6}, name, output=evaluation).close()
         landfall.run("hazard-map", {"region_radius_m": 1, "lander": {"leg_radius_m": 0.4, "body_radius_m": 0.5}}, name, output=hazards).close()
         figures = [landfall.plot.dem(name), landfall.plot.profile(name, (-1, 0), (1, 0.5)), landfall.plot.compare(name, name),
                    landfall.plot.evaluation(evaluation), landfall.plot.hazards(hazards, dem=name)]
         self.assertEqual({type(figure).__name__ for figure in figures}, {"Figure"})
+
+    def test_the_verdict_of_a_figure_is_that_of_the_table(self):
+        from landfall import plot_eval
+
+        for verdicts, has_elevations, expected in ((["pass", "FAIL", "not judged"], False, "FAIL"), (["pass", "pass"], True, "pass"),
+                                                   (["pass", "not judged"], False, "not judged, the DEM has no truth"),
+                                                   (["pass", "not judged"], True, "not judged, the DEM has no true positions")):
+            self.assertEqual(plot_eval.overall(verdicts, has_elevations), expected)
 
     def test_what_a_figure_would_not_show_is_refused(self):
         with landfall.open(self.path("dem.h5")) as dem:
