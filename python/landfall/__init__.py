@@ -36,14 +36,17 @@ def __getattr__(name: str) -> typing.Any:
 def open(path: Path, group: str | None = None, check: bool = True) -> typing.Any:  # pylint: disable=redefined-builtin
     """Opens a file that landfall made. Values are read on access.
 
-    A terrain, DEM, evaluation, hazard map or plan is an xarray.Dataset: layers over y and x with units and long names, and the coordinate
-    reference system as `crs`. A scan, or the results of a study, is a landfall.table.Table. metrics.json, sites.json, score.json and the
-    verdict of a campaign are dicts. With `group` the columns of that group are a Table: "pulses" of a scan, "features" of a terrain, "holes" of an
-    evaluation, "sites" of a hazard map.
+    A terrain, DEM, evaluation, hazard map, plan or the maps of draws.h5 are an xarray.Dataset: layers of shape (y, x) with `units` and `long_name`,
+    row 0 the southernmost, x and y in metres in frame D (x to the right, y up on the map), and the coordinate reference system as `crs`. A mesh
+    terrain has `vertices` (V, 3), metres, and `triangles` (F, 3), rows of the vertices. A scan, or the results of a study, is a
+    landfall.table.Table. metrics.json, sites.json, score.json and the verdict of a campaign are dicts, whose keys end in their units. With
+    `group` the columns of that group are a Table: "pulses" of a scan, "features" of a terrain, "holes" of an evaluation, "sites" of a hazard map,
+    "draws" of draws.h5.
 
-    Throws DataError, naming the file, if it is missing, damaged, unfinished, not landfall's, or refers to other files: it runs
-    `landfall-info --check`, some 50 ms for a file of any size. check=False opens a file that you trust without this. Damaged values
-    throw DataError when they are read. Closing the result, or leaving a `with` block of it, closes the file.
+    Raises DataError, naming the file, if it is missing, damaged, unfinished, not landfall's, or refers to other files, or has no such group: it
+    runs `landfall-info --check`, some 50 ms for a file of any size. check=False opens a file that you trust without this. Damaged values
+    raise DataError when they are read. Raises Error if xarray, which grids need, is missing. Closing the result, or leaving a `with` block of it,
+    closes the file.
 
     HDF5 loads no filter plug-ins in this process from then on.
     """
@@ -62,8 +65,11 @@ def run(tool: str, config: Config | typing.Sequence[Config] | None = None, *inpu
     set={"noise.range_sigma_m": 0.02}, overwrite=True; None and False leave it out.
 
     Returns the opened output; the path of an output in another program's format. Without an output: the opened file of `metrics`, `sites` or
-    `score` (a dict), the metrics of metrics_only=True (a dict), or else what the tool printed. The tool's warnings go to stderr. Throws ToolError
-    with the tool's message and exit code if it fails.
+    `score` (a dict), the metrics of metrics_only=True (a dict), or else what the tool printed. The tool's warnings go to stderr. Units are those
+    that end the names of keys and options.
+
+    Raises ToolError with the tool's message and exit code if it fails or is missing, UsageError if an argument has a type that no tool takes, and
+    what open() raises for the output.
     """
     from landfall import opening, tools
 

@@ -38,6 +38,11 @@ def model(base, inputs, outputs, folder="landfall-model", workers=1, prefix=(), 
     folder: results are kept there and found again. workers: runs at a time. prefix: words of a command that runs another one, as srun.
     traced: {} has every row traced by monte-carlo without a scan; its keys are monte-carlo's terrain_seed, uncertainty and landing, which adds the
     outputs "landing.*" and "blind.*". With terrain_seed "each" the ground follows scan.seed: terrain.seed + scan.seed - the base's scan.seed.
+
+    The callable takes the shape (inputs,) or (rows, inputs), in the units that end the names of the keys, and returns (outputs,) or
+    (rows, outputs), in the units that end those of the metrics; true is 1, a row that a tool refuses NaN, with the reason in `failures`.
+    `progress`: an object with start(what, count) and clear(), or None. Raises UsageError, with stage and key, if a configuration, an input or an
+    output is unknown, and ToolError if a tool is missing or killed.
     """
     return Model(runs.read_base(base, os.getcwd(), "model"), inputs, outputs, folder, workers, prefix, progress, traced)
 
@@ -258,7 +263,10 @@ def _engine(name):
 
 
 def openturns_function(of):
-    """An openturns.Function of a callable like model(): a sample is one table, so that its rows run together."""
+    """An openturns.Function of a callable like model(): a sample (rows x inputs) is one table, so that its rows run together.
+
+    Inputs and outputs have the names and units of the model's. Raises UsageError if OpenTURNS is missing.
+    """
     function = openturns().PythonFunction(len(of.inputs), len(of.outputs), func=lambda x: of(np.asarray(x)),
                                           func_sample=lambda sample: of(np.asarray(sample)))
     function.setInputDescription(list(of.inputs))
@@ -278,7 +286,8 @@ def optuna_objective(of, bounds, constraints=None):
     """objective(trial) for Optuna: the first output of a callable like model().
 
     bounds: {input: (low, high)}, whole numbers if both are int, or {input: [values]}. constraints: {output: limit}; the margins
-    ln(value/limit) are in trial.user_attrs["constraints"], for a sampler's constraints_func. A row that fails prunes the trial.
+    ln(value/limit) are in trial.user_attrs["constraints"], for a sampler's constraints_func; limits have the units of the outputs. A row that
+    fails prunes the trial. Raises UsageError if Optuna is missing, a constraint is no output, or bounds does not name each input once.
     """
     module = optuna()
     unknown = [name for name in constraints or {} if name not in of.outputs]

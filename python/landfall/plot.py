@@ -5,6 +5,10 @@
 
 Each function takes a file as its path or as landfall.open() returned it. A dataset whose values were changed since is refused, because the
 figure would not show them. Options are those of the command of the same name (plot_dem.py --limit-m 0.03: limit_m=0.03).
+
+Lengths are metres in the frame of the file (x to the right, y up on the map), angles degrees, `dpi` 50 to 600 pixels per inch. Every function
+raises DataError, naming the file, if it is missing, damaged, of another kind or without a layer that the figure needs, and UsageError if an
+option is out of its bounds.
 """
 from __future__ import annotations
 
@@ -27,23 +31,39 @@ __all__ = ["compare", "dem", "draws", "evaluation", "hazards", "landing", "plan"
 
 def dem(source: Source, *, region_radius_m: float | None = None, footprint_m: float | None = None, limit_m: float | None = None,
         data_only: bool = False, dpi: int = 100) -> Figure:
-    """True and estimated elevation of a DEM side by side, and their difference."""
+    """True and estimated elevation of a dem.h5 side by side, and their difference e_z, all in metres; without truth only the estimate.
+
+    `region_radius_m`: radius of the circle about the origin that is judged, by default the largest that fits. `footprint_m`: edge of a
+    footprint, 1.7. `limit_m`: limit of the relative elevation error, 0.05, marked on the scale of e_z. With `data_only` the scale ends
+    where the data does, even if the limit lies outside.
+    """
     return _figure("plot_dem", [source], dpi, region_radius_m=region_radius_m, footprint_m=footprint_m, limit_m=limit_m, data_only=data_only)
 
 
 def profile(source: Source, start: Place, end: Place, *, limit_m: float | None = None, dpi: int = 100) -> Figure:
-    """Truth, estimate and error of a DEM along a line between two places, metres in the frame of the DEM."""
+    """Truth, estimate and error of a dem.h5 along the line from `start` to `end`, each (x, y) in metres in the frame of the DEM.
+
+    The value is that of each bin that the line crosses; nothing is interpolated, so that a bin without a return is a gap. `limit_m`: limit of
+    the relative elevation error, 0.05, drawn as lines. UsageError if both places are the same or one is outside the map.
+    """
     return _figure("plot_profile", [source], dpi, **{"from": start, "to": end}, limit_m=limit_m)
 
 
 def compare(a: Source, b: Source, *, layer: str | None = None, dpi: int = 100) -> Figure:
-    """Two DEMs on equal grids side by side, and the difference B - A."""
+    """Two DEMs side by side, and the difference `b` - `a` in metres. DataError unless their grids are equal.
+
+    `layer`: the elevations to compare, "z_est" (default), "z_true", "z_corrected" or "z_true_map".
+    """
     return _figure("plot_compare", [a, b], dpi, layer=layer)
 
 
 def evaluation(source: Source, figure: str | None = None, *, data_only: bool = False, dpi: int = 100) -> Figure:
-    """A figure of an evaluation: "verdict", "coverage", "elevation_error", "accuracy" or "uncertainty"; by default "accuracy", or the one before
-    for a DEM that lacks the truth for it."""
+    """A figure of an eval.h5: "verdict", "coverage", "elevation_error", "accuracy" or, of a DEM with 1-sigma maps, "uncertainty"; by default
+    "accuracy", or the one before for a DEM that lacks the truth for it.
+
+    Errors are true minus estimated, in centimetres. With `data_only` scales end where the data does, even if limits lie outside. UsageError,
+    with the figures that there are, if the evaluation lacks what `figure` shows.
+    """
     module = _module("plot_eval")
     path = _path(source)
     with _style(dpi):
@@ -56,34 +76,46 @@ def evaluation(source: Source, figure: str | None = None, *, data_only: bool = F
 
 
 def hazards(source: Source, *, dem: Source | None = None, data_only: bool = False, dpi: int = 100) -> Figure:  # pylint: disable=redefined-outer-name
-    """Slope, roughness, safe places, touchdown probability and sites of a hazard map; with `dem`, over the relief of the map that was judged."""
+    """Safe places, slope in degrees, roughness in metres, probability and landing sites of a hazards.h5; with a score also how good it is.
+
+    `dem`: the DEM that was judged, whose relief shades the places; DataError unless its bins are those of the hazard map. With `data_only`
+    scales end where the data does, even if limits lie outside.
+    """
     return _figure("plot_hazards", [source], dpi, dem=None if dem is None else _path(dem), data_only=data_only)
 
 
 def plan(source: Source, *, dpi: int = 100) -> Figure:
-    """The coverage that a scan would have (scan-sim --plan)."""
+    """The coverage that a scan would have, from a plan.h5 of scan-sim --plan: returns and frames per bin, when each is first seen in seconds."""
     return _figure("plot_plan", [source], dpi)
 
 
 def draws(source: Source, *, dpi: int = 100) -> Figure:
-    """The maps and distributions of many draws."""
+    """The maps of a draws.h5, and the distributions of what decides each requirement; of a file without maps only the distributions.
+
+    Probabilities are shares of the draws; means and spreads of the errors are metres.
+    """
     return _figure("plot_draws", [source], dpi)
 
 
 def landing(source: Source, *, dpi: int = 100) -> Figure:
-    """The touchdowns of draws that land, with the lidar and without."""
+    """The touchdowns of a draws.h5 with landings, with the lidar and without, in metres, and slope and roughness there against their limits."""
     return _figure("plot_landing", [source], dpi)
 
 
 def terrain(source: Source, *, sun_azimuth_deg: float | None = None, sun_elevation_deg: float | None = None, zoom_width_m: float | None = None,
             zoom_at: Place | None = None, dpi: int = 100) -> Figure:
-    """Hillshade, slopes and a zoom of a terrain."""
+    """Hillshade with the objects, slopes in degrees and a zoom of a gridded terrain.h5.
+
+    `sun_azimuth_deg`: of the light, clockwise from +y, 315; `sun_elevation_deg`: 0 to 90, 35. `zoom_width_m`: edge of the zoom, by default a
+    tenth of the site; `zoom_at`: its middle (x, y), by default the steepest place.
+    """
     return _figure("plot_terrain", [source], dpi, sun_azimuth_deg=sun_azimuth_deg, sun_elevation_deg=sun_elevation_deg,
                    zoom_width_m=zoom_width_m, zoom_at=zoom_at)
 
 
 def populations(source: Source, *, dpi: int = 100) -> Figure:
-    """The size distributions of a terrain's rocks and craters, and the laws that they follow."""
+    """How many rocks, ice blocks and craters of which size a terrain.h5 has, against the laws that they were drawn from: N(>D) per square metre,
+    D in metres. DataError if no pattern of the terrain scatters objects."""
     return _figure("plot_populations", [source], dpi, output="figure.png")
 
 

@@ -12,10 +12,10 @@ class Table:
 
     `table["z_est"]` reads a column into a numpy array. `table[1000:2000]` is a Table of these rows and `table[["x_est", "y_est"]]`
     one of these columns, both without reading; so `table[::100]["z_est"]` reads every hundredth value. `len()` counts rows, iterating
-    gives the names of the columns.
+    gives the names of the columns. A column has the shape (rows,) and the type and unit that the file gives it; positions are metres in frame D.
 
-    `columns`: names in their order; `units`: unit by name; `attributes`: all attributes by name, with units, long_name and the
-    meanings of flags; `attrs`: attributes of the file.
+    `attrs`: attributes of the file and of the group. A name that is no column raises KeyError with the names that are; damaged values raise
+    DataError when they are read. `close()`, or leaving a `with` block, closes the file.
     """
 
     def __init__(self, datasets, rows, attrs):
@@ -23,14 +23,17 @@ class Table:
 
     @property
     def columns(self):
+        """The names of the columns, in their order."""
         return tuple(self._datasets)
 
     @property
     def attributes(self):
+        """{column: its attributes}, with units, long_name and the meanings of flags."""
         return {name: files.attributes(dataset) for name, dataset in self._datasets.items()}
 
     @property
     def units(self):
+        """{column: its unit}, "" without one."""
         return {name: attributes.get("units", "") for name, attributes in self.attributes.items()}
 
     def __len__(self):
@@ -60,7 +63,8 @@ class Table:
         return self._datasets[name]
 
     def to_pandas(self):
-        """Reads all of this table into a pandas.DataFrame. Its index is the row number in the file, its attrs hold the units."""
+        """Reads all of this table into a pandas.DataFrame of the same rows and columns. Its index is the row number in the file, its attrs hold the
+        units. Raises Error if pandas is missing."""
         pandas = files.package("pandas")
         index = pandas.RangeIndex(self._rows.start, self._rows.stop, self._rows.step)
         frame = pandas.DataFrame({name: self[name] for name in self}, index=index)
@@ -74,6 +78,7 @@ class Table:
         return "\n".join([f"<landfall Table> {len(self):,} rows, {len(rows)} columns", *rows])
 
     def close(self):
+        """Closes the file; columns cannot be read any more."""
         next(iter(self._datasets.values())).file.close()
 
     def __enter__(self):
