@@ -30,6 +30,9 @@ target_compile_options(landfall_flags INTERFACE
   $<$<CONFIG:Release>:-ffile-prefix-map=${CMAKE_SOURCE_DIR}=.>)
 target_link_options(landfall_flags INTERFACE $<$<CONFIG:Release>:LINKER:-z,relro,-z,now>)
 target_include_directories(landfall_flags INTERFACE ${CMAKE_SOURCE_DIR}/lib)
+if(CMAKE_SYSTEM_PROCESSOR MATCHES "aarch64|arm64")
+  target_include_directories(landfall_flags BEFORE INTERFACE ${CMAKE_SOURCE_DIR}/cmake/arm64)
+endif()
 target_link_libraries(landfall_flags INTERFACE Threads::Threads)
 set(landfall_instrumentation)  # what whoever links instrumented objects must be linked with
 if(LANDFALL_SANITIZE)
