@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-#include "base/parallel.h"
+#include "hazards/by_rows.h"
 #include "hazards/lane_input.h"
 #include "hazards/measure_rows.h"
 #include "hazards/reach.h"
@@ -69,22 +69,20 @@ PaddedMap pad_heights_of(const PaddedMap& z, const GridSpec& spec, const LanderS
   PaddedMap heights(spec, z.margin());
   const Footprint& pad = lander.pad;
   const auto count = static_cast<double>(pad.bin_count());
-  parallel_for(static_cast<std::size_t>(spec.rows), kRowsPerPiece, [&](std::size_t begin, std::size_t end) {
-    for (auto row = static_cast<std::int64_t>(begin); row < static_cast<std::int64_t>(end); ++row) {
-      double* const target = heights.at(row, 0);
-      const bool is_max = lander.pad_height == PadHeight::max;
-      std::fill_n(target, spec.cols, is_max ? -std::numeric_limits<double>::infinity() : 0);
-      for (std::int64_t r = -pad.half_bins(); r <= pad.half_bins(); ++r)
-        for (std::int64_t c = -pad.half_width(r); c <= pad.half_width(r); ++c) {
-          const double* const values = z.at(row + r, c);
-          if (is_max)
-            for (std::int64_t k = 0; k < spec.cols; ++k) target[k] = std::max(target[k], values[k]);
-          else
-            for (std::int64_t k = 0; k < spec.cols; ++k) target[k] += values[k];
-        }
-      if (!is_max)
-        for (std::int64_t k = 0; k < spec.cols; ++k) target[k] /= count;
-    }
+  by_rows(spec, [&](std::int64_t row) {
+    double* const target = heights.at(row, 0);
+    const bool is_max = lander.pad_height == PadHeight::max;
+    std::fill_n(target, spec.cols, is_max ? -std::numeric_limits<double>::infinity() : 0);
+    for (std::int64_t r = -pad.half_bins(); r <= pad.half_bins(); ++r)
+      for (std::int64_t c = -pad.half_width(r); c <= pad.half_width(r); ++c) {
+        const double* const values = z.at(row + r, c);
+        if (is_max)
+          for (std::int64_t k = 0; k < spec.cols; ++k) target[k] = std::max(target[k], values[k]);
+        else
+          for (std::int64_t k = 0; k < spec.cols; ++k) target[k] += values[k];
+      }
+    if (!is_max)
+      for (std::int64_t k = 0; k < spec.cols; ++k) target[k] /= count;
   });
   return heights;
 }

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <cstdint>
 
-#include "base/parallel.h"
+#include "hazards/by_rows.h"
 #include "hazards/measure_rows.h"
 #include "hazards/measures.h"
 #include "hazards/reach.h"
@@ -46,14 +46,13 @@ double median_of(std::array<double, 9>& v) {
 /// The median of each bin and its eight neighbours; without meaning where one of them is missing.
 Grid<double> medians(const PaddedMap& z, const GridSpec& spec) {
   auto result = Grid<double>::unset(spec);
-  parallel_for(static_cast<std::size_t>(spec.rows), kRowsPerPiece, [&](std::size_t begin, std::size_t end) {
-    for (auto row = static_cast<std::int64_t>(begin); row < static_cast<std::int64_t>(end); ++row)
-      for (std::int64_t col = 0; col < spec.cols; ++col) {
-        std::array<double, 9> near;
-        for (std::int64_t r = 0; r < 3; ++r)
-          std::copy_n(z.at(row + r - 1, col - 1), 3, &near[3 * static_cast<std::size_t>(r)]);
-        result.row(row)[static_cast<std::size_t>(col)] = median_of(near);
-      }
+  by_rows(spec, [&](std::int64_t row) {
+    for (std::int64_t col = 0; col < spec.cols; ++col) {
+      std::array<double, 9> near;
+      for (std::int64_t r = 0; r < 3; ++r)
+        std::copy_n(z.at(row + r - 1, col - 1), 3, &near[3 * static_cast<std::size_t>(r)]);
+      result.row(row)[static_cast<std::size_t>(col)] = median_of(near);
+    }
   });
   return result;
 }
