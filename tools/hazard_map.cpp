@@ -5,6 +5,8 @@
 #include <CLI/CLI.hpp>
 #include <iostream>
 #include <optional>
+#include <string>
+#include <utility>
 #include <vector>
 
 #include "cli/hazard_input.h"
@@ -14,6 +16,7 @@
 #include "cli/verdict_table.h"
 #include "config/hazard_config.h"
 #include "files/hazard_file.h"
+#include "files/hazard_strips.h"
 #include "report/hazard_page.h"
 #include "terrain/gdal/gdal_loader.h"
 #include "tools.h"
@@ -27,6 +30,7 @@ constexpr const char* kExamples = R"(Examples:
   hazard-map dem.h5 --terrain terrain.h5 -o hazards.h5 --score score.json
   hazard-map terrain.h5 -c preset:jpl-2015 -o hazards.h5
   hazard-map dem.h5 -o hazards.h5 --set limits.slope_deg=15 --require-safe
+  hazard-map long.h5 -o hazards.h5 --layers slope,roughness,safe
 Exit status 3: --require-safe is given, and no site has a p_touchdown of
 sites.min_p or more, or the score misses one of the requirements.
 Configuration: --print-schema, man hazard-map, docs/user/hazard-map.md.)";
@@ -37,7 +41,8 @@ constexpr const char* kDescription =
 If the DEM has the true elevations, they are judged in the same way: the layer outcome shows missed hazards and false alarms, and --score writes their numbers as JSON.)";
 
 struct Options {
-  std::string map, terrain, sites, score, report, title;
+  std::string map, terrain, sites, score, report, title, layers_text;
+  std::vector<std::string> layers;  ///< none: all
   bool no_truth = false;
   bool table = false;
   bool require_safe = false;
@@ -50,6 +55,12 @@ void bind(CLI::App& app, Options& o) {
          "True terrain (terrain.h5): true elevations of bins without a return, in holes that are filled")
       ->type_name("FILE");
   app.add_flag("--no-truth", o.no_truth, "Ignore the true elevations of the DEM");
+  app.add_option(
+         "--layers", o.layers_text,
+         "Write only these of the layers slope, roughness and safe, comma-separated, and judge the map "
+         "in strips, without its true elevations and 1-sigmas: for maps that do not fit in memory")
+      ->type_name("NAME,...")
+      ->each([&o](const std::string& text) { o.layers = CLI::detail::split(text, ','); });
   app.add_option("--sites", o.sites, "Write the landing sites as JSON")->type_name("FILE");
   app.add_option("--score", o.score, "Write the comparison with the truth as JSON")->type_name("FILE");
   app.add_option("--report", o.report, "Write a report: one HTML file with maps, sites and score")
@@ -76,6 +87,17 @@ void check_output(const cli::CommonOptions& common, const Options& o) {
     throw UsageError("nothing to write; give -o, --sites, --score, --report or --table");
 }
 
+/// Refuses options that need layers which --layers leaves out.
+void check_strips(const cli::CommonOptions& common, const Options& o) {
+  if (o.layers.empty()) return;
+  check_strip_layers(o.layers);
+  if (common.output_path.empty()) throw UsageError("--layers chooses the layers of the output and needs -o");
+  for (const auto& [option, value] :
+       {std::pair("--terrain", o.terrain), std::pair("--score", o.score), std::pair("--report", o.report)})
+    if (!value.empty())
+      throw UsageError(std::string(option) + " needs all layers, of which --layers leaves some out");
+}
+
 void check(const cli::CommonOptions& common, const Options& o) {
   if (o.map.empty()) throw UsageError("a DEM or terrain to judge is required");
   check_output(common, o);
@@ -88,11 +110,58 @@ void check(const cli::CommonOptions& common, const Options& o) {
     throw UsageError("--sites and --score need a file; --table prints both");
   if (!o.title.empty() && o.report.empty()) throw UsageError("--title needs --report");
   if (o.report == "-") throw UsageError("--report needs a file");
+  check_strips(common, o);
+}
+
+/// Gives the sites their positions on the map of the site.
+void place(cli::Session& session, const std::string& name, HazardMap& map, const std::string& crs_wkt) {
+  if (const auto why = no_map_positions(crs_wkt))
+    session.warn(name + ": the sites have no map coordinates: " + *why);
+  place_on_map(map.sites, crs_wkt);
+}
+
+/// Prints what is asked for, and passes on the outcome.
+ExitCode conclude(cli::Session& session, const Options& o, const HazardMap& map,
+                  const HazardParameters& parameters) {
+  const OwnVerdicts own = own_verdicts(map, parameters);
+  if (o.table || is_table_default(session.options()))
+    std::cout << cli::hazard_table(map) << cli::own_table(own);
+  std::optional<double> required;
+  if (o.require_safe) required = parameters.sites.min_p;
+  return cli::report_hazards(session, o.map, map, own, required);
+}
+
+ExitCode run_in_strips(cli::Session& session, const Options& o, const HazardParameters& parameters) {
+  if (parameters.z_sigma_m) throw UsageError("z_sigma_m: gives the map 1-sigmas, which --layers leaves out");
+  const OutputOptions output = session.output({o.map});
+  const auto sites_file = session.side_output("--sites", o.sites, {o.map});
+  HazardStripReader reader(o.map);
+  if (reader.has_sigma())
+    session.warn(o.map + ": --layers leaves out its 1-sigmas: sites count safe places, without p_safe");
+  Provenance provenance = session.provenance();
+  provenance.options = {{"layers", o.layers}};
+  provenance.add_input(reader.kind(), reader.file_id(), reader.chain());
+  LandfallFileWriter file(output, "hazards", provenance);
+  const StripSource source = reader.source();
+  HazardStripWriter writer(file, source.spec, reader.crs_wkt(), o.layers);
+  HazardMap map;
+  session.with_file_names(o.map, [&] {
+    map = map_strips(
+        source, parameters, [&](const PlaceMeasures& strip) { writer.take(strip); }, session.phases());
+  });
+  place(session, o.map, map, reader.crs_wkt());
+  session.phase("write", [&](const ProgressCallback&) {
+    if (sites_file) write_text(*sites_file, sites_json(map).dump(2) + "\n");
+    writer.finish(map);
+    if (sites_file) sites_file->commit();
+  });
+  return conclude(session, o, map, parameters);
 }
 
 ExitCode run(cli::Session& session, const Options& o) {
   check(session.options(), o);
   const HazardParameters parameters = hazard_config(session.config(), session.config_name());
+  if (!o.layers.empty()) return run_in_strips(session, o, parameters);
   // The outputs are refused before the map is read, and appear together or not at all.
   const std::vector<std::string> inputs = {o.map, o.terrain};
   std::optional<OutputOptions> output;
@@ -113,10 +182,7 @@ ExitCode run(cli::Session& session, const Options& o) {
   if (output) file.emplace(*output, "hazards", provenance);
   HazardMap map;
   session.with_file_names(o.map, [&] { map = map_hazards(input, parameters, session.phases()); });
-  const OwnVerdicts own = own_verdicts(map, parameters);
-  if (const auto why = no_map_positions(source.crs_wkt))
-    session.warn(o.map + ": the sites have no map coordinates: " + *why);
-  place_on_map(map.sites, source.crs_wkt);
+  place(session, o.map, map, source.crs_wkt);
   session.phase("write", [&](const ProgressCallback&) {
     if (sites_file) write_text(*sites_file, sites_json(map).dump(2) + "\n");
     if (score_file) write_text(*score_file, score_json(map.truth->score).dump(2) + "\n");
@@ -127,11 +193,7 @@ ExitCode run(cli::Session& session, const Options& o) {
     if (score_file) score_file->commit();
     if (report_file) report_file->commit();
   });
-  if (o.table || is_table_default(session.options()))
-    std::cout << cli::hazard_table(map) << cli::own_table(own);
-  std::optional<double> required;
-  if (o.require_safe) required = parameters.sites.min_p;
-  return cli::report_hazards(session, o.map, map, own, required);
+  return conclude(session, o, map, parameters);
 }
 
 }  // namespace

@@ -9,11 +9,13 @@
 #include <utility>
 #include <vector>
 
+#include "base/available_memory.h"
 #include "files/contents.h"
 #include "files/field_json.h"
 #include "files/grid_file.h"
 #include "files/map_position_json.h"
 #include "hdf5/table.h"
+#include "raster/size_text.h"
 #include "terrain/gdal/gdal_loader.h"
 
 namespace landfall {
@@ -30,10 +32,7 @@ Json true_safe(Safety truth) {
 
 void write_measures(GridLayerWriter& layers, const PlaceMeasures& measures, const std::string& suffix) {
   const auto write = [&](const std::string& name, const Grid<double>& values) {
-    auto rounded = Grid<float>::unset(values.spec());
-    for (std::size_t i = 0; i < values.spec().size(); ++i)
-      rounded.values()[i] = static_cast<float>(values.values()[i]);
-    layers.write(name + suffix, rounded, {.ancillary_variables = "safe" + suffix});
+    layers.write(name + suffix, single_precision(values), {.ancillary_variables = "safe" + suffix});
   };
   write("slope", measures.slope_deg);
   write("roughness", measures.roughness_m);
@@ -49,6 +48,68 @@ auto site_column(const std::vector<LandingSite>& sites, const Of& of) {
 
 float or_nan(const std::optional<float>& value) {
   return value.value_or(std::numeric_limits<float>::quiet_NaN());
+}
+
+/// Made of data of another program, whose true elevations are those of the bin centres.
+bool is_imported(const LandfallFileReader& dem) {
+  return std::ranges::any_of(
+      dem.chain(), [](const nlohmann::json& step) { return step.value("tool", "") == "landfall-import"; });
+}
+
+TruthCentroids bin_centers(const GridSpec& spec) {
+  TruthCentroids centers{Grid<double>(spec), Grid<double>(spec)};
+  for (std::int64_t row = 0; row < spec.rows; ++row)
+    for (std::int64_t col = 0; col < spec.cols; ++col) {
+      centers.x.at({row, col}) = spec.x(col);
+      centers.y.at({row, col}) = spec.y(row);
+    }
+  return centers;
+}
+
+}  // namespace
+
+Grid<float> single_precision(const Grid<double>& values) {
+  auto rounded = Grid<float>::unset(values.spec());
+  std::ranges::transform(values.values(), rounded.values().begin(),
+                         [](double value) { return static_cast<float>(value); });
+  return rounded;
+}
+
+void require_gridded(const LandfallFileReader& file) {
+  if (kind_of(file) == "terrain" && !has_grid(file))
+    file.fail("is a mesh terrain; hazard-map judges a DEM or a gridded terrain");
+}
+
+HazardSource read_hazard_source(const std::filesystem::path& path, bool with_truth) {
+  const LandfallFileReader file(path, {"dem", "terrain"});
+  require_gridded(file);
+  const std::string kind = kind_of(file);
+  const GridLayerReader layers(file);
+  constexpr std::uint64_t kBytesPerBin = 42;  // elevations, with a margin, and measures, at least
+  const GridSpec& spec = layers.spec();
+  require_memory(kBytesPerBin * spec.size(), file.name() + ": judging " + size_text(spec),
+                 "--layers slope,roughness,safe judges it in strips");
+  HazardSource source;
+  source.kind = kind;
+  source.z = layers.read_checked<double>(kind == "dem" ? "z_est" : "z", LayerValues::finite);
+  source.crs_wkt = layers.crs_wkt();
+  source.file_id = file.file_id();
+  source.chain = file.chain();
+  if (kind == "dem" && layers.has("z_sigma_rel"))
+    source.z_sigma = layers.read_checked<double>("z_sigma_rel", LayerValues::not_negative);
+  if (source.z_sigma && layers.has("z_sigma_noise"))
+    source.z_sigma_noise = layers.read_checked<double>("z_sigma_noise", LayerValues::not_negative);
+  if (with_truth && kind == "dem" && layers.has("z_true"))
+    source.z_true = layers.read_checked<double>("z_true", LayerValues::finite);
+  return source;
+}
+
+TruthCentroids read_truth_centroids(const std::filesystem::path& path) {
+  const LandfallFileReader file(path, {"dem"});
+  const GridLayerReader layers(file);
+  if (is_imported(file) && !layers.has("x_true")) return bin_centers(layers.spec());
+  return {layers.read_checked<double>("x_true", LayerValues::finite),
+          layers.read_checked<double>("y_true", LayerValues::finite)};
 }
 
 void write_sites(const LandfallFileWriter& file, const HazardMap& map) {
@@ -106,53 +167,6 @@ void write_sites(const LandfallFileWriter& file, const HazardMap& map) {
     rows.emplace_back(std::span(truth));
   }
   write_table(file.root(), "sites", std::move(columns), rows, file.compression());
-}
-
-/// Made of data of another program, whose true elevations are those of the bin centres.
-bool is_imported(const LandfallFileReader& dem) {
-  return std::ranges::any_of(
-      dem.chain(), [](const nlohmann::json& step) { return step.value("tool", "") == "landfall-import"; });
-}
-
-TruthCentroids bin_centers(const GridSpec& spec) {
-  TruthCentroids centers{Grid<double>(spec), Grid<double>(spec)};
-  for (std::int64_t row = 0; row < spec.rows; ++row)
-    for (std::int64_t col = 0; col < spec.cols; ++col) {
-      centers.x.at({row, col}) = spec.x(col);
-      centers.y.at({row, col}) = spec.y(row);
-    }
-  return centers;
-}
-
-}  // namespace
-
-HazardSource read_hazard_source(const std::filesystem::path& path, bool with_truth) {
-  const LandfallFileReader file(path, {"dem", "terrain"});
-  const std::string kind = kind_of(file);
-  if (kind == "terrain" && !has_grid(file))
-    file.fail("is a mesh terrain; hazard-map judges a DEM or a gridded terrain");
-  const GridLayerReader layers(file);
-  HazardSource source;
-  source.kind = kind;
-  source.z = layers.read_checked<double>(kind == "dem" ? "z_est" : "z", LayerValues::finite);
-  source.crs_wkt = layers.crs_wkt();
-  source.file_id = file.file_id();
-  source.chain = file.chain();
-  if (kind == "dem" && layers.has("z_sigma_rel"))
-    source.z_sigma = layers.read_checked<double>("z_sigma_rel", LayerValues::not_negative);
-  if (source.z_sigma && layers.has("z_sigma_noise"))
-    source.z_sigma_noise = layers.read_checked<double>("z_sigma_noise", LayerValues::not_negative);
-  if (with_truth && kind == "dem" && layers.has("z_true"))
-    source.z_true = layers.read_checked<double>("z_true", LayerValues::finite);
-  return source;
-}
-
-TruthCentroids read_truth_centroids(const std::filesystem::path& path) {
-  const LandfallFileReader file(path, {"dem"});
-  const GridLayerReader layers(file);
-  if (is_imported(file) && !layers.has("x_true")) return bin_centers(layers.spec());
-  return {layers.read_checked<double>("x_true", LayerValues::finite),
-          layers.read_checked<double>("y_true", LayerValues::finite)};
 }
 
 void write_hazards(LandfallFileWriter& file, const HazardMap& map, const std::string& crs_wkt) {

@@ -37,6 +37,14 @@ struct TruthCentroids {
 /// Writes hazards.h5 (docs/user/files/hazards.md) and commits it.
 void write_hazards(LandfallFileWriter& file, const HazardMap& map, const std::string& crs_wkt);
 
+// The parts that hazard_strips.h shares.
+
+/// Throws FormatError for a mesh terrain.
+void require_gridded(const LandfallFileReader& file);
+[[nodiscard]] Grid<float> single_precision(const Grid<double>& values);
+/// The table /sites.
+void write_sites(const LandfallFileWriter& file, const HazardMap& map);
+
 /// Sets the positions of sites on the map of their frame.
 void place_on_map(std::vector<LandingSite>& sites, const std::string& crs_wkt);
 

@@ -10,9 +10,11 @@
 #include <limits>
 #include <utility>
 
+#include "base/available_memory.h"
 #include "base/error.h"
 #include "base/parallel.h"
 #include "gridding/weighted_mean_accumulator.h"
+#include "raster/size_text.h"
 
 namespace landfall {
 namespace {
@@ -33,6 +35,16 @@ std::vector<Batch> batches(const Scans& scans) {
     for (std::size_t begin = 0; begin < scans[i]->row_count(); begin += kBatchRows)
       result.push_back({scans[i].get(), i, begin, std::min(kBatchRows, scans[i]->row_count() - begin)});
   return result;
+}
+
+/// The bins that returns can fall on, by the pages of memory that they make the system provide.
+void require_bins_fit(const Scans& scans, const GriddingRequest& request) {
+  constexpr std::uint64_t kBytesPerBin = sizeof(BinSums);
+  constexpr std::uint64_t kBytesPerReturn = 4096;  // a page, if each falls on its own
+  std::uint64_t returns = 0;
+  for (const auto& scan : scans) returns += scan->row_count();
+  require_memory(std::min(kBytesPerBin * request.grid.size(), kBytesPerReturn * returns),
+                 "gridding " + size_text(request.grid), "choose a smaller half_width_m or larger bins");
 }
 
 GriddedScans empty_bins(const GriddingRequest& request) {
@@ -112,6 +124,7 @@ void require_scans_of(const Scans& scans, const TerrainIdentity& terrain, const 
 
 GriddedScans grid_scans(const Scans& scans, const GriddingRequest& request,
                         const ProgressCallback& progress) {
+  require_bins_fit(scans, request);
   GriddedScans gridded = empty_bins(request);
   const std::vector<Batch> todo = batches(scans);
   gridded.edges.resize(scans.size());

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "base/available_memory.h"
 #include "base/error.h"
 #include "campaign/predicted_sigma.h"
 #include "config/config_path.h"
@@ -16,6 +17,7 @@
 #include "evaluation/evaluate.h"
 #include "files/evaluation_file.h"
 #include "files/table_reader.h"
+#include "raster/size_text.h"
 #include "runs/redraw.h"
 
 namespace landfall {
@@ -192,6 +194,9 @@ DrawGround Campaign::ground_of(const DrawStages& stages, std::int64_t draw) {
 void Campaign::prepare(const TerrainSurface* ground, const std::optional<OpenClOptions>& device,
                        Provenance& provenance) {
   const GridSpec& grid = regrid_.grid;
+  constexpr std::uint64_t kBytesPerBin = 24;  // the elevation and the true position of a draw, at least
+  require_memory(kBytesPerBin * grid.size(), config_.name() + ": gridding a draw to " + size_text(grid),
+                 "choose a smaller half_width_m or larger bins");
   std::optional<BinMask> mask;
   if (const auto source = region_mask_source(config_.stages().eval)) {
     RegionMask read = read_region_mask(source->path, source->layer, grid);

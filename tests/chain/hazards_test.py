@@ -3,6 +3,7 @@
 """hazard-map against an independent implementation of its definitions (tests/oracle/hazards.py), its refusals, and JPL's sites."""
 import json
 import os
+import resource
 import subprocess
 import sys
 import unittest
@@ -14,7 +15,7 @@ from matplotlib.image import imread
 
 sys.path.insert(0, os.path.join(os.environ["LANDFALL_ROOT"], "python"))
 
-from harness import REGRID, ChainTest, ToolTest, columns, read_bytes, run, with_values
+from harness import REGRID, SCAN, TERRAIN, ChainTest, ToolTest, columns, read_bytes, run, with_values
 from landfall import plot_hazards
 from oracle import hazards as oracle
 from oracle.evaluate import region_of
@@ -198,6 +199,113 @@ class Maps(ChainTest):
                 made.append([read_bytes(path) for path in out])
             self.assertEqual(made[0], made[1], method)
             self.assertEqual(made[0], made[2], method)
+
+
+class Strips(ChainTest):
+    """--layers: the same values as in one piece, from strips of the map."""
+
+    def both(self, source, *options):
+        made = []
+        for name, more in (("whole", ["--no-truth"]), ("strips", ["--layers", "slope,roughness,safe"])):
+            out = [self.path(name + end) for end in (".h5", ".json")]
+            self.succeed("hazard-map", source, "-c", self.config(CONFIG), "-o", out[0], "--sites", out[1], "-O", *options, *more)
+            made.append((columns(out[0]), json.loads(read_bytes(out[1]))))
+        return made
+
+    def compare(self, source, *options):
+        (whole, sites), (strips, strip_sites) = self.both(source, *options)
+        self.assertEqual(set(strips), {"x", "y", "slope", "roughness", "safe"})
+        for name, values in strips.items():
+            self.assertEqual(values.dtype, whole[name].dtype)
+            self.assertEqual(values.tobytes(), whole[name].tobytes(), name)
+        self.assertEqual(strip_sites, sites)
+        self.assertGreater(len(sites["sites"]), 0)
+        attributes = []
+        for name in ("whole.h5", "strips.h5"):
+            with h5py.File(self.path(name)) as file:
+                attributes.append([{key: str(value) for key, value in file[layer].attrs.items() if "LIST" not in key}
+                                   for layer in ("slope", "roughness", "safe")] + [{n: v[()].tobytes() for n, v in file["sites"].items()}])
+        self.assertEqual(attributes[0], attributes[1])
+
+    def test_a_dem_and_a_terrain_have_the_values_of_one_piece(self):
+        self.compare(self.chain.dem)
+        self.compare(self.chain.terrain, "--set", "region_radius_m=20")
+
+    def test_a_map_of_several_strips(self):
+        """More rows than a strip, which are not a multiple of the rows of a tile, and a part of the map beyond the region."""
+        self.succeed("terrain-gen", "-o", self.path("t.h5"), "--set", 'grid={"half_width_m": 27.5, "resolution_m": 0.05}', "--set", "base={\"type\": "
+                     '"fractal", "hurst_exponent": 0.8, "reference_length_m": 10, "rms_deviation_m": 0.4}', "--set", "seed=3", "--set",
+                     'patterns=[{"type": "golombek_rocks", "k": 0.02, "min_diameter_m": 0.3}]')
+        self.compare(self.path("t.h5"), "--set", "region_radius_m=26", "--set", "method=plane", "--set", "sites.divert_radius_m=25",
+                     "--set", "sites.count=9")
+
+    def test_some_layers_alone(self):
+        self.succeed("hazard-map", self.chain.dem, "-c", self.config(CONFIG), "-o", self.path("h.h5"), "--layers", "slope")
+        self.assertEqual(set(columns(self.path("h.h5"))), {"x", "y", "slope"})
+        self.assertIn("/sites (4)", self.succeed("landfall-info", self.path("h.h5")).stdout)
+        with h5py.File(self.path("h.h5")) as file:
+            self.assertNotIn("ancillary_variables", file["slope"].attrs)
+            self.assertEqual(json.loads(file["provenance/options_json"][()])["layers"], ["slope"])
+
+    def test_what_strips_cannot_give_is_refused(self):
+        run_of = ["hazard-map", self.chain.dem, "-c", self.config(CONFIG), "-o", self.path("h.h5"), "--layers"]
+        for options, words in [(["slope,p_safe"], ["--layers: 'p_safe'", "slope, roughness, safe"]), (["safe,safe"], ["'safe' is given twice"]),
+                               (["safe", "--score", self.path("s")], ["--score", "--layers"]), (["safe", "--report", self.path("r")], ["--report", "--layers"]),
+                               (["safe", "--terrain", self.chain.terrain], ["--terrain", "--layers"]), (["safe", "--set", "z_sigma_m=0.1"], ["z_sigma_m", "--layers"])]:
+            self.refuse(2, *run_of, *options, words=words, output=self.path("h.h5"))
+        self.refuse(2, "hazard-map", self.chain.dem, "--table", "--layers", "safe", words=["--layers", "-o"])
+
+    def test_sigmas_that_are_left_out_are_named(self):
+        dem = self.path("sigmas.h5")
+        self.succeed("regrid", self.chain.scan, "-c", self.config(REGRID), "--terrain", self.chain.terrain, "--uncertainty",
+                     "--range-sigma", "0.01", "--navigation-sigma", "position_m=0", "-o", dem)
+        result = run("hazard-map", dem, "-c", self.config(CONFIG), "-o", self.path("h.h5"), "--layers", "safe")
+        self.assertEqual(result.returncode, 0)
+        self.assertIn(f"warning: {dem}: --layers leaves out its 1-sigmas: sites count safe places, without p_safe", result.stderr)
+
+    def test_damaged_elevations_are_refused(self):
+        damaged = self.path("damaged.h5")
+        with open(damaged, "wb") as file:
+            file.write(read_bytes(self.chain.dem))
+        with h5py.File(damaged, "r+") as file:
+            file["z_est"][3, 4] = np.inf
+        for options in ([], ["--layers", "safe"]):
+            self.refuse(1, "hazard-map", damaged, "-c", self.config(CONFIG), "-o", self.path("h.h5"), *options,
+                        words=[damaged, "z_est: the value in row 3, column 4 is infinite"], output=self.path("h.h5"))
+
+
+class Memory(ToolTest):
+    """A map, a DEM and a draw that do not fit in memory are refused before the work begins, by their size."""
+
+    @staticmethod
+    def limit(size):
+        return lambda: resource.setrlimit(resource.RLIMIT_AS, (size, size))
+
+    def refuse_in(self, size, tool, *arguments, words):
+        result = run(tool, *arguments, preexec_fn=self.limit(size))
+        self.assertEqual((result.returncode, result.stdout), (1, ""))
+        self.check_message(tool, result.stderr, words)
+
+    def test_a_map_that_strips_can_judge(self):
+        self.succeed("terrain-gen", "-o", self.path("t.h5"), "--set", 'grid={"half_width_m": 900, "resolution_m": 0.5}', "--set", "features=[]")
+        source = [self.path("t.h5"), "-o", self.path("h.h5"), "--set", "lander.leg_radius_m=1"]
+        self.refuse_in(1 << 29, "hazard-map", *source, words=[self.path("t.h5"), "3,601 x 3,601 bins needs 0.6 GB of memory", "--layers slope,roughness,safe"])
+        self.assertEqual(run("hazard-map", *source, "--layers", "safe", preexec_fn=self.limit(1 << 29)).returncode, 0)
+
+    def test_a_dem(self):
+        self.succeed("terrain-gen", "-o", self.path("t.h5"), "--set", 'grid={"half_width_m": 60, "resolution_m": 1}', "--set", "features=[]")
+        self.succeed("scan-sim", "-c", "preset:paper", "--terrain", self.path("t.h5"), "-o", self.path("s.h5"), "--set", "laser.scan_time_s=0.03",
+                     "--set", "scanner.pattern.rows=25", "--set", "scanner.pattern.columns=24")
+        size = ["--set", "half_width_m=900", "--set", "resolution_m=0.5"]
+        self.refuse_in(1 << 29, "regrid", self.path("s.h5"), *size, "-o", self.path("d.h5"),
+                       words=["gridding 3,601 x 3,601 bins needs 0.8 GB of memory", "half_width_m"])
+
+    def test_a_draw(self):
+        self.succeed("terrain-gen", "-o", self.path("t.h5"), "-c", self.config(TERRAIN))
+        self.succeed("scan-sim", "-c", self.config({**SCAN, "noise": {}}), "--terrain", self.path("t.h5"), "-o", self.path("s.h5"))
+        draws = {"draws": 2, "regrid": {"half_width_m": 2500, "resolution_m": 0.5}}
+        self.refuse_in(1 << 29, "monte-carlo", self.path("s.h5"), "--terrain", self.path("t.h5"), "-c", self.config(draws), "-o", self.path("m.h5"),
+                       words=["config.json: gridding a draw to 10,001 x 10,001 bins needs 2.5 GB of memory", "half_width_m"])
 
 
 class Interface(ChainTest):
