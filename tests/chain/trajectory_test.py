@@ -26,8 +26,8 @@ def blocks(language, page=PAGE):
 
 
 DOC = {}
-for page in (ATTITUDES, PAGE):
-    exec(compile(blocks("python", page)[0], page, "exec"), DOC)  # pylint: disable=exec-used
+for source in (ATTITUDES, PAGE):
+    exec(compile(blocks("python", source)[0], source, "exec"), DOC)  # pylint: disable=exec-used
 
 
 def tilde(v):
