@@ -17,7 +17,7 @@ from landfall.study.table import BLIND_LANDING, error_sign, is_probability, metr
 COLORS = ["#0072B2", "#D55E00", "#009E73", "#CC79A7", "#56B4E9", "#E69F00", "#000000", "#999933"]
 MARKERS = "osD^vP*X"
 LIMIT_COLOR = "#7F0000"
-# Of cells in which every case passes; the orange of COLORS means failed in all reports.
+# Cells in which every case passes; the orange of COLORS means failed in all reports.
 PASS_COLOR = "#009E73"
 FRAME = [matplotlib.patheffects.withStroke(linewidth=3.5, foreground="white")]
 MAX_SERIES = len(COLORS)
