@@ -5,10 +5,12 @@
 #include <CLI/CLI.hpp>
 #include <iostream>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include "cli/hazard_input.h"
 #include "cli/hazard_table.h"
+#include "cli/judged_region.h"
 #include "cli/outcomes.h"
 #include "cli/tool.h"
 #include "cli/verdict_table.h"
@@ -108,7 +110,10 @@ ExitCode run(cli::Session& session, const Options& o) {
   provenance.add_input(source.kind, source.file_id, source.chain);
   if (score_file && !source.z_true)
     throw FormatError(o.map + ": has no true elevations (z_true), which --score needs");
+  std::optional<BinMask> region =
+      cli::read_judged_region(session, {source.z.spec(), source.crs_wkt, true}, provenance);
   input = cli::complete_hazard_input(session, {o.map, o.terrain}, source, parameters, provenance);
+  input.region = std::move(region);
   std::optional<LandfallFileWriter> file;
   if (output) file.emplace(*output, "hazards", provenance);
   HazardMap map;

@@ -121,7 +121,7 @@ class Judge {
 
 [[noreturn]] void refuse_unknown(const Grid<double>& z, const BinMask& region,
                                  const HazardParameters& parameters) {
-  const std::string where = " within " + number_text(parameters.region_radius_m) + " m of the origin";
+  const std::string where = " " + region_text(parameters);
   if (count_set(region) == 0) throw FormatError("nothing to judge: no bin of the map lies" + where);
   std::int64_t known = 0;
   for (std::size_t i = 0; i < z.spec().size(); ++i)
@@ -130,6 +130,11 @@ class Judge {
   throw FormatError("nothing to judge: at each place" + where +
                     " a part of the lander lies on a bin without an elevation or beyond the map's border; " +
                     "scan more, or fill larger holes (hole_fill_bins)");
+}
+
+BinMask region_of(const HazardInput& input, const HazardParameters& parameters) {
+  if (has_mask(parameters.region_shape)) return input.region.value();
+  return clipped_circle(input.z.spec(), parameters.region_radius_m, parameters.region_center_m);
 }
 
 /// The probability of each place that a touchdown counts: p_safe, without it 1 if the place is safe; 0 of
@@ -261,6 +266,14 @@ HazardInput fill_map(MapLayers layers, const HazardParameters& parameters, const
   return input;
 }
 
+std::string region_text(const HazardParameters& parameters) {
+  if (parameters.region_shape == RegionShape::mask) return "in the mask";
+  if (parameters.region_shape == RegionShape::polygon) return "in the polygon";
+  const auto [x, y] = parameters.region_center_m;
+  return "within " + number_text(parameters.region_radius_m) + " m of " +
+         (x == 0 && y == 0 ? "the origin" : "(" + number_text(x) + ", " + number_text(y) + ") m");
+}
+
 PlaceCounts count_places(const Grid<std::int8_t>& safe, const BinMask& region) {
   PlaceCounts counts;
   for (std::size_t i = 0; i < safe.spec().size(); ++i) {
@@ -281,7 +294,7 @@ HazardMap map_hazards(HazardInput& input, const HazardParameters& parameters, co
   require_fits(parameters, spec);
   const Judge judge(parameters, spec.resolution_m);
   HazardMap map;
-  map.region = clipped_circle(spec, parameters.region_radius_m);
+  map.region = region_of(input, parameters);
   phase("judge", [&](const ProgressCallback& progress) {
     map.measures = judge.measure(input.z, map.region, progress);
   });
