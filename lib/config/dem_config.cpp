@@ -4,9 +4,11 @@
 #include <map>
 
 #include "config/config_path.h"
+#include "config/json_values.h"
 #include "config/own_requirement_config.h"
 #include "config/region_config.h"
 #include "evaluation/metrics.h"
+#include "raster/grid_area.h"
 
 namespace landfall {
 
@@ -23,12 +25,16 @@ Method method_of(const std::string& name) {
   return kMethods.at(name);
 }
 
+Horizontal map_center(const nlohmann::json& resolved) {
+  return resolved.contains("center_m") ? horizontal(resolved.at("center_m")) : Horizontal{};
+}
+
 }  // namespace
 
 RegridConfig regrid_config(const nlohmann::json& resolved, const std::string& name) {
   RegridConfig config;
-  config.grid = GridSpec::centered(resolved.at("half_width_m").get<double>(),
-                                   resolved.at("resolution_m").get<double>(), (name + ": /").c_str());
+  config.grid = grid_over({pair_of(resolved.at("half_width_m")), map_center(resolved)},
+                          resolved.at("resolution_m").get<double>(), (name + ": /").c_str());
   config.truth_at = resolved.at("truth_at") == "centroid" ? TruthAt::centroid : TruthAt::bin_center;
   config.method = method_of(resolved.at("method").get<std::string>());
   return config;

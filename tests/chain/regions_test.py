@@ -181,5 +181,57 @@ class InTheFrame(ChainTest):
             self.assertGreater(score["missed_hazard_frac"], 0)
 
 
+class Rectangles(ChainTest):
+    """DEMs that are rectangles about a centre of their own: the same bins as those of the chain's DEM."""
+
+    AREA = ["--set", "resolution_m=0.1", "--set", "half_width_m=[3, 1.5]", "--set", "center_m=[1.2, -0.7]"]
+
+    def setUp(self):
+        super().setUp()
+        self.dem = self.path("r.h5")
+        self.succeed("regrid", self.chain.scan, "--terrain", self.chain.terrain, "-o", self.dem, *self.AREA)
+
+    def test_the_bins_are_those_of_a_larger_dem(self):
+        with h5py.File(self.dem) as file, h5py.File(self.chain.dem) as whole:
+            x, y = file["x"][()], file["y"][()]
+            np.testing.assert_allclose([x[0], x[-1], y[0], y[-1]], [-1.8, 4.2, -2.2, 0.8], atol=1e-12)
+            self.assertEqual((x.size, y.size), (61, 31))
+            rows, cols = (np.searchsorted(whole[axis][()], values - 1e-6) for axis, values in (("y", y), ("x", x)))
+            for layer in ("z_est", "z_true", "x_true", "y_true", "count"):
+                np.testing.assert_array_equal(file[layer][()], whole[layer][rows[0]:rows[-1] + 1, cols[0]:cols[-1] + 1], layer)
+
+    def test_what_reads_them(self):
+        circle = ["--set", 'region={"center_m": [1.2, -0.7]}', "--set", "region_radius_m=1.5"]
+        self.succeed("dem-eval", self.dem, "-c", self.chain.config("dem-eval"), *circle, "-o", self.path("e.h5"), "--report", self.path("r.html"), "--metrics", self.path("m.json"))
+        self.refuse(2, "dem-eval", self.dem, "--set", "region_radius_m=2", "--table", words=["/region_radius_m: 2 does not fit the DEM: the largest that fits is 0.9"])
+        with h5py.File(self.path("e.h5")) as file:
+            distance = np.hypot(*np.meshgrid(file["x"][()] - 1.2, file["y"][()] + 0.7))
+            np.testing.assert_array_equal(file["in_region"][()] != 0, distance < 1.5 - 1e-9)
+        self.succeed("hazard-map", self.dem, "--terrain", self.chain.terrain, "-c", self.chain.config("hazard-map"), *circle, "-o", self.path("h.h5"), "--report", self.path("h.html"))
+        self.assertIn("61 x 31", self.succeed("landfall-info", self.dem).stdout)
+        at = json.loads(self.succeed("landfall-info", self.dem, "--at", "1.21,-0.68", "--json").stdout)
+        np.testing.assert_allclose((at["x_m"], at["y_m"]), (1.2, -0.7), atol=1e-12)
+        self.succeed("landfall-export", self.dem, "-o", self.path("d.tif"), "--layers", "z_est")
+        shown = json.loads(subprocess.run(["gdalinfo", "-json", self.path("d.tif")], check=True, capture_output=True, text=True).stdout)
+        self.assertEqual(shown["size"], [61, 31])
+        np.testing.assert_allclose(shown["cornerCoordinates"]["upperLeft"], [-1.85, 0.85], atol=1e-9)
+        draws = {"draws": 1, "metrics": "full", "regrid": {"resolution_m": 0.1, "half_width_m": [3, 1.5], "center_m": [1.2, -0.7]},
+                 "eval": {**EVAL, "region_radius_m": 1.5, "region": {"center_m": [1.2, -0.7]}}}
+        self.succeed("scan-sim", "-c", self.chain.config("scan-sim"), "--terrain", self.chain.terrain, "--keep-misses", "-o", self.path("s.h5"))
+        self.succeed("monte-carlo", self.path("s.h5"), "--terrain", self.chain.terrain, "-c", self.config(draws), "-o", self.path("draws.h5"), "--seed", 7)
+        metrics = json.loads(read_bytes(self.path("m.json")))
+        with h5py.File(self.path("draws.h5")) as file:
+            self.assertEqual(file["draws/region.bin_count"][0], metrics["region"]["bin_count"])
+            self.assertEqual(file["draws/accuracy.relative.z.max_m"][0], metrics["accuracy"]["relative"]["z"]["max_m"])
+
+    def test_areas_that_are_refused(self):
+        for values, words in ((["half_width_m=[3, 1.55]"], ["half_width_m 1.55 is not a whole multiple (1 to 2^28) of resolution_m 0.1"]),
+                              (["half_width_m=[3, 0]"], ["half_width_m"]), (["half_width_m=[3, 1, 1]"], ["half_width_m"]),
+                              (["center_m=[0.05, 0]"], ["center_m 0.05 is not a whole multiple"]), (["center_m=[1]"], ["center_m"]),
+                              (["half_width_m=[20000, 2000]"], ["more than 2^30"])):
+            settings = [word for value in ["resolution_m=0.1", *values] for word in ("--set", value)]
+            self.refuse(2, "regrid", self.chain.scan, "-o", self.path("x.h5"), *settings, words=words, output=self.path("x.h5"))
+
+
 if __name__ == "__main__":
     unittest.main()
