@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "cli/judged_region.h"
 #include "cli/outcomes.h"
 #include "cli/tool.h"
 #include "cli/verdict_table.h"
@@ -75,15 +76,12 @@ void check(const cli::CommonOptions& common, const Options& o) {
   if (o.report == "-") throw UsageError("--report needs a file");
 }
 
-/// The DEM and, if the configuration names one, the mask of its region.
-DemInput read_inputs(const cli::Session& session, const Options& o, Provenance& provenance) {
+/// The DEM and, if the configuration has one, the mask of its region.
+DemInput read_inputs(cli::Session& session, const Options& o, Provenance& provenance) {
   DemInput dem = read_dem(o.dem);
   provenance.add_input("dem", dem.file_id, dem.chain);
-  if (const auto source = region_mask_source(session.config())) {
-    RegionMask region = read_region_mask(source->path, source->layer, dem.layers.z_est.spec());
-    provenance.add_input("region", region.file_id, nlohmann::json::array());
-    dem.layers.region_mask = std::move(region.mask);
-  }
+  dem.layers.region_mask =
+      cli::read_judged_region(session, {dem.layers.z_est.spec(), dem.crs_wkt}, provenance);
   return dem;
 }
 

@@ -11,6 +11,7 @@
 
 #include "cli/hazard_input.h"
 #include "cli/hazard_table.h"
+#include "cli/judged_region.h"
 #include "cli/outcomes.h"
 #include "cli/tool.h"
 #include "cli/verdict_table.h"
@@ -141,8 +142,9 @@ ExitCode run_in_strips(cli::Session& session, const Options& o, const HazardPara
   Provenance provenance = session.provenance();
   provenance.options = {{"layers", o.layers}};
   provenance.add_input(reader.kind(), reader.file_id(), reader.chain());
+  StripSource source = reader.source();
+  source.region = cli::read_judged_region(session, {source.spec, reader.crs_wkt(), true}, provenance);
   LandfallFileWriter file(output, "hazards", provenance);
-  const StripSource source = reader.source();
   HazardStripWriter writer(file, source.spec, reader.crs_wkt(), o.layers);
   HazardMap map;
   session.with_file_names(o.map, [&] {
@@ -177,7 +179,10 @@ ExitCode run(cli::Session& session, const Options& o) {
   provenance.add_input(source.kind, source.file_id, source.chain);
   if (score_file && !source.z_true)
     throw FormatError(o.map + ": has no true elevations (z_true), which --score needs");
+  std::optional<BinMask> region =
+      cli::read_judged_region(session, {source.z.spec(), source.crs_wkt, true}, provenance);
   input = cli::complete_hazard_input(session, {o.map, o.terrain}, source, parameters, provenance);
+  input.region = std::move(region);
   std::optional<LandfallFileWriter> file;
   if (output) file.emplace(*output, "hazards", provenance);
   HazardMap map;

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <optional>
+
 #include "raster/grid_spec.h"
 #include "raster/region.h"
 #include "simulation/pulse_simulator.h"
@@ -14,7 +16,8 @@ struct CampaignScene {
                      ///< for draws that trace
   const TerrainSurface* ground;  ///< the true ground of all draws; null where it varies
   GridSpec grid;
-  BinMask region;  ///< judged_region(), which no draw changes
+  BinMask region;                                       ///< judged_region(), which no draw changes
+  std::optional<BinMask> hazard_region = std::nullopt;  ///< HazardInput::region
 };
 
 }  // namespace landfall

@@ -50,7 +50,7 @@ void DrawRunner::check_device(DrawSetup setup) const {
 
 DrawHazards DrawRunner::judge_hazards(const DemLayers& dem, const SigmaLayers* sigma,
                                       const TerrainSurface& ground, const HazardParameters& parameters,
-                                      DrawMaps* maps) {
+                                      DrawMaps* maps) const {
   const auto complete = [&](Grid<double>& z_true, const std::vector<FillableBin>& holes) {
     for (const TruthPosition& at : truth_positions(z_true, dem.truth->x, dem.truth->y, holes))
       z_true.at(at.bin) = ground.elevation(at.x_m, at.y_m);
@@ -62,6 +62,7 @@ DrawHazards DrawRunner::judge_hazards(const DemLayers& dem, const SigmaLayers* s
     layers.z_sigma_noise = in_double(sigma->z_noise);
   }
   HazardInput input = fill_map(std::move(layers), parameters, complete);
+  input.region = scene_.hazard_region;
   const auto run = [](const std::string& /*name*/, const auto& part) { part({}); };
   const HazardMap map = map_hazards(input, parameters, run);
   if (maps != nullptr) maps->safety->add(map.truth->outcome);
@@ -119,7 +120,7 @@ DrawResult DrawRunner::run(DrawSetup setup, const DrawGround& ground, MetricsKin
   }
   std::optional<UncertaintyMetrics> assessed;
   if (sigma) assessed = assess(*std::move(sigma), dem, ground.surface, setup.evaluation, scene_.region);
-  if (setup.evaluation.region_shape == RegionShape::mask) dem.layers.region_mask = scene_.region;
+  if (has_mask(setup.evaluation.region_shape)) dem.layers.region_mask = scene_.region;
   Evaluation evaluation = evaluate(std::exchange(dem.layers, {}), setup.evaluation);
   if (maps != nullptr) maps->add_verdicts(evaluation.fail);
   evaluation.metrics.uncertainty = std::move(assessed);

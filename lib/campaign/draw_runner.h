@@ -106,9 +106,9 @@ class DrawRunner {
  private:
   [[nodiscard]] std::optional<DecisiveMetrics> judge_on_device(const Simulation& simulation,
                                                                const DrawSetup& setup, MetricsKind kind);
-  [[nodiscard]] static DrawHazards judge_hazards(const DemLayers& dem, const SigmaLayers* sigma,
-                                                 const TerrainSurface& ground,
-                                                 const HazardParameters& parameters, DrawMaps* maps);
+  [[nodiscard]] DrawHazards judge_hazards(const DemLayers& dem, const SigmaLayers* sigma,
+                                          const TerrainSurface& ground, const HazardParameters& parameters,
+                                          DrawMaps* maps) const;
 
   [[nodiscard]] DrawLandings land(const Simulation& simulation, const DrawSetup& setup,
                                   const DrawHazards& hazards, const TerrainSurface& ground) const;

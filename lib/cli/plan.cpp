@@ -27,6 +27,13 @@ std::string spread_line(const char* name, const BinSpread& s) {
                s.max);
 }
 
+std::string posting_line(const PlanMetrics::Posting& p) {
+  const std::string text = print("  posting: %.4g returns per m2; ", p.returns_per_m2);
+  if (!p.posting_m) return text + print("no posting fills %g %% of its bins\n", 100 * p.wanted_frac);
+  return text + print("%g m is the finest that fills %g %% of its bins (%.2f %%)\n", *p.posting_m,
+                      100 * p.wanted_frac, 100 * *p.filled_frac);
+}
+
 /// The smallest grid of bins centred on the origin that contains the region.
 GridSpec plan_grid(const PlanOptions& o) {
   require_positive({"", "--plan-radius"}, o.radius_m);
@@ -61,11 +68,19 @@ void bind_plan(CLI::App& app, PlanOptions& o) {
       ->type_name("M")
       ->needs(plan)
       ->capture_default_str();
+  app.add_option("--plan-filled", o.filled_frac,
+                 "Share of bins with a return that the posting proposed by a plan has at least: the finest "
+                 "multiple of the bin edge that reaches it")
+      ->type_name("FRAC")
+      ->needs(plan)
+      ->capture_default_str();
 }
 
 ExitCode run_plan(Session& session, const PlanOptions& o, std::int64_t batch_points) {
   Provenance provenance = session.provenance();
   provenance.options = {{"plan", {{"radius_m", o.radius_m}, {"resolution_m", o.resolution_m}}}};
+  if (o.filled_frac != PlanOptions{}.filled_frac) provenance.options["plan"]["filled_frac"] = o.filled_frac;
+  require_fraction({"", "--plan-filled"}, o.filled_frac);
   Grid<std::int8_t> region = circular_region(plan_grid(o), o.radius_m);
   ScanModel model =
       scan_model(planned_scan(session), session.config_name(), recording_table_loader(provenance));
@@ -80,7 +95,7 @@ ExitCode run_plan(Session& session, const PlanOptions& o, std::int64_t batch_poi
   });
   PlanSummary summary;
   session.phase("coverage", [&](const ProgressCallback&) {
-    summary = summarize_plan(*plan, o.radius_m, pulse_rate_hz);
+    summary = summarize_plan(*plan, {o.radius_m, o.filled_frac}, pulse_rate_hz);
     if (file) write_plan(*file, *plan, summary);
   });
   session.count("plan", fields_json(summary.metrics));
@@ -97,13 +112,14 @@ std::string plan_table(const PlanMetrics& plan) {
           time_line("blanked", plan.time.blanked) + time_line("all", plan.time.total);
   text += print("\nRegion: %ld bins of %g m within %g m, on flat ground\n", plan.region.bin_count,
                 plan.region.resolution_m, plan.region.radius_m);
-  text += print("  uncovered: %ld bins, %.4f %%, in %ld holes; the largest has %ld bins\n",
+  text += print("  uncovered: %ld bins, %.4f %%, in %ld %s; the largest has %ld bins\n",
                 coverage.invalid_count, 100 * coverage.invalid_frac, coverage.hole_count,
-                coverage.largest_hole_bins);
-  text += print("  returns: %ld, %ld in the region, %ld the first of their bin\n",
-                plan.returns.count, plan.returns.in_region, plan.returns.first_in_bin);
+                coverage.hole_count == 1 ? "hole" : "holes", coverage.largest_hole_bins);
+  text += print("  returns: %ld, %ld in the region, %ld the first of their bin\n", plan.returns.count,
+                plan.returns.in_region, plan.returns.first_in_bin);
   text +=
       print("  seen by more than one frame: %.2f %% of the bins\n", 100 * plan.frames_per_bin.above_one_frac);
+  if (plan.posting) text += posting_line(*plan.posting);
   text += print("\n  %-20s %8s %8s %8s %8s %8s %8s\n", "Per bin of the region", "mean", "least", "5 %",
                 "median", "95 %", "most");
   return text + spread_line("returns", plan.returns_per_bin) + spread_line("frames", plan.frames_per_bin);

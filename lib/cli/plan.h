@@ -13,6 +13,7 @@ struct PlanOptions {
   bool requested = false;
   double radius_m = 50;
   double resolution_m = 0.05;
+  double filled_frac = 0.99;  ///< of the bins of the proposed posting
 };
 
 void bind_plan(CLI::App& app, PlanOptions& options);

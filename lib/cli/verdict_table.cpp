@@ -49,9 +49,11 @@ std::string statistics_lines(const StatisticsMetrics& m) {
 }
 
 std::string region_text(const RegionMetrics& region) {
+  if (region.radius_m && (region.center_x_m.value_or(0) != 0 || region.center_y_m.value_or(0) != 0))
+    return print(" within %g m of (%g, %g) m", *region.radius_m, *region.center_x_m, *region.center_y_m);
   if (region.radius_m) return print(" within %g m", *region.radius_m);
   if (region.half_width_m) return print(" within %g m along x and y", *region.half_width_m);
-  return " of the mask";
+  return region.shape == RegionShape::polygon ? " in the polygon" : " of the mask";
 }
 
 /// The names, then those of the own requirements that are missed.
@@ -77,7 +79,7 @@ std::string verdict_table(const Metrics& metrics, const EvaluationLimits& limits
   text += row({"all", "", "", overall_verdict(metrics)});
   text += "\nRegion: " + grouped(metrics.region.bin_count) + " bins" + region_text(metrics.region) + "; " +
           grouped(metrics.coverage.invalid_count) + " invalid in " + grouped(metrics.coverage.hole_count) +
-          " holes\n";
+          (metrics.coverage.hole_count == 1 ? " hole\n" : " holes\n");
   if (metrics.accuracy)
     text += accuracy_lines(*metrics.accuracy, limits) + statistics_lines(metrics.statistics);
   return text;

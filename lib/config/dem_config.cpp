@@ -4,8 +4,11 @@
 #include <map>
 
 #include "config/config_path.h"
+#include "config/json_values.h"
 #include "config/own_requirement_config.h"
+#include "config/region_config.h"
 #include "evaluation/metrics.h"
+#include "raster/grid_area.h"
 
 namespace landfall {
 
@@ -22,51 +25,28 @@ Method method_of(const std::string& name) {
   return kMethods.at(name);
 }
 
+Horizontal map_center(const nlohmann::json& resolved) {
+  return resolved.contains("center_m") ? horizontal(resolved.at("center_m")) : Horizontal{};
+}
+
 }  // namespace
 
 RegridConfig regrid_config(const nlohmann::json& resolved, const std::string& name) {
   RegridConfig config;
-  config.grid = GridSpec::centered(resolved.at("half_width_m").get<double>(),
-                                   resolved.at("resolution_m").get<double>(), (name + ": /").c_str());
+  config.grid = grid_over({pair_of(resolved.at("half_width_m")), map_center(resolved)},
+                          resolved.at("resolution_m").get<double>(), (name + ": /").c_str());
   config.truth_at = resolved.at("truth_at") == "centroid" ? TruthAt::centroid : TruthAt::bin_center;
   config.method = method_of(resolved.at("method").get<std::string>());
   return config;
 }
 
-namespace {
-
-void require_keys(const nlohmann::json& region, const std::string& name) {
-  const std::string shape = region.at("shape");
-  const auto check_key = [&](const char* key, const char* owner, bool required) {
-    if (region.contains(key) && shape != owner)
-      throw UsageError(name + ": /region/" + key + ": is allowed only with the shape " + owner +
-                       ", not with " + shape + "; set /region/shape to \"" + owner + "\"");
-    if (required && !region.contains(key) && shape == owner)
-      throw UsageError(name + ": /region: the shape " + owner + " needs the key \"" + key + "\"");
-  };
-  check_key("half_width_m", "square", true);
-  check_key("path", "mask", true);
-  check_key("layer", "mask", false);
-}
-
-RegionShape region_shape(const std::string& name) {
-  return name == "circle" ? RegionShape::circle : name == "square" ? RegionShape::square : RegionShape::mask;
-}
-
-}  // namespace
-
-std::optional<RegionMaskSource> region_mask_source(const nlohmann::json& resolved) {
-  const nlohmann::json& region = resolved.at("region");
-  if (region.at("shape") != "mask") return std::nullopt;
-  return RegionMaskSource{region.at("path"), region.value("layer", "mask")};
-}
-
 EvaluationParameters evaluation_config(const nlohmann::json& resolved, const std::string& name) {
   EvaluationParameters parameters;
-  const nlohmann::json& region = resolved.at("region");
-  require_keys(region, name);
-  parameters.region_shape = region_shape(region.at("shape"));
-  parameters.region_half_width_m = region.value("half_width_m", parameters.region_half_width_m);
+  const RegionConfig region = region_config(resolved, name);
+  parameters.region_shape = region.shape;
+  parameters.region_center_m = region.center_m;
+  parameters.region_half_width_m =
+      resolved.at("region").value("half_width_m", parameters.region_half_width_m);
   parameters.region_radius_m = resolved.at("region_radius_m").get<double>();
   parameters.footprint_m = resolved.at("footprint_m").get<double>();
   parameters.footprint_shape =

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <nlohmann/json.hpp>
-#include <optional>
 #include <string>
 
 #include "evaluation/parameters.h"
@@ -21,17 +20,7 @@ struct RegridConfig {
 
 [[nodiscard]] RegridConfig regrid_config(const nlohmann::json& resolved, const std::string& name);
 
-/// The layer of an HDF5 file that defines the bins to be judged.
-struct RegionMaskSource {
-  std::string path;
-  std::string layer;
-};
-
-/// Returns nothing for the other shapes of region.
-[[nodiscard]] std::optional<RegionMaskSource> region_mask_source(const nlohmann::json& resolved);
-
-/// eval.json (docs/user/dem-eval.md). Also throws UsageError for a region that lacks the keys of its shape,
-/// or that has those of another shape.
+/// eval.json (docs/user/dem-eval.md). Also throws UsageError as region_config() does.
 [[nodiscard]] EvaluationParameters evaluation_config(const nlohmann::json& resolved, const std::string& name);
 
 }  // namespace landfall

@@ -143,8 +143,8 @@ std::string fixed_because(const std::string& key) {
   if (key == "scan.seed") return "is set by the number of the draw";
   if (key == "terrain.seed") return "is set by /terrain_seed";
   if (key.starts_with("landing.")) return "is the same in all draws";
-  static constexpr std::array kGrid = {"regrid.half_width_m", "regrid.resolution_m", "eval.region",
-                                       "hazard.region_radius_m"};
+  static constexpr std::array kGrid = {"regrid.half_width_m", "regrid.center_m", "regrid.resolution_m",
+                                       "eval.region", "hazard.region"};
   for (const char* const prefix : kGrid)
     if (key.starts_with(prefix)) return "changes the bins that are judged, and all draws share them";
   if (key.starts_with("terrain.grid")) return "changes the grid of the ground, and all draws share it";

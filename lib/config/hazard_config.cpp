@@ -2,12 +2,11 @@
 #include "config/hazard_config.h"
 
 #include <string>
-#include <utility>
-#include <vector>
 
 #include "config/config_path.h"
 #include "config/json_values.h"
 #include "config/own_requirement_config.h"
+#include "config/region_config.h"
 
 namespace landfall {
 namespace {
@@ -27,14 +26,6 @@ HazardMethod hazard_method(const std::string& name) {
   return HazardMethod::contact;
 }
 
-Horizontal horizontal(const nlohmann::json& pair) { return {pair.at(0), pair.at(1)}; }
-
-ReachableArea polygon_of(const nlohmann::json& json) {
-  std::vector<Horizontal> vertices;
-  for (const nlohmann::json& vertex : json) vertices.push_back(horizontal(vertex));
-  return ReachableArea::polygon(std::move(vertices));
-}
-
 DivertStart divert_start(const nlohmann::json& json) {
   return {.height_m = json.at("height_m"),
           .descent_mps = json.at("descent_mps"),
@@ -46,7 +37,7 @@ DivertStart divert_start(const nlohmann::json& json) {
 }
 
 ReachableArea reach_of(const nlohmann::json& json, const std::string& name) {
-  if (json.is_array()) return polygon_of(json);
+  if (json.is_array()) return ReachableArea::polygon(ring_of(json));
   return at_path(name + ": /sites/reach/", [&] { return ReachableArea::divert(divert_start(json)); });
 }
 
@@ -66,6 +57,9 @@ HazardParameters hazard_config(const nlohmann::json& resolved, const std::string
   HazardParameters parameters;
   parameters.lander = lander_of(resolved.at("lander"));
   parameters.method = hazard_method(resolved.at("method"));
+  const RegionConfig region = region_config(resolved, name);
+  parameters.region_shape = region.shape;
+  parameters.region_center_m = region.center_m;
   parameters.region_radius_m = resolved.at("region_radius_m");
   parameters.limits = {resolved.at("limits").at("slope_deg"), resolved.at("limits").at("roughness_m")};
   parameters.hole_fill_bins = resolved.at("hole_fill_bins");

@@ -57,7 +57,7 @@ std::unique_ptr<const Scanner> make_gimbal(const Json& json, const ComponentCont
 }
 
 std::unique_ptr<const Scanner> make_polygon(const Json& json, const ComponentContext& context) {
-  return std::make_unique<Polygon>(
+  return std::make_unique<PolygonScanner>(
       PolygonParameters{.facets = json.at("facets").get<int>(),
                         .rate_hz = json.at("rate_hz").get<double>(),
                         .phase_rad = radians(json, "phase_deg"),

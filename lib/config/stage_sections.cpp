@@ -84,6 +84,15 @@ void fill_terrain(Json& terrain, const std::optional<double>& half_width_m,
   if (half_width_m && spacing_m > 0) fill(grid, "half_width_m", terrain_half_width(*half_width_m, spacing_m));
 }
 
+/// The radius only for a region that has one.
+void fill_region(Json& section, const Json& area, const std::optional<double>& radius_m) {
+  if (!section.is_object()) return;
+  if (area.contains("region") && !section.contains("region")) section["region"] = area["region"];
+  const Json region = section.value("region", Json::object());
+  if (!region.is_object() || region.value("shape", Json("circle")) == "circle")
+    fill(section, "region_radius_m", radius_m);
+}
+
 }  // namespace
 
 const std::vector<std::string>& stage_sections() {
@@ -119,8 +128,8 @@ void fill_area(Json& config, bool makes_all) {
   if (config.contains("terrain")) fill_terrain(config["terrain"], half_width_m, resolution_m);
   fill(config["regrid"], "half_width_m", half_width_m);
   fill(config["regrid"], "resolution_m", resolution_m);
-  if (!config["eval"].contains("region")) fill(config["eval"], "region_radius_m", radius_m);
-  if (config.contains("hazard")) fill(config["hazard"], "region_radius_m", radius_m);
+  fill_region(config["eval"], area, radius_m);
+  if (config.contains("hazard")) fill_region(config["hazard"], area, radius_m);
 }
 
 }  // namespace landfall

@@ -24,7 +24,7 @@ struct DemLayers {
   std::optional<TrueLayers> truth;
   /// Another estimate of the elevation, corrected by the local slope: measured like z_est, never judged.
   std::optional<Grid<double>> z_corrected = std::nullopt;
-  /// Which bins are judged, for RegionShape::mask.
+  /// Which bins are judged, for RegionShape::mask and polygon.
   std::optional<BinMask> region_mask = std::nullopt;
 };
 

@@ -43,7 +43,11 @@ void flag_above(const Grid<double>& values, double limit, FailFlag flag, Grid<st
 
 RegionMetrics describe(const EvaluationParameters& parameters, const BinMask& region) {
   RegionMetrics result{.shape = parameters.region_shape, .bin_count = count_set(region)};
-  if (parameters.region_shape == RegionShape::circle) result.radius_m = parameters.region_radius_m;
+  if (parameters.region_shape == RegionShape::circle) {
+    result.radius_m = parameters.region_radius_m;
+    result.center_x_m = parameters.region_center_m.x;
+    result.center_y_m = parameters.region_center_m.y;
+  }
   if (parameters.region_shape == RegionShape::square) result.half_width_m = parameters.region_half_width_m;
   return result;
 }

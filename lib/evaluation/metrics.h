@@ -25,7 +25,9 @@ struct RegionMetrics {
   std::optional<double> radius_m = std::nullopt;      ///< of the circle
   std::optional<double> half_width_m = std::nullopt;  ///< of the square
   std::int64_t bin_count = 0;
-  LANDFALL_FIELDS(radius_m, bin_count, shape, half_width_m)
+  std::optional<double> center_x_m = std::nullopt;  ///< of the circle
+  std::optional<double> center_y_m = std::nullopt;
+  LANDFALL_FIELDS(radius_m, bin_count, shape, half_width_m, center_x_m, center_y_m)
 };
 
 /// The hole sizes that occur, ascending, and the number of holes of each size.

@@ -40,7 +40,8 @@ Footprint footprint_of(const EvaluationParameters& parameters, double resolution
 }
 
 BinMask judged_region(const EvaluationParameters& parameters, const GridSpec& dem, const BinMask* mask) {
-  if (parameters.region_shape == RegionShape::circle) return circular_region(dem, parameters.region_radius_m);
+  if (parameters.region_shape == RegionShape::circle)
+    return circular_region(dem, parameters.region_radius_m, parameters.region_center_m);
   if (parameters.region_shape == RegionShape::square)
     return square_region(dem, parameters.region_half_width_m);
   if (mask == nullptr || mask->spec() != dem)

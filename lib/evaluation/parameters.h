@@ -31,12 +31,12 @@ struct EvaluationLimits {
 /// others (D241).
 [[nodiscard]] std::optional<double> limit_of_layer(const EvaluationLimits& limits, std::string_view layer);
 
-enum class RegionShape { circle, square, mask };
 enum class FootprintShape { square, disc };
 
 struct EvaluationParameters {
   RegionShape region_shape = RegionShape::circle;
-  double region_radius_m = 50;      ///< of the circle about the origin, the intended landing site
+  double region_radius_m = 50;      ///< of the circle
+  Horizontal region_center_m = {};  ///< of the circle; the origin is the intended landing site
   double region_half_width_m = 50;  ///< of the square about the origin
   double footprint_m = 1.7;         ///< edge of the square, or diameter of the disc, of the lander
   FootprintShape footprint_shape = FootprintShape::square;
@@ -55,8 +55,8 @@ void check(const EvaluationParameters& parameters);
 /// j^2 <= R^2. The slack of 1e-9 bins absorbs the division's rounding. Throws UsageError if h exceeds 2^20.
 [[nodiscard]] Footprint footprint_of(const EvaluationParameters& parameters, double resolution_m);
 
-/// The bins that are judged; `mask` holds those of RegionShape::mask. Throws UsageError for a region that
-/// does not fit the DEM, FormatError for a mask that is missing, has another grid or no bin.
+/// The bins that are judged; `mask` holds those of RegionShape::mask and polygon. Throws UsageError for a
+/// region that does not fit the DEM, FormatError for a mask that is missing, has another grid or no bin.
 [[nodiscard]] BinMask judged_region(const EvaluationParameters& parameters, const GridSpec& dem,
                                     const BinMask* mask);
 

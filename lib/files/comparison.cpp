@@ -246,8 +246,8 @@ Json compare_files(const std::filesystem::path& a, const std::filesystem::path& 
   const Json of_a = describe_file(a, {.statistics = false});
   const Json of_b = describe_file(b, {.statistics = false});
   if (of_a["kind"] != of_b["kind"])
-    throw UsageError("--compare needs two files of one kind: " + a.string() + " is a " +
-                     of_a["kind"].get<std::string>() + ", " + b.string() + " a " +
+    throw UsageError("--compare needs two files of one kind; " + a.string() + ": " +
+                     of_a["kind"].get<std::string>() + ", " + b.string() + ": " +
                      of_b["kind"].get<std::string>());
   Json json = {{"kind", of_a["kind"]},
                {"a", {{"file", a.string()}, {"file_id", of_a["file_id"]}}},

@@ -128,8 +128,9 @@ std::string name_with_unit(const ContentInfo& content) {
   const bool plain = !content.units.empty() && content.units != "1" &&
                      std::all_of(content.units.begin(), content.units.end(),
                                  [](char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z'); });
-  if (!plain || content.name.ends_with("_" + content.units)) return content.name;
-  return content.name + "_" + content.units;
+  const std::string unit =
+      "_" + (content.units == "degree" ? std::string("deg") : content.units);  // as in JSON
+  return !plain || content.name.ends_with(unit) ? content.name : content.name + unit;
 }
 
 std::string kind_of(const LandfallFileReader& file) {

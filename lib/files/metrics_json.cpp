@@ -8,7 +8,8 @@ namespace landfall {
 
 NLOHMANN_JSON_SERIALIZE_ENUM(RegionShape, {{RegionShape::circle, "circle"},
                                            {RegionShape::square, "square"},
-                                           {RegionShape::mask, "mask"}})
+                                           {RegionShape::mask, "mask"},
+                                           {RegionShape::polygon, "polygon"}})
 
 nlohmann::ordered_json metrics_json(const Metrics& metrics) {
   nlohmann::ordered_json json = {{"format", "landfall.metrics"}, {"version", 1}};

@@ -27,22 +27,34 @@ Coverage coverage_of(const ScanPlan& plan) {
   return assess_coverage(seen, plan.region(), {});
 }
 
-PlanMetrics plan_metrics(const ScanPlan& plan, const CoverageMetrics& coverage, double radius_m,
+PlanMetrics::Posting posting_of(const ScanPlan& plan, double filled_frac) {
+  const double resolution_m = plan.region().spec().resolution_m;
+  const double area_m2 = static_cast<double>(count_set(plan.region())) * resolution_m * resolution_m;
+  PlanMetrics::Posting posting{static_cast<double>(plan.region_return_count()) / area_m2, filled_frac};
+  if (const auto found = finest_posting(plan.count(), plan.region(), filled_frac)) {
+    posting.posting_m = static_cast<double>(found->bins) * resolution_m;
+    posting.filled_frac = found->filled_frac;
+  }
+  return posting;
+}
+
+PlanMetrics plan_metrics(const ScanPlan& plan, const CoverageMetrics& coverage, const PlanRequest& request,
                          double pulse_rate_hz) {
   const std::int64_t bins = count_set(plan.region());
-  return {.region = {radius_m, plan.region().spec().resolution_m, bins},
+  return {.region = {request.radius_m, plan.region().spec().resolution_m, bins},
           .time = time_of(plan.pulses(), pulse_rate_hz),
           .returns = {plan.return_count(), plan.region_return_count(), bins - coverage.invalid_count},
           .coverage = coverage,
           .returns_per_bin = spread_over_region(plan.count(), plan.region()),
-          .frames_per_bin = spread_over_region(plan.frames(), plan.region())};
+          .frames_per_bin = spread_over_region(plan.frames(), plan.region()),
+          .posting = posting_of(plan, request.filled_frac)};
 }
 
 }  // namespace
 
-PlanSummary summarize_plan(const ScanPlan& plan, double radius_m, double pulse_rate_hz) {
+PlanSummary summarize_plan(const ScanPlan& plan, const PlanRequest& request, double pulse_rate_hz) {
   Coverage coverage = coverage_of(plan);
-  return {plan_metrics(plan, coverage.metrics, radius_m, pulse_rate_hz), std::move(coverage.hole_id)};
+  return {plan_metrics(plan, coverage.metrics, request, pulse_rate_hz), std::move(coverage.hole_id)};
 }
 
 void write_plan(LandfallFileWriter& file, const ScanPlan& plan, const PlanSummary& summary) {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 
 #include "evaluation/coverage.h"
 #include "files/landfall_file.h"
@@ -34,12 +35,22 @@ struct PlanMetrics {
     LANDFALL_FIELDS(count, in_region, first_in_bin)
   };
 
+  /// The finest posting of a DEM that the scan supports.
+  struct Posting {
+    double returns_per_m2 = 0;
+    double wanted_frac = 0;                            ///< of the bins that shall have a return
+    std::optional<double> posting_m = std::nullopt;    ///< none if the region is too small for one
+    std::optional<double> filled_frac = std::nullopt;  ///< of its bins have a return
+    LANDFALL_FIELDS(returns_per_m2, wanted_frac, posting_m, filled_frac)
+  };
+
   Region region;
   Time time;
   Returns returns;
   CoverageMetrics coverage;  ///< of the bins with a return
   BinSpread returns_per_bin;
   BinSpread frames_per_bin;
+  std::optional<Posting> posting;  ///< none in files of landfall 0.2.0 and earlier
 
   static void fields(auto& walk, auto& m) {
     walk.all("region, time, returns", std::tie(m.region, m.time, m.returns));
@@ -54,6 +65,7 @@ struct PlanMetrics {
       BinSpread::fields(walk, m.frames_per_bin);
       walk("overlap_frac", m.frames_per_bin.above_one_frac);
     });
+    walk("posting", m.posting);
   }
 };
 
@@ -63,8 +75,13 @@ struct PlanSummary {
   Grid<std::int32_t> hole_id;  ///< of the bins without a return (Coverage)
 };
 
-/// `radius_m` is that of the plan's region.
-[[nodiscard]] PlanSummary summarize_plan(const ScanPlan& plan, double radius_m, double pulse_rate_hz);
+struct PlanRequest {
+  double radius_m = 0;     ///< of the plan's region
+  double filled_frac = 0;  ///< wanted share of the bins of the proposed posting
+};
+
+[[nodiscard]] PlanSummary summarize_plan(const ScanPlan& plan, const PlanRequest& request,
+                                         double pulse_rate_hz);
 
 /// Writes the layers count, frames, first_seen, in_region and hole_id, and the metrics as /plan_json;
 /// commits.

@@ -145,6 +145,14 @@ HazardInput fill_map(MapLayers layers, const HazardParameters& parameters, const
   return input;
 }
 
+std::string region_text(const HazardParameters& parameters) {
+  if (parameters.region_shape == RegionShape::mask) return "in the mask";
+  if (parameters.region_shape == RegionShape::polygon) return "in the polygon";
+  const auto [x, y] = parameters.region_center_m;
+  return "within " + number_text(parameters.region_radius_m) + " m of " +
+         (x == 0 && y == 0 ? "the origin" : "(" + number_text(x) + ", " + number_text(y) + ") m");
+}
+
 PlaceCounts count_places(const Grid<std::int8_t>& safe, const BinMask& region) {
   PlaceCounts counts;
   for (std::size_t i = 0; i < safe.spec().size(); ++i) {
@@ -164,7 +172,7 @@ HazardMap map_hazards(HazardInput& input, const HazardParameters& parameters, co
   const GridSpec& spec = input.z.spec();
   const MapJudge judge(parameters, spec);
   HazardMap map;
-  map.region = clipped_circle(spec, parameters.region_radius_m);
+  map.region = region_of(spec, input.region, parameters);
   phase("judge", [&](const ProgressCallback& progress) {
     map.measures = judge.measure(input.z, map.region, progress);
   });

@@ -22,7 +22,9 @@ enum class HazardMethod { contact, plane, range_difference, lmeds };
 struct HazardParameters {
   Lander lander;
   HazardMethod method = HazardMethod::contact;
-  double region_radius_m = 50;  ///< > 0
+  RegionShape region_shape = RegionShape::circle;
+  double region_radius_m = 50;      ///< of the circle, > 0
+  Horizontal region_center_m = {};  ///< of the circle
   HazardLimits limits;
   std::int64_t hole_fill_bins = 10;  ///< >= 0
   std::optional<double> z_sigma_m;   ///< of maps without a sigma of their own
@@ -43,6 +45,7 @@ struct HazardInput {
   std::optional<Grid<double>> z_sigma_noise = std::nullopt;
   /// Bins with a measured elevation and without a sigma: p_safe does not use their elevations.
   std::int64_t bins_without_sigma = 0;
+  std::optional<BinMask> region = std::nullopt;  ///< the places, if the region's shape is mask or polygon
 };
 
 /// A bin of a filled hole that has no true elevation, and the position at which it is taken from the terrain.
@@ -78,6 +81,9 @@ struct MapLayers {
 /// that have no 1 sigma of their own. Without a sigma for any bin, the input has no z_sigma.
 [[nodiscard]] HazardInput fill_map(MapLayers layers, const HazardParameters& parameters,
                                    const TruthFill& fill);
+
+/// The region in words: "within 50 m of the origin".
+[[nodiscard]] std::string region_text(const HazardParameters& parameters);
 
 /// A place to land; SiteParameters tells how it is chosen.
 struct LandingSite {
@@ -125,7 +131,7 @@ struct PlaceCounts {
 /// The user's own requirements on the score; without truth no number of it is known.
 [[nodiscard]] OwnVerdicts own_verdicts(const HazardMap& map, const HazardParameters& parameters);
 
-/// Judges every place of the map within region_radius_m of the origin (clipped_circle()). Takes the sigmas
+/// Judges every place of the region: those of the input, or the circle (clipped_circle()). Takes the sigmas
 /// out of the input, since their memory is needed.
 ///
 /// Throws UsageError "lander/KEY: ..." or "limits/roughness_m: ..." for what the map cannot hold or resolve,

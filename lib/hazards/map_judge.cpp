@@ -108,6 +108,12 @@ double MapJudge::slope_base_m() const {
   throw std::logic_error("unknown hazard method");
 }
 
+BinMask region_of(const GridSpec& map, const std::optional<BinMask>& mask,
+                  const HazardParameters& parameters) {
+  if (has_mask(parameters.region_shape)) return mask.value();
+  return clipped_circle(map, parameters.region_radius_m, parameters.region_center_m);
+}
+
 std::int64_t known_places(const Grid<double>& z, const BinMask& region) {
   std::int64_t known = 0;
   for (std::size_t i = 0; i < z.spec().size(); ++i)
@@ -116,7 +122,7 @@ std::int64_t known_places(const Grid<double>& z, const BinMask& region) {
 }
 
 void refuse_unknown(const BinMask& region, std::int64_t known, const HazardParameters& parameters) {
-  const std::string where = " within " + number_text(parameters.region_radius_m) + " m of the origin";
+  const std::string where = " " + region_text(parameters);
   if (count_set(region) == 0) throw FormatError("nothing to judge: no bin of the map lies" + where);
   if (known == 0) throw FormatError("nothing to judge: no bin" + where + " has an elevation");
   throw FormatError("nothing to judge: at each place" + where +

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 
 #include "base/progress.h"
 #include "hazards/hazard_map.h"
@@ -37,6 +38,11 @@ class MapJudge {
 /// The lander whose stencil the method uses: methods other than contact have no legs. Throws UsageError for a
 /// body of too few bins.
 [[nodiscard]] Lander lander_for(const HazardParameters& parameters, double resolution_m);
+
+/// The places of the region: `mask` for a shape that is one, else the circle, of which parts may lie beyond
+/// the map.
+[[nodiscard]] BinMask region_of(const GridSpec& map, const std::optional<BinMask>& mask,
+                                const HazardParameters& parameters);
 
 /// The places of the region that have an elevation.
 [[nodiscard]] std::int64_t known_places(const Grid<double>& z, const BinMask& region);

@@ -25,31 +25,6 @@ Horizontal moved(Horizontal start, Horizontal velocity, double time_s) {
   return {start.x + velocity.x * time_s, start.y + velocity.y * time_s};
 }
 
-double distance_to_edge(Horizontal place, Horizontal a, Horizontal b) {
-  const double dx = b.x - a.x;
-  const double dy = b.y - a.y;
-  const double squared = dx * dx + dy * dy;
-  const double along = squared > 0 ? ((place.x - a.x) * dx + (place.y - a.y) * dy) / squared : 0;
-  return distance(place, moved(a, {dx, dy}, std::clamp(along, 0.0, 1.0)));
-}
-
-/// Whether the ray from the place along +x crosses the edge.
-bool is_crossed(Horizontal place, Horizontal a, Horizontal b) {
-  if ((a.y > place.y) == (b.y > place.y)) return false;
-  return place.x < a.x + (b.x - a.x) * (place.y - a.y) / (b.y - a.y);
-}
-
-bool is_inside(const std::vector<Horizontal>& polygon, Horizontal place) {
-  bool inside = false;
-  for (std::size_t i = 0; i < polygon.size(); ++i) {
-    const Horizontal a = polygon[i];
-    const Horizontal b = polygon[(i + 1) % polygon.size()];
-    if (distance_to_edge(place, a, b) <= kBorder_m) return true;
-    if (is_crossed(place, a, b)) inside = !inside;
-  }
-  return inside;
-}
-
 }  // namespace
 
 ReachableArea::ReachableArea(std::variant<Lens, Polygon> shape) : shape_(std::move(shape)) {}
@@ -59,7 +34,7 @@ ReachableArea ReachableArea::circle(double radius_m) {
 }
 
 ReachableArea ReachableArea::polygon(std::vector<Horizontal> vertices) {
-  return ReachableArea(std::move(vertices));
+  return ReachableArea(Polygon({std::move(vertices)}));
 }
 
 ReachableArea ReachableArea::divert(const DivertStart& start) {
@@ -78,14 +53,14 @@ ReachableArea ReachableArea::divert(const DivertStart& start) {
 }
 
 bool ReachableArea::contains(Horizontal place) const {
-  if (const auto* polygon = std::get_if<Polygon>(&shape_)) return is_inside(*polygon, place);
+  if (const auto* polygon = std::get_if<Polygon>(&shape_)) return polygon->contains(place);
   const auto& lens = std::get<Lens>(shape_);
   return std::ranges::all_of(
       lens.centres, [&](Horizontal centre) { return distance(place, centre) <= lens.radius_m + kBorder_m; });
 }
 
 std::vector<Horizontal> ReachableArea::outline() const {
-  if (const auto* polygon = std::get_if<Polygon>(&shape_)) return *polygon;
+  if (const auto* polygon = std::get_if<Polygon>(&shape_)) return polygon->rings().front();
   return outline_of(std::get<Lens>(shape_));
 }
 

@@ -5,12 +5,9 @@
 #include <variant>
 #include <vector>
 
-namespace landfall {
+#include "raster/polygon.h"
 
-/// A position or a horizontal velocity in x and y of the DEM frame, metres or m/s.
-struct Horizontal {
-  double x = 0, y = 0;
-};
+namespace landfall {
 
 /// The state of a lander that begins its divert, and its thrust.
 struct DivertStart {
@@ -52,7 +49,6 @@ class ReachableArea {
     std::array<Horizontal, 2> centres;
     double radius_m;
   };
-  using Polygon = std::vector<Horizontal>;
   explicit ReachableArea(std::variant<Lens, Polygon> shape);
   [[nodiscard]] static std::vector<Horizontal> outline_of(const Lens& lens);
 

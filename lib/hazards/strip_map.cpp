@@ -111,7 +111,7 @@ HazardMap map_strips(const StripSource& source, const HazardParameters& paramete
   require_memory(judge.needed_bytes(), "judging " + size_text(source.spec) + " in strips",
                  "fill smaller holes (hole_fill_bins)");
   HazardMap map;
-  map.region = clipped_circle(source.spec, parameters.region_radius_m);
+  map.region = region_of(source.spec, source.region, parameters);
   map.safe = Grid<std::int8_t>::unset(source.spec);
   std::int64_t known = 0;
   phase("judge", [&](const ProgressCallback& progress) {

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <optional>
 
 #include "hazards/hazard_map.h"
 
@@ -14,6 +15,7 @@ struct StripSource {
   std::int64_t strip_rows;  ///< rows that are judged at a time, >= 1
   /// Loads the elevations of whole rows of the map, which may have holes.
   std::function<Grid<double>(const GridSpec& rows)> load;
+  std::optional<BinMask> region = std::nullopt;  ///< the places, if the region's shape is mask or polygon
 };
 
 /// Takes the measures of a strip: whole rows of the map, from its first to its last.

@@ -4,23 +4,32 @@
 #include <cstdint>
 
 #include "raster/grid.h"
+#include "raster/horizontal.h"
 
 namespace landfall {
 
 /// One byte per bin of the DEM: 1 inside, 0 outside.
 using BinMask = Grid<std::int8_t>;
 
-/// The bins at (i, j) bins from the origin with i^2 + j^2 < (radius_m / resolution_m)^2, strictly. A ratio
-/// within 1e-9 of an integer is that integer and the comparison is then exact; any other is compared in
-/// double. 50 m at 0.05 m gives 3,141,521 bins, the paper's count: the 28 bins on the circle are out.
+enum class RegionShape { circle, square, mask, polygon };
+
+/// Whether the bins of the shape come as a mask that is made before the map is judged.
+[[nodiscard]] constexpr bool has_mask(RegionShape shape) {
+  return shape == RegionShape::mask || shape == RegionShape::polygon;
+}
+
+/// The bins at (i, j) bins from the centre with i^2 + j^2 < (radius_m / resolution_m)^2, strictly. Ratios
+/// within 1e-9 of an integer are that integer; if all are, the comparison is exact, else it is made in
+/// double. 50 m at 0.05 m about a bin's centre gives 3,141,521 bins, the paper's count: the 28 bins on the
+/// circle are out.
 ///
 /// The region fits if every bin of it lies in the DEM. Otherwise throws UsageError, naming the largest radius
 /// that fits.
-[[nodiscard]] BinMask circular_region(const GridSpec& dem, double radius_m);
+[[nodiscard]] BinMask circular_region(const GridSpec& dem, double radius_m, Horizontal center = {});
 
-/// The same bins, as far as they lie in the DEM: none is too far, and there may be none at all. A radius of
-/// more than 2^30 bins counts as one of 2^30 bins.
-[[nodiscard]] BinMask clipped_circle(const GridSpec& dem, double radius_m);
+/// The same bins, as far as they lie in the DEM: none is too far, and there may be none at all. Lengths of
+/// more than 2^30 bins count as 2^30 bins.
+[[nodiscard]] BinMask clipped_circle(const GridSpec& dem, double radius_m, Horizontal center = {});
 
 /// The bins at most half_width_m / resolution_m + 1e-9 bins from the origin along both axes. The conditions
 /// and errors are those of circular_region().

@@ -218,11 +218,16 @@ Json reach_json(const nlohmann::json& config) {
 Json region_json(const EvaluationParameters& parameters) {
   switch (parameters.region_shape) {
     case RegionShape::circle:
-      return {{"shape", "circle"}, {"radius_m", parameters.region_radius_m}};
+      return {{"shape", "circle"},
+              {"radius_m", parameters.region_radius_m},
+              {"center_x_m", parameters.region_center_m.x},
+              {"center_y_m", parameters.region_center_m.y}};
     case RegionShape::square:
       return {{"shape", "square"}, {"half_width_m", parameters.region_half_width_m}};
     case RegionShape::mask:
       return {{"shape", "mask"}};
+    case RegionShape::polygon:
+      return {{"shape", "polygon"}};
   }
   return {};
 }

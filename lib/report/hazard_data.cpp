@@ -200,6 +200,19 @@ Json outline_json(const ReachableArea& area) {
   return vertices;
 }
 
+namespace {
+
+Json place_region(const HazardParameters& parameters) {
+  if (parameters.region_shape != RegionShape::circle)
+    return {{"shape", parameters.region_shape == RegionShape::mask ? "mask" : "polygon"}};
+  return {{"shape", "circle"},
+          {"radius_m", parameters.region_radius_m},
+          {"center_x_m", parameters.region_center_m.x},
+          {"center_y_m", parameters.region_center_m.y}};
+}
+
+}  // namespace
+
 ReportData hazard_data(const HazardReport& content, const std::string& elevation, std::int64_t max_cells) {
   const HazardParameters& parameters = content.parameters;
   const GridSpec& spec = content.input.z.spec();
@@ -209,7 +222,7 @@ ReportData hazard_data(const HazardReport& content, const std::string& elevation
   ReportData data;
   data.values = {
       {"grid", grid_json(spec, factor)},
-      {"region", {{"shape", "circle"}, {"radius_m", parameters.region_radius_m}}},
+      {"region", place_region(parameters)},
       {"footprint",
        {{"shape", "disc"},
         {"text", "lander"},

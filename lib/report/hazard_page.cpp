@@ -60,9 +60,8 @@ std::string lander_text(const HazardParameters& parameters, const std::string& m
   return "Lander: " + legs + "body of " + metres(2 * lander.body_radius_m) + "; method " + method +
          ". A place is safe if its slope is at most " + number_text(parameters.limits.slope_deg) +
          " deg and its roughness at most " + metres(parameters.limits.roughness_m) +
-         ". Places are the bins within " + metres(parameters.region_radius_m) +
-         " of the origin; a touchdown is off its target by " + metres(parameters.touchdown_sigma_m) +
-         " (1 sigma along x and y).";
+         ". Places are the bins " + region_text(parameters) + "; a touchdown is off its target by " +
+         metres(parameters.touchdown_sigma_m) + " (1 sigma along x and y).";
 }
 
 std::string probability_text(double p) {

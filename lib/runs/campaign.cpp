@@ -15,10 +15,10 @@
 #include "config/scan_config.h"
 #include "config/uncertainty_config.h"
 #include "evaluation/evaluate.h"
-#include "files/evaluation_file.h"
 #include "files/table_reader.h"
 #include "raster/size_text.h"
 #include "runs/redraw.h"
+#include "runs/region_input.h"
 
 namespace landfall {
 namespace {
@@ -197,22 +197,25 @@ void Campaign::prepare(const TerrainSurface* ground, const std::optional<OpenClO
   constexpr std::uint64_t kBytesPerBin = 24;  // the elevation and the true position of a draw, at least
   require_memory(kBytesPerBin * grid.size(), config_.name() + ": gridding a draw to " + size_text(grid),
                  "choose a smaller half_width_m or larger bins");
-  std::optional<BinMask> mask;
-  if (const auto source = region_mask_source(config_.stages().eval)) {
-    RegionMask read = read_region_mask(source->path, source->layer, grid);
-    provenance.add_input("region", read.file_id, nlohmann::json::array());
-    mask = std::move(read.mask);
-  }
-  const EvaluationParameters evaluation =
-      evaluation_config(config_.stages().eval, config_.name() + ": /eval");
-  at_path(config_.name() + ": /eval/",
-          [&] { region_ = judged_region(evaluation, grid, mask ? &*mask : nullptr); });
+  const std::string eval = config_.name() + ": /eval";
+  const std::optional<BinMask> mask =
+      read_region(region_config(config_.stages().eval, eval), {grid, scene_.crs_wkt}, eval, provenance);
+  const EvaluationParameters evaluation = evaluation_config(config_.stages().eval, eval);
+  at_path(eval + "/", [&] { region_ = judged_region(evaluation, grid, mask ? &*mask : nullptr); });
   runner_ = std::make_unique<DrawRunner>(
-      CampaignScene{{truth_.ranges_m, truth_.echoes, truth_.later}, ground, grid, region_},
+      CampaignScene{
+          {truth_.ranges_m, truth_.echoes, truth_.later}, ground, grid, region_, hazard_region(provenance)},
       config_.has_layers(), device);
   if (!config_.predicted()) return;
   const Simulation first = ground_of(config_.stages(), 0).simulate(setup_of(config_.stages(), 0).scan);
   z_sigma_abs_ = predicted_sigma(runner_->scene(), first, *config_.predicted()).z_abs;
+}
+
+std::optional<BinMask> Campaign::hazard_region(Provenance& provenance) const {
+  if (!config_.has_hazards()) return std::nullopt;
+  const std::string name = config_.name() + ": /hazard";
+  return read_region(region_config(config_.stages().hazard, name), {regrid_.grid, scene_.crs_wkt, true}, name,
+                     provenance);
 }
 
 /// Before any draw is run.

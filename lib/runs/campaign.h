@@ -70,6 +70,7 @@ class Campaign {
 
  private:
   /// Reads the judged region and makes the runner; `ground` is that of all draws, null where it varies.
+  [[nodiscard]] std::optional<BinMask> hazard_region(Provenance& provenance) const;
   void prepare(const TerrainSurface* ground, const std::optional<OpenClOptions>& device,
                Provenance& provenance);
   void require_device(const DrawSpan& span) const;

@@ -63,7 +63,7 @@ double triangle(double turns) { return 1 - 4 * std::abs(from_nearest(turns)); }
 
 }  // namespace
 
-Polygon::Polygon(const PolygonParameters& parameters) : parameters_(parameters) {
+PolygonScanner::PolygonScanner(const PolygonParameters& parameters) : parameters_(parameters) {
   check_polygon(parameters);
   tilts_rad_ = tilts_of(parameters);
   const Eigen::Matrix3d azimuth = rotation_matrix({0, 0, parameters.line_azimuth_rad});
@@ -71,18 +71,18 @@ Polygon::Polygon(const PolygonParameters& parameters) : parameters_(parameters) 
   across_line_ = azimuth.col(1);
 }
 
-double Polygon::facets_at(const PulseContext& pulse) const {
+double PolygonScanner::facets_at(const PulseContext& pulse) const {
   const PolygonParameters& p = parameters_;
   return p.facets * (p.rate_hz * pulse.time.since_start_s + p.phase_rad / (2 * pi));
 }
 
-Direction<LidarFrame> Polygon::normal(double theta_rad, double tilt_rad) const {
+Direction<LidarFrame> PolygonScanner::normal(double theta_rad, double tilt_rad) const {
   const Eigen::Vector3d untilted =
       portable::sin(theta_rad) * line_ + portable::cos(theta_rad) * Eigen::Vector3d::UnitZ();
   return {portable::cos(tilt_rad) * untilted - portable::sin(tilt_rad) * across_line_};
 }
 
-ScannerState Polygon::state(const PulseContext& pulse) const {
+ScannerState PolygonScanner::state(const PulseContext& pulse) const {
   const PolygonParameters& p = parameters_;
   const double facets = facets_at(pulse);
   const double facet_turns = from_nearest(facets);
@@ -98,11 +98,11 @@ ScannerState Polygon::state(const PulseContext& pulse) const {
   return state;
 }
 
-bool Polygon::is_known() const {
+bool PolygonScanner::is_known() const {
   return (tilts_rad_.empty() || parameters_.facet_tilt_known) && parameters_.encoder_harmonics.empty();
 }
 
-ScannerState Polygon::believed_state(const PulseContext& pulse, const ScannerState& truth) const {
+ScannerState PolygonScanner::believed_state(const PulseContext& pulse, const ScannerState& truth) const {
   const PolygonParameters& p = parameters_;
   ScannerState believed = truth;
   const TiltAngles error =
@@ -116,8 +116,8 @@ ScannerState Polygon::believed_state(const PulseContext& pulse, const ScannerSta
   return believed;
 }
 
-void Polygon::steer(const ScannerState& state, std::span<const Direction<LidarFrame>> pixels,
-                    std::span<Beam> beams) const {
+void PolygonScanner::steer(const ScannerState& state, std::span<const Direction<LidarFrame>> pixels,
+                           std::span<Beam> beams) const {
   const Eigen::Quaterniond frame = quaternion_of(state.angle_2_rad * line_);
   if (!tilts_rad_.empty()) {
     turn_all(

@@ -45,11 +45,11 @@ struct PolygonParameters {
 /// they take over, is tilted towards the drum's axis by eps_f. For a boresight that meets the middle of a
 /// facet at its normal, m = R(v, theta) R(u, eps) z, and M(m) M(z) = R(v, theta) R(u, 2 eps) R(v, theta): the
 /// line of facet f is 2 eps cos(theta) beside the nominal one, in the sense of psi. mirror_normal is m.
-class Polygon : public Scanner {
+class PolygonScanner : public Scanner {
  public:
   /// Throws UsageError, naming the key and the bound, for a parameter out of range; 2 pi duty_frac/facets +
   /// frame_amplitude must be below pi/2.
-  explicit Polygon(const PolygonParameters& parameters);
+  explicit PolygonScanner(const PolygonParameters& parameters);
 
   [[nodiscard]] ScannerState state(const PulseContext& pulse) const override;
   [[nodiscard]] bool is_known() const override;

@@ -99,4 +99,71 @@ BinSpread spread_over_region(const Grid<std::int32_t>& values, const Grid<std::i
           .above_one_frac = 1 - static_cast<double>(at_most_one) / static_cast<double>(bins)};
 }
 
+namespace {
+
+constexpr std::int64_t kMinBlocks = 100;
+
+/// The number of set bins south and west of each bin, with one row and column more than the grid.
+class SetBins {
+ public:
+  template <class T>
+  explicit SetBins(const Grid<T>& grid)
+      : width_(grid.spec().cols + 1), sums_(static_cast<std::size_t>(width_ * (grid.spec().rows + 1))) {
+    for (std::int64_t row = 0; row < grid.spec().rows; ++row)
+      for (std::int64_t col = 0; col < grid.spec().cols; ++col)
+        sum(row + 1, col + 1) =
+            (grid.at({row, col}) > 0 ? 1 : 0) + sum(row, col + 1) + sum(row + 1, col) - sum(row, col);
+  }
+  [[nodiscard]] std::int64_t in_block(BinIndex first, std::int64_t bins) const {
+    const auto [row, col] = first;
+    return sum(row + bins, col + bins) - sum(row, col + bins) - sum(row + bins, col) + sum(row, col);
+  }
+
+ private:
+  [[nodiscard]] const std::int64_t& sum(std::int64_t row, std::int64_t col) const {
+    return sums_[static_cast<std::size_t>(row * width_ + col)];
+  }
+  std::int64_t& sum(std::int64_t row, std::int64_t col) {
+    return sums_[static_cast<std::size_t>(row * width_ + col)];
+  }
+
+  std::int64_t width_;
+  std::vector<std::int64_t> sums_;
+};
+
+/// The first row or column of the grid at which a block about a multiple of `bins` begins.
+std::int64_t first_block(std::int64_t first, std::int64_t bins) {
+  const std::int64_t past = (first + bins / 2) % bins;
+  return (bins - (past + bins) % bins) % bins;
+}
+
+struct Blocks {
+  std::int64_t all = 0, filled = 0;
+};
+
+Blocks count_blocks(const SetBins& inside, const SetBins& seen, const GridSpec& spec, std::int64_t bins) {
+  Blocks blocks;
+  for (std::int64_t row = first_block(spec.first_row, bins); row + bins <= spec.rows; row += bins)
+    for (std::int64_t col = first_block(spec.first_col, bins); col + bins <= spec.cols; col += bins) {
+      if (inside.in_block({row, col}, bins) < bins * bins) continue;
+      ++blocks.all;
+      if (seen.in_block({row, col}, bins) > 0) ++blocks.filled;
+    }
+  return blocks;
+}
+
+}  // namespace
+
+std::optional<Posting> finest_posting(const Grid<std::int32_t>& count, const Grid<std::int8_t>& region,
+                                      double filled_frac) {
+  const SetBins inside(region);
+  const SetBins seen(count);
+  for (std::int64_t bins = 1;; ++bins) {
+    const Blocks blocks = count_blocks(inside, seen, region.spec(), bins);
+    if (blocks.all < kMinBlocks) return std::nullopt;
+    const double share = static_cast<double>(blocks.filled) / static_cast<double>(blocks.all);
+    if (share >= filled_frac) return Posting{bins, share};
+  }
+}
+
 }  // namespace landfall

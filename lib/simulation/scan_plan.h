@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "base/fields.h"
@@ -73,5 +74,17 @@ struct BinSpread {
 
 /// The region must have a bin and the values be >= 0.
 [[nodiscard]] BinSpread spread_over_region(const Grid<std::int32_t>& values, const Grid<std::int8_t>& region);
+
+/// A posting of a DEM, in bins of a plan, and the share of its bins that have a return.
+struct Posting {
+  std::int64_t bins = 0;
+  double filled_frac = 0;
+};
+
+/// The finest posting of which at least filled_frac of the bins have a return: blocks of k x k bins, about
+/// the origin as those of a DEM, that lie wholly in the region. None if fewer than 100 blocks of every such k
+/// lie in it.
+[[nodiscard]] std::optional<Posting> finest_posting(const Grid<std::int32_t>& count,
+                                                    const Grid<std::int8_t>& region, double filled_frac);
 
 }  // namespace landfall

@@ -189,14 +189,21 @@ def notice(ax, text):
             bbox={"facecolor": "white", "edgecolor": "#808080", "boxstyle": "round"})
 
 
-def draw_region(ax, radius_m):
-    """The circle of the mapped region about the intended landing site."""
-    ax.add_patch(Circle((0, 0), radius_m, fill=False, edgecolor="black", linewidth=1.0, path_effects=OUTLINE))
+def draw_region(ax, radius_m, center_m=(0, 0)):
+    """The circle of the mapped region, by default about the intended landing site."""
+    ax.add_patch(Circle(center_m, radius_m, fill=False, edgecolor="black", linewidth=1.0, path_effects=OUTLINE))
 
 
 def draw_square_region(ax, half_width_m):
     """The square of the mapped region about the intended landing site."""
     draw_rectangle(ax, (-half_width_m, -half_width_m), (2 * half_width_m, 2 * half_width_m))
+
+
+def draw_region_edge(ax, grid, inside):
+    """The border of a region of any shape."""
+    if inside.any() and not inside.all():
+        for color, width in (("white", 2.5), ("black", 1.0)):
+            ax.contour(grid.x, grid.y, inside.astype(float), levels=[0.5], colors=color, linewidths=width)
 
 
 def round_length_m(span_m):

@@ -24,6 +24,7 @@ def parse(arguments):
     plots.add_output_options(parser)
     options = parser.parse_args(arguments)
     plots.name_output(options, options.dem)
+    options.draw_region = None  # of an evaluation
     return options
 
 
@@ -38,7 +39,10 @@ def read(path):
 
 
 def finish_map(ax, grid, options):
-    maps.draw_region(ax, options.region_radius_m or grid.half_width_m)
+    if options.draw_region is None:
+        maps.draw_region(ax, options.region_radius_m or grid.half_width_m)
+    else:
+        options.draw_region(ax)
     maps.draw_scale_marks(ax, options.footprint_m)
 
 

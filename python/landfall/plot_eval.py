@@ -46,6 +46,7 @@ class Evaluation:
             self.limits = read_limits(file)
             self.verdict = files.read_verdict(file) or old_verdict(self.metrics)
         self.radius_m = self.metrics.get("region/radius_m")
+        self.center_m = tuple(self.metrics.get(f"region/center_{axis}_m") or 0 for axis in "xy")
         self.half_width_m = self.metrics.get("region/half_width_m")
         bins = self.metrics.get("accuracy/footprint_bins")
         self.footprint_m = None if not bins or self.grid is None else (bins - 1) * self.grid.resolution_m
@@ -78,11 +79,17 @@ def read_limits(file):
         return {}
 
 
-def finish_map(ax, evaluation):
+def draw_region(ax, evaluation):
     if evaluation.radius_m is not None:
-        maps.draw_region(ax, evaluation.radius_m)
+        maps.draw_region(ax, evaluation.radius_m, evaluation.center_m)
     elif evaluation.half_width_m is not None:
         maps.draw_square_region(ax, evaluation.half_width_m)
+    elif evaluation.has("in_region"):
+        maps.draw_region_edge(ax, evaluation.grid, evaluation.inside())
+
+
+def finish_map(ax, evaluation):
+    draw_region(ax, evaluation)
     maps.draw_scale_marks(ax, evaluation.footprint_m)
 
 
@@ -362,7 +369,7 @@ def main(arguments):
 def draw_dem(options, evaluation):
     """The figure of plot_dem.py, with this evaluation's region and footprint."""
     dem_options = plot_dem.parse([options.dem, "-o", options.output + "dem.png"])
-    dem_options.region_radius_m = evaluation.radius_m
+    dem_options.draw_region = lambda ax: draw_region(ax, evaluation)
     dem_options.limit_m = evaluation.limit_m("e_z") or dem_options.limit_m
     dem_options.data_only = evaluation.data_only
     dem_options.footprint_m = evaluation.footprint_m or dem_options.footprint_m

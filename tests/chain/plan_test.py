@@ -16,6 +16,19 @@ SCAN = with_values(CONFIGS["scan-sim"], scanner__pattern__half_width_m=6)
 REGION = ["--plan-radius", 5, "--plan-resolution", 0.1]
 
 
+def filled_share(count, region, k):
+    """The share of blocks of k x k bins about the origin, wholly in the region, that have a return; None if there are fewer than 100."""
+    half = count.shape[0] // 2
+    found = []
+    starts = [start + half for start in range(-half, half + 1) if (start + k // 2) % k == 0 and start + k - 1 <= half]
+    for row in starts:
+        for column in starts:
+            block = slice(row, row + k), slice(column, column + k)
+            if region[block].all():
+                found.append(count[block].any())
+    return np.mean(found) if len(found) >= 100 else None
+
+
 class Plan(ChainTest):
     def plan(self, *options):
         return self.succeed("scan-sim", "-c", self.config(SCAN), "--plan", *REGION, *options)
@@ -78,6 +91,36 @@ class Plan(ChainTest):
         summary = json.loads(self.plan("--json").stdout)
         self.assertEqual(summary["plan"]["time"]["total"]["pulse_count"], 400)
         self.assertIn("plan", summary["phases"])
+
+    def test_the_proposed_posting_is_that_of_a_scan(self):
+        """Against blocks counted one by one, and against the DEM of a traced scan."""
+        exact = with_values(SCAN, laser__scan_time_s=0.05, navigation_error={}, noise__range_sigma_m=0, noise__range_bias_m=0)
+        plan = ["scan-sim", "-c", self.config(exact), "--plan", "--plan-radius", 5, "--plan-resolution", 0.05]
+        self.succeed(*plan, "-o", self.path("plan.h5"))
+        layers = columns(self.path("plan.h5"), "/")
+        shares = {k: share for k in range(1, 9) if (share := filled_share(layers["count"], layers["in_region"], k))}
+        odd = next(k for k in (7, 5, 3) if k in shares and shares[k] > max(shares[finer] for finer in range(1, k)))
+        for wanted, k in ((shares[odd], odd), (shares[1] + 1e-9, min(k for k in shares if shares[k] > shares[1])), (0, 1)):
+            posting = json.loads(self.succeed(*plan, "--json", "--plan-filled", wanted).stdout)["plan"]["posting"]
+            self.assertAlmostEqual(posting["posting_m"], 0.05 * k, delta=1e-12)
+            self.assertEqual((posting["wanted_frac"], posting["filled_frac"]), (wanted, shares[k]))
+        inside = layers["in_region"] != 0
+        self.assertAlmostEqual(posting["returns_per_m2"], layers["count"][inside].sum() / (inside.sum() * 0.05 ** 2), delta=1e-9)
+        self.assertAlmostEqual(self.share_of_a_dem(exact, 0.05 * odd), shares[odd], delta=1e-12)
+        self.assertIn("no posting fills 100 % of its bins", self.succeed(*plan, "--plan-filled", 1).stdout)
+        self.refuse(2, "scan-sim", "--plan", "--plan-filled", 1.5, words=["--plan-filled", "1.5"])
+
+    def share_of_a_dem(self, config, resolution_m):
+        """The share of filled bins of a DEM of flat ground, of those that lie wholly in bins of 5 cm of the plan's region."""
+        flat, half_bins = self.path("flat.h5"), int(5 / resolution_m) + 1
+        self.succeed("terrain-gen", "-o", flat, "--set", 'grid={"half_width_m":20,"resolution_m":1}')
+        self.succeed("scan-sim", "-c", self.config(config), "--terrain", flat, "-o", self.path("scan.h5"))
+        self.succeed("regrid", self.path("scan.h5"), "-o", self.path("d.h5"), "--layers", "z_est,count", "--set", f"resolution_m={resolution_m:.10g}",
+                     "--set", f"half_width_m={half_bins * resolution_m:.10g}")
+        with h5py.File(self.path("d.h5")) as file:
+            x, y = np.meshgrid(np.abs(file["x"][()]), np.abs(file["y"][()]))
+            edge = resolution_m / 2 - 0.025
+            return (file["count"][()] > 0)[np.hypot(x + edge, y + edge) < 5 - 1e-9].mean()
 
     def test_conflicting_options_are_refused(self):
         self.refuse(2, "scan-sim", "--plan", "--terrain", self.chain.terrain, words=["--plan", "--terrain"])

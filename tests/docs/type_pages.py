@@ -19,6 +19,7 @@ import difflib
 import html.parser
 import os
 import re
+import shutil
 import subprocess
 import sys
 import tempfile
@@ -80,10 +81,11 @@ class Reader:
         self.clone()
 
     def clone(self):
-        """The contents of a clone, with the tools where a build puts them."""
-        for name in sorted(os.listdir(ROOT)):
-            if name not in ("build", ".git") and not os.path.lexists(os.path.join(self.folder, name)):
-                os.symlink(os.path.join(ROOT, name), os.path.join(self.folder, name))
+        """Copies the files of the repository, and links the tools to where a build puts them."""
+        listed = subprocess.run(["git", "-C", ROOT, "ls-files", "-z"], capture_output=True, text=True, check=True).stdout
+        for name in filter(None, listed.split("\0")):
+            os.makedirs(os.path.dirname(os.path.join(self.folder, name)), exist_ok=True)
+            shutil.copy2(os.path.join(ROOT, name), os.path.join(self.folder, name))
         os.makedirs(os.path.join(self.folder, "build"), exist_ok=True)
         if not os.path.lexists(os.path.join(self.folder, "build", "release")):
             os.symlink(self.build, os.path.join(self.folder, "build", "release"))

@@ -236,7 +236,7 @@ export class MapPanel {
   /** Paints the border of a region that is neither a circle nor a square. */
   paintRegionEdge(context, ratio) {
     const {region} = this.options;
-    if (!region || report.region.shape !== "mask") return;
+    if (!region || !["mask", "polygon"].includes(report.region.shape)) return;
     const {width, height} = this.canvas;
     const {left_m, bottom_m, width_m, height_m} = this.raster;
     const inside = (px, py) => region.codes[region.indexAt(left_m + (px + 0.5) / width * width_m,
@@ -270,11 +270,11 @@ export class MapPanel {
   }
 
   drawRegion() {
-    const {shape, radius_m, half_width_m} = report.region;
-    if (!this.options.region || shape === "mask") return;
+    const {shape, radius_m, half_width_m, center_x_m, center_y_m} = report.region;
+    if (!this.options.region || !["circle", "square"].includes(shape)) return;
     const half = (radius_m ?? half_width_m) * this.pixels_per_m;
     const outline = (style) => shape === "circle" ?
-        svgElement("circle", {cx: this.x(0), cy: this.y(0), r: half, fill: "none", ...style}) :
+        svgElement("circle", {cx: this.x(center_x_m ?? 0), cy: this.y(center_y_m ?? 0), r: half, fill: "none", ...style}) :
         svgElement("rect", {x: this.x(0) - half, y: this.y(0) - half, width: 2 * half, height: 2 * half, fill: "none",
                             ...style});
     this.svg.append(outline({stroke: "#ffffff", "stroke-opacity": 0.7}),

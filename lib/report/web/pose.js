@@ -14,7 +14,7 @@ import {endsOf} from "./profile.js";
 import {rasterOf} from "./rasters.js";
 import {report} from "./report_data.js";
 
-const SIDE = {height: 260, left: 52, right: 14, top: 14, bottom: 44};
+const SIDE = {height: 260, left: 66, right: 14, top: 14, bottom: 44};
 const GROUND = "var(--soft)";
 const PLANE = LINE.blue;
 const DECIDING = LINE.vermilion;

@@ -103,6 +103,14 @@ std::vector<MapPosition> map_positions(const std::string& site_wkt, const std::v
   return plugin().map_positions(site_wkt, points);
 }
 
+PolygonFile polygon_file(const PolygonFileRequest& request) {
+  try {
+    return plugin().polygons(request);
+  } catch (const IoError& error) {
+    throw FormatError(request.path + ": " + error.what());
+  }
+}
+
 std::optional<std::string> no_map_positions(const std::string& site_wkt) {
   if (!is_tied_to_body(site_wkt)) return std::nullopt;
   try {

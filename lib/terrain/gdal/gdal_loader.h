@@ -12,6 +12,7 @@
 #include "terrain/gdal/geotiff.h"
 #include "terrain/gdal/point_frame.h"
 #include "terrain/gdal/point_layer.h"
+#include "terrain/gdal/polygon_file.h"
 #include "terrain/gdal/raster_grid.h"
 #include "terrain/gdal/raster_links.h"
 #include "terrain/relief/dem_raster.h"
@@ -106,5 +107,14 @@ void write_geopackage(const OutputOptions& options, const PointLayer& layer);
 [[nodiscard]] std::vector<MapPosition> map_positions(const std::string& site_wkt,
                                                      const std::vector<SitePoint>& points);
 [[nodiscard]] std::optional<std::string> no_map_positions(const std::string& site_wkt);
+
+/// The polygons of a vector file of the formats that docs/user/dem-eval.md lists, reprojected vertex by
+/// vertex to the DEM's frame if the file has a CRS; without one, or with a local one, their coordinates are x
+/// and y of that frame.
+///
+/// Throws UsageError as require_simple() does; FormatError without the plugin, for a file that cannot be
+/// read, that holds no polygon or another geometry, that has several layers of which none is chosen, and
+/// whose CRS cannot be converted to that of the DEM.
+[[nodiscard]] PolygonFile polygon_file(const PolygonFileRequest& request);
 
 }  // namespace landfall

@@ -10,6 +10,7 @@
 #include "terrain/gdal/geotiff.h"
 #include "terrain/gdal/point_frame.h"
 #include "terrain/gdal/point_layer.h"
+#include "terrain/gdal/polygon_file.h"
 #include "terrain/gdal/raster_grid.h"
 #include "terrain/gdal/raster_links.h"
 #include "terrain/relief/dem_raster.h"
@@ -34,6 +35,7 @@ struct GdalPlugin {
   void (*write_geopackage_points)(const std::string& path, const PointLayer& layer);
   std::vector<MapPosition> (*map_positions)(const std::string& site_wkt,
                                             const std::vector<SitePoint>& points);
+  PolygonFile (*polygons)(const PolygonFileRequest& request);
 };
 
 /// point_frame() of gdal_loader.h for points with a CRS.

@@ -227,4 +227,5 @@ const landfall::GdalPlugin landfall_gdal_plugin{LANDFALL_VERSION,
                                                 &landfall::sample_at_bins,
                                                 &landfall::write_cloud_optimized_geotiff,
                                                 &landfall::write_geopackage_points,
-                                                &landfall::map_positions_of};
+                                                &landfall::map_positions_of,
+                                                &landfall::read_polygons};

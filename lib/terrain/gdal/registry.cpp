@@ -24,6 +24,11 @@ constexpr const char* kRasterDrivers[] = {
     "JPEG",   "JP2OpenJPEG", "GSAG",           "GSBG",    "GS7BG",   "SAGA", "RST",
     "ERS",    "Terragen",    "GRIB",           "GPKG",    "NITF",    "VRT",  nullptr};
 
+/// docs/user/dem-eval.md lists them.
+constexpr const char* kPolygonDrivers[] = {"GeoJSON", "GeoJSONSeq", "TopoJSON", "ESRI Shapefile",
+                                           "GPKG",    "FlatGeobuf", "KML",      "MapInfo File",
+                                           nullptr};
+
 /// The drivers among them whose libraries open files without the guard (file_guard.h).
 constexpr const char* kUnguardedDrivers[] = {"netCDF", "HDF5", "HDF5Image", "BAG"};
 
@@ -96,6 +101,12 @@ void prepare_gdal_to_read(const std::string& path, Unguarded unguarded) {
   CPLSetConfigOption("CPL_VSIL_CURL_ALLOWED_FILENAME", names_network(path) ? nullptr : "none");
 }
 
+void prepare_gdal_to_read_polygons() {
+  const std::lock_guard guard(registry_lock());
+  drivers().offer([](const char* name) { return contains(kPolygonDrivers, name); });
+  CPLSetConfigOption("CPL_VSIL_CURL_ALLOWED_FILENAME", "none");
+}
+
 void prepare_gdal_to_write() {
   const std::lock_guard guard(registry_lock());
   drivers().offer([](const char*) { return true; });
@@ -105,6 +116,8 @@ std::string unread_format(const std::string& path) {
   const std::lock_guard guard(registry_lock());
   return drivers().unread_format(path);
 }
+
+const char* const* polygon_drivers() { return kPolygonDrivers; }
 
 const char* const* raster_drivers() { return kRasterDrivers; }
 

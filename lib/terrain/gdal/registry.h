@@ -14,12 +14,17 @@ enum class Unguarded { withheld, offered };
 /// program's memory. Unless the path itself names a virtual file system ("/vsi") or a URL ("://"), /vsicurl/
 /// and its kin open nothing.
 void prepare_gdal_to_read(const std::string& path, Unguarded unguarded);
+/// The same for polygons in a local file, with the drivers polygon_drivers().
+void prepare_gdal_to_read_polygons();
 /// The same for writing, with all drivers.
 void prepare_gdal_to_write();
 
 /// The drivers that may open a raster: file formats of elevations and images, and the VRT. The list ends with
 /// null.
 [[nodiscard]] const char* const* raster_drivers();
+
+/// The drivers that may open a file of polygons. The list ends with null.
+[[nodiscard]] const char* const* polygon_drivers();
 
 /// The raster format, among those that are not in raster_drivers(), that GDAL recognises in the first bytes
 /// of a local file: "FITS (Flexible Image Transport System)". Empty if it recognises none.

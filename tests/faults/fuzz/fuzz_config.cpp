@@ -14,6 +14,7 @@
 #include "config/draws_config.h"
 #include "config/hazard_config.h"
 #include "config/import_config.h"
+#include "config/region_config.h"
 #include "config/scan_config.h"
 #include "config/schema.h"
 #include "config/stage_sections.h"
@@ -117,7 +118,7 @@ void use_uncertainty(const std::string& text, const Texts& sigmas) {
 void use_eval(const JsonSource& source) {
   const Json resolved = resolve(source, "eval");
   static_cast<void>(evaluation_config(resolved, kName));
-  static_cast<void>(region_mask_source(resolved));
+  static_cast<void>(region_config(resolved, kName));
 }
 
 void use_hazards(const JsonSource& source) {

@@ -192,7 +192,7 @@ void make_plan(const fs::path& path) {
   const ScanPlan plan =
       plan_scan(simulation, circular_region(GridSpec::centered(3, 1, "plan"), kRadius_m), 1 << 12);
   LandfallFileWriter file({path}, "plan", provenance);
-  write_plan(file, plan, summarize_plan(plan, kRadius_m, 10));
+  write_plan(file, plan, summarize_plan(plan, {kRadius_m, 0.99}, 10));
 }
 
 /// A table without an attitude is none, so there is a quaternion.

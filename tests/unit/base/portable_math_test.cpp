@@ -115,10 +115,11 @@ TEST(PortableMath, FunctionsOfStatistics) {
     const double z = 1 + 2e-4 * i;
     EXPECT_LT(relative(gamma(z), std::tgamma(static_cast<long double>(z))), 2e-14) << z;
     const double e = 0.06 * i;
-    if (e < 600)
+    if (e < 600) {
       EXPECT_LT(relative(exponential_integral_2(e), boost::math::expint(2, static_cast<long double>(e))),
                 1e-14)
           << e;
+    }
     const double p = static_cast<double>(i) / (kSteps / 10 + 1);
     const boost::math::normal_distribution<long double> normal;
     EXPECT_NEAR(normal_quantile(p), static_cast<double>(quantile(normal, static_cast<long double>(p))), 1e-13)

@@ -76,12 +76,12 @@ TEST(ScannerConfig, MechanismsAreRead) {
                              "facet_tilt_sigma_rad": 1e-3, "facet_tilt_known": true)" +
            more)
            .lidar.scanner,
-      Polygon({.facets = 6,
-               .facet_tilt_rad = {1e-3, 2e-3, 3e-3, 4e-3, 5e-3, 6e-3},
-               .facet_tilt_sigma_rad = 1e-3,
-               .facet_tilt_known = true,
-               .encoder_harmonics = kHarmonics,
-               .seed = 5}));
+      PolygonScanner({.facets = 6,
+                      .facet_tilt_rad = {1e-3, 2e-3, 3e-3, 4e-3, 5e-3, 6e-3},
+                      .facet_tilt_sigma_rad = 1e-3,
+                      .facet_tilt_known = true,
+                      .encoder_harmonics = kHarmonics,
+                      .seed = 5}));
 }
 
 TEST(ScannerConfig, RefusalsNameTheKey) {

@@ -6,6 +6,7 @@
 
 #include "base/error.h"
 #include "config/dem_config.h"
+#include "config/region_config.h"
 #include "config/scan_config.h"
 #include "config/schema.h"
 #include "config/terrain_config.h"
@@ -346,7 +347,7 @@ TEST(RegridConfig, EmptyIsTheDefaultAndTheCentroidIsAChoice) {
 
 TEST(EvaluationConfig, EmptyIsTheDefaultAndEveryKeyIsRead) {
   EXPECT_EQ(evaluation_config(typed_config("eval", "{}"), "c.json"), EvaluationParameters{});
-  const EvaluationParameters expected{RegionShape::square,      1, 3, 2, FootprintShape::disc, 0.5,
+  const EvaluationParameters expected{RegionShape::square,      1, {}, 3, 2, FootprintShape::disc, 0.5,
                                       {0.1, 3, 4, 5, 6, 7, 0.8}};
   EXPECT_EQ(evaluation_config(
                 typed_config("eval", R"({"region_radius_m": 1, "footprint_m": 2, "footprint_shape": "disc",
@@ -367,11 +368,45 @@ TEST(EvaluationConfig, ARegionHasTheKeysOfItsShape) {
               HasSubstr("path"));
   EXPECT_THAT(refusal([&] { static_cast<void>(config(R"({"region": {"half_width_m": 3}})")); }),
               AllOf(HasSubstr("/region/half_width_m"), HasSubstr("not with circle")));
-  EXPECT_FALSE(region_mask_source(typed_config("eval", "{}")));
-  const auto source =
-      region_mask_source(typed_config("eval", R"({"region": {"shape": "mask", "path": "a.h5"}})"));
-  EXPECT_EQ(source->path, "a.h5");
-  EXPECT_EQ(source->layer, "mask");
+  EXPECT_THAT(refusal([&] { static_cast<void>(config(R"({"region": {"shape": "polygon"}})")); }),
+              HasSubstr("one of the keys \"path\" and \"vertices\""));
+  EXPECT_THAT(
+      refusal([&] {
+        static_cast<void>(
+            config(R"({"region": {"shape": "polygon", "path": "a", "vertices": [[0, 0], [1, 0], [0, 1]]}})"));
+      }),
+      HasSubstr("one of the keys"));
+  EXPECT_THAT(
+      refusal([&] {
+        static_cast<void>(config(
+            R"({"region": {"shape": "polygon", "layer": "a", "vertices": [[0, 0], [1, 0], [0, 1]]}})"));
+      }),
+      HasSubstr("/region/layer"));
+  EXPECT_THAT(refusal([&] {
+                static_cast<void>(config(
+                    R"({"region": {"shape": "polygon", "vertices": [[0, 0], [1, 1], [1, 0], [0, 1]]}})"));
+              }),
+              AllOf(HasSubstr("c.json: /region/vertices"), HasSubstr("crosses itself")));
+  EXPECT_THAT(refusal([&] {
+                static_cast<void>(
+                    config(R"({"region": {"shape": "square", "half_width_m": 1, "center_m": [1, 2]}})"));
+              }),
+              AllOf(HasSubstr("/region/center_m"), HasSubstr("not with square")));
+}
+
+TEST(RegionConfig, AMaskAPolygonAndACircleOfItsOwnCentre) {
+  const auto config = [](const std::string& region) {
+    return region_config(typed_config("eval", (R"({"region": )" + region + "}").c_str()), "c.json");
+  };
+  EXPECT_FALSE(region_config(typed_config("eval", "{}"), "c.json").source);
+  const RegionConfig mask = config(R"({"shape": "mask", "path": "a.h5"})");
+  EXPECT_EQ(mask.source.value().path, "a.h5");
+  EXPECT_EQ(mask.source.value().layer, "mask");
+  const RegionConfig polygon = config(R"({"shape": "polygon", "vertices": [[0, 0], [2, 1], [0, 1]]})");
+  EXPECT_EQ(polygon.shape, RegionShape::polygon);
+  EXPECT_EQ(polygon.source.value().polygons.front().rings().front(), (Polygon::Ring{{0, 0}, {2, 1}, {0, 1}}));
+  EXPECT_EQ(config(R"({"shape": "polygon", "path": "a.gpkg", "layer": "b"})").source.value().layer, "b");
+  EXPECT_EQ(config(R"({"center_m": [3, -4]})").center_m, (Horizontal{3, -4}));
 }
 
 }  // namespace

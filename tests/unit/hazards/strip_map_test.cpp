@@ -8,6 +8,7 @@
 #include <bit>
 #include <cmath>
 #include <limits>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -65,9 +66,10 @@ struct StripResult {
   PlaceMeasures measures;
 };
 
-StripResult in_strips(const Grid<double>& z, const HazardParameters& parameters, std::int64_t rows) {
+StripResult in_strips(const Grid<double>& z, const HazardParameters& parameters, std::int64_t rows,
+                      const std::optional<BinMask>& region = std::nullopt) {
   StripResult result{{}, {Grid<double>(z.spec()), Grid<double>(z.spec())}};
-  const StripSource source{z.spec(), rows, [&](const GridSpec& part) { return cut_out(z, part); }};
+  const StripSource source{z.spec(), rows, [&](const GridSpec& part) { return cut_out(z, part); }, region};
   const auto take = [&](const PlaceMeasures& strip) {
     put_in(strip.slope_deg, result.measures.slope_deg);
     put_in(strip.roughness_m, result.measures.roughness_m);
@@ -76,9 +78,11 @@ StripResult in_strips(const Grid<double>& z, const HazardParameters& parameters,
   return result;
 }
 
-HazardMap in_one_piece(const Grid<double>& z, const HazardParameters& parameters) {
+HazardMap in_one_piece(const Grid<double>& z, const HazardParameters& parameters,
+                       const std::optional<BinMask>& region = std::nullopt) {
   HazardInput input = fill_map(
       {z}, parameters, [&](Grid<double>& /*z_true*/, const auto& /*holes*/) { return BinMask(z.spec()); });
+  input.region = region;
   return map_hazards(input, parameters, kPhases);
 }
 
@@ -118,6 +122,24 @@ TEST_P(StripMap, AnyStripsGiveTheBitsOfOnePiece) {
 INSTANTIATE_TEST_SUITE_P(Methods, StripMap,
                          testing::Values(HazardMethod::contact, HazardMethod::plane,
                                          HazardMethod::range_difference, HazardMethod::lmeds));
+
+TEST(StripMap, RegionsAreThoseOfOnePiece) {
+  const Grid<double> z = rocky_ground({0.1, -57, -60, 130, 121}, 3);
+  HazardParameters moved = parameters_of(HazardMethod::plane);
+  moved.region_center_m = {1.2, -0.7};
+  moved.region_radius_m = 2;
+  HazardParameters masked = moved;
+  masked.region_shape = RegionShape::polygon;
+  BinMask mask(z.spec());
+  for (std::int64_t row = 40; row < 90; ++row) std::fill_n(&mask.at({row, row / 2}), 50, 1);
+  for (const HazardParameters& parameters : {moved, masked}) {
+    const HazardMap expected = in_one_piece(z, parameters, mask);
+    const StripResult got = in_strips(z, parameters, 11, mask);
+    EXPECT_THAT(got.map.region.values(), ElementsAreArray(expected.region.values()));
+    EXPECT_THAT(got.map.safe.values(), ElementsAreArray(expected.safe.values()));
+    expect_same_sites(got.map.sites, expected.sites);
+  }
+}
 
 TEST(StripMap, HolesAreThoseOfTheWholeMap) {
   HazardParameters parameters = parameters_of(HazardMethod::plane);

@@ -182,5 +182,35 @@ TEST(ClippedCircle, IsEmptyWhereTheMapIsElsewhere) {
   EXPECT_EQ(count_set(clipped_circle(far, 1e300)), 0);  // counts as 2^30 bins
 }
 
+TEST(Region, ACircleOfItsOwnCentre) {
+  const GridSpec dem{.resolution_m = 0.5, .first_row = -20, .first_col = -10, .rows = 50, .cols = 41};
+  for (const Horizontal center : {Horizontal{2, 3}, Horizontal{1.3, -0.8}, Horizontal{2.25, 2}})
+    for (const double radius_m : {3.0, 2.9, 0.7}) {
+      const BinMask found = circular_region(dem, radius_m, center);
+      EXPECT_TRUE(std::ranges::equal(found.values(), clipped_circle(dem, radius_m, center).values()));
+      for (std::int64_t row = 0; row < dem.rows; ++row)
+        for (std::int64_t col = 0; col < dem.cols; ++col) {
+          const double distance = std::hypot(dem.x(col) - center.x, dem.y(row) - center.y);
+          if (std::abs(distance - radius_m) <= 1e-9) continue;
+          ASSERT_EQ(found.at({row, col}) != 0, distance < radius_m) << row << " " << col;
+        }
+    }
+  EXPECT_EQ(count_set(circular_region(dem, 1.5, {2, 3})), count_set(circular_region(dem, 1.5)));
+  const auto refused = [&](double radius_m, Horizontal center) {
+    try {
+      static_cast<void>(circular_region(dem, radius_m, center));
+    } catch (const UsageError& error) {
+      return std::string(error.what());
+    }
+    return std::string("accepted");
+  };
+  EXPECT_EQ(refused(5.5, {0, 0}), "accepted");
+  EXPECT_EQ(refused(4.5, {-1, 0}), "accepted");
+  EXPECT_EQ(refused(5, {-1, 0}),
+            "region_radius_m: 5 does not fit the DEM: the largest that fits there is 4.5");
+  EXPECT_EQ(refused(1, {-6, 0}),
+            "region_radius_m: 1 does not fit the DEM, which does not hold the centre: no region fits there");
+}
+
 }  // namespace
 }  // namespace landfall

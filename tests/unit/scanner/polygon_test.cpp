@@ -13,11 +13,13 @@ namespace {
 
 using Eigen::Vector3d;
 
-ScannerState polygon_state(const Polygon& polygon, double t_s) { return polygon.state({.time = {0, t_s}}); }
+ScannerState polygon_state(const PolygonScanner& polygon, double t_s) {
+  return polygon.state({.time = {0, t_s}});
+}
 
 // Four facets, one revolution per second: a facet is used for 1/4 s, +-45 deg of turn, of which half.
 TEST(Polygon, FacetAfterFacet) {
-  const Polygon polygon({.facets = 4, .rate_hz = 1, .duty_frac = 0.5});
+  const PolygonScanner polygon({.facets = 4, .rate_hz = 1, .duty_frac = 0.5});
   EXPECT_EQ(polygon_state(polygon, 0).angle_1_rad, 0);
   EXPECT_NEAR(polygon_state(polygon, 1.0 / 16).angle_1_rad, kPi / 8, 1e-15);
   EXPECT_NEAR(polygon_state(polygon, 1.0 / 8).angle_1_rad, -kPi / 4, 1e-15);
@@ -30,14 +32,14 @@ TEST(Polygon, FacetAfterFacet) {
 }
 
 TEST(Polygon, PhaseTurnsThePolygon) {
-  const Polygon polygon({.facets = 4, .rate_hz = 1, .phase_rad = kPi / 8});
+  const PolygonScanner polygon({.facets = 4, .rate_hz = 1, .phase_rad = kPi / 8});
   EXPECT_NEAR(polygon_state(polygon, 0).angle_1_rad, kPi / 8, 1e-15);
 }
 
 // The line of sight turns by twice the facet, along the line: from -x to +x at azimuth 0.
 TEST(Polygon, LineOfSightTurnsTwiceTheFacet) {
   for (const double azimuth : {0.0, 0.7, kPi / 2}) {
-    const Polygon polygon({.facets = 8, .rate_hz = 1, .line_azimuth_rad = azimuth});
+    const PolygonScanner polygon({.facets = 8, .rate_hz = 1, .line_azimuth_rad = azimuth});
     for (double t = -0.05; t < 0.05; t += 0.01) {
       const double scan_angle = 2 * 2 * kPi * t;
       EXPECT_LT((line_of_sight(polygon, polygon_state(polygon, t)) - towards(scan_angle, azimuth).v).norm(),
@@ -52,11 +54,11 @@ TEST(Polygon, IsTheExactReflection) {
   RandomCases random;
   for (int i = 0; i < 2000; ++i) {
     const double azimuth = random.uniform(-4, 4);
-    const Polygon polygon({.facets = 12,
-                           .rate_hz = 3,
-                           .phase_rad = random.uniform(-9, 9),
-                           .line_azimuth_rad = azimuth,
-                           .frame_amplitude_rad = 0.3});
+    const PolygonScanner polygon({.facets = 12,
+                                  .rate_hz = 3,
+                                  .phase_rad = random.uniform(-9, 9),
+                                  .line_azimuth_rad = azimuth,
+                                  .frame_amplitude_rad = 0.3});
     const ScannerState state = polygon_state(polygon, random.uniform(0, 10));
     const Vector3d u(std::cos(azimuth), std::sin(azimuth), 0);
     const Vector3d v(-std::sin(azimuth), std::cos(azimuth), 0);
@@ -79,29 +81,29 @@ TEST(Polygon, IsTheExactReflection) {
 
 // At the nominal mount -y_L is up on the map: the frame begins at the top and comes down.
 TEST(Polygon, FrameSwingsEvenlyFromTheTop) {
-  const Polygon polygon({.facets = 8, .rate_hz = 1, .frame_amplitude_rad = 0.1, .frame_rate_hz = 0.5});
+  const PolygonScanner polygon({.facets = 8, .rate_hz = 1, .frame_amplitude_rad = 0.1, .frame_rate_hz = 0.5});
   const double expected[] = {0.1, 0.05, 0, -0.05, -0.1, -0.05, 0, 0.05, 0.1};
   for (int i = 0; i < 9; ++i) EXPECT_NEAR(polygon_state(polygon, 0.25 * i).angle_2_rad, expected[i], 1e-16);
   EXPECT_LT(line_of_sight(polygon, polygon_state(polygon, 0)).y(), -0.099);
 }
 
 TEST(Polygon, RefusesParametersOutOfRange) {
-  EXPECT_THROW(Polygon({.facets = 1}), UsageError);
-  EXPECT_THROW(Polygon({.facets = 1001}), UsageError);
-  EXPECT_THROW(Polygon({.rate_hz = 0}), UsageError);
-  EXPECT_THROW(Polygon({.rate_hz = HUGE_VAL}), UsageError);
-  EXPECT_THROW(Polygon({.phase_rad = std::nan("")}), UsageError);
-  EXPECT_THROW(Polygon({.line_azimuth_rad = std::nan("")}), UsageError);
-  EXPECT_THROW(Polygon({.duty_frac = 0}), UsageError);
-  EXPECT_THROW(Polygon({.duty_frac = 1.01}), UsageError);
-  EXPECT_THROW(Polygon({.frame_amplitude_rad = -0.1}), UsageError);
-  EXPECT_THROW(Polygon({.frame_rate_hz = 0}), UsageError);
-  EXPECT_THROW(Polygon({.facets = 4, .duty_frac = 1}), UsageError) << "reaches 90 deg";
-  EXPECT_THROW(Polygon({.facets = 8, .duty_frac = 1, .frame_amplitude_rad = 0.8}), UsageError);
-  EXPECT_NO_THROW(Polygon({.facets = 5, .duty_frac = 1}));
+  EXPECT_THROW(PolygonScanner({.facets = 1}), UsageError);
+  EXPECT_THROW(PolygonScanner({.facets = 1001}), UsageError);
+  EXPECT_THROW(PolygonScanner({.rate_hz = 0}), UsageError);
+  EXPECT_THROW(PolygonScanner({.rate_hz = HUGE_VAL}), UsageError);
+  EXPECT_THROW(PolygonScanner({.phase_rad = std::nan("")}), UsageError);
+  EXPECT_THROW(PolygonScanner({.line_azimuth_rad = std::nan("")}), UsageError);
+  EXPECT_THROW(PolygonScanner({.duty_frac = 0}), UsageError);
+  EXPECT_THROW(PolygonScanner({.duty_frac = 1.01}), UsageError);
+  EXPECT_THROW(PolygonScanner({.frame_amplitude_rad = -0.1}), UsageError);
+  EXPECT_THROW(PolygonScanner({.frame_rate_hz = 0}), UsageError);
+  EXPECT_THROW(PolygonScanner({.facets = 4, .duty_frac = 1}), UsageError) << "reaches 90 deg";
+  EXPECT_THROW(PolygonScanner({.facets = 8, .duty_frac = 1, .frame_amplitude_rad = 0.8}), UsageError);
+  EXPECT_NO_THROW(PolygonScanner({.facets = 5, .duty_frac = 1}));
 }
 
-ScannerState believed(const Polygon& polygon, double t_s) {
+ScannerState believed(const PolygonScanner& polygon, double t_s) {
   const PulseContext pulse{.time = {0, t_s}};
   return polygon.believed_state(pulse, polygon.state(pulse));
 }
@@ -110,7 +112,7 @@ ScannerState believed(const Polygon& polygon, double t_s) {
 // the nominal one, towards -y_L at azimuth 0, as with a positive angle of the frame.
 TEST(Polygon, EachFacetHasItsTilt) {
   const std::vector<double> tilts = {0, 43e-6, -62e-6, 191e-6};
-  const Polygon polygon({.facets = 4, .rate_hz = 1, .duty_frac = 0.5, .facet_tilt_rad = tilts});
+  const PolygonScanner polygon({.facets = 4, .rate_hz = 1, .duty_frac = 0.5, .facet_tilt_rad = tilts});
   for (int turn = 0; turn < 3; ++turn)
     for (std::size_t facet = 0; facet < 4; ++facet) {
       const Vector3d sight =
@@ -118,7 +120,7 @@ TEST(Polygon, EachFacetHasItsTilt) {
       EXPECT_NEAR(sight.y(), -std::sin(2 * tilts[facet]), 1e-15) << facet;
       EXPECT_NEAR(sight.x(), 0, 1e-15);
     }
-  const Polygon by_frame({.frame_amplitude_rad = 1e-3});
+  const PolygonScanner by_frame({.frame_amplitude_rad = 1e-3});
   EXPECT_LT(line_of_sight(by_frame, polygon_state(by_frame, 0)).y(), 0);
 }
 
@@ -126,7 +128,8 @@ TEST(Polygon, EachFacetHasItsTilt) {
 // cos).
 TEST(Polygon, ATiltedFacetDrawsABow) {
   const double tilt = 1e-4;
-  const Polygon polygon({.facets = 4, .rate_hz = 1, .duty_frac = 0.9, .facet_tilt_rad = {tilt, 0, 0, 0}});
+  const PolygonScanner polygon(
+      {.facets = 4, .rate_hz = 1, .duty_frac = 0.9, .facet_tilt_rad = {tilt, 0, 0, 0}});
   for (const double t_s : {-0.1, -0.03, 0.05, 0.1}) {
     const ScannerState state = polygon_state(polygon, t_s);
     EXPECT_NEAR(state.angle_1_rad, 2 * kPi * t_s, 1e-15);
@@ -142,11 +145,11 @@ TEST(Polygon, TiltedFacetsReflectExactly) {
   for (int i = 0; i < 500; ++i) {
     const double azimuth = random.uniform(-4, 4);
     const double tilt = random.uniform(-0.1, 0.1);
-    const Polygon polygon({.facets = 12,
-                           .rate_hz = 3,
-                           .line_azimuth_rad = azimuth,
-                           .frame_amplitude_rad = 0.3,
-                           .facet_tilt_rad = std::vector<double>(12, tilt)});
+    const PolygonScanner polygon({.facets = 12,
+                                  .rate_hz = 3,
+                                  .line_azimuth_rad = azimuth,
+                                  .frame_amplitude_rad = 0.3,
+                                  .facet_tilt_rad = std::vector<double>(12, tilt)});
     const ScannerState state = polygon_state(polygon, random.uniform(0, 10));
     const Vector3d u(std::cos(azimuth), std::sin(azimuth), 0);
     const Vector3d v(-std::sin(azimuth), std::cos(azimuth), 0);
@@ -159,8 +162,8 @@ TEST(Polygon, TiltedFacetsReflectExactly) {
 }
 
 TEST(Polygon, FacetsWithoutATiltReflectAsBefore) {
-  const Polygon plain({.frame_amplitude_rad = 0.1});
-  const Polygon flat({.frame_amplitude_rad = 0.1, .facet_tilt_rad = std::vector<double>(48, 0)});
+  const PolygonScanner plain({.frame_amplitude_rad = 0.1});
+  const PolygonScanner flat({.frame_amplitude_rad = 0.1, .facet_tilt_rad = std::vector<double>(48, 0)});
   EXPECT_TRUE(plain.is_known());
   for (const double t_s : {0.0, 0.123, 3.4})
     EXPECT_LT(
@@ -171,11 +174,11 @@ TEST(Polygon, FacetsWithoutATiltReflectAsBefore) {
 
 TEST(Polygon, TheLanderKnowsTheTiltsOfACalibratedScanner) {
   PolygonParameters parameters{.facets = 4, .rate_hz = 1, .facet_tilt_rad = {1e-3, 2e-3, 3e-3, 4e-3}};
-  const Polygon unknown(parameters);
+  const PolygonScanner unknown(parameters);
   parameters.facet_tilt_known = true;
-  const Polygon known(parameters);
+  const PolygonScanner known(parameters);
   parameters.encoder_harmonics = {{.order = 1, .amplitude_rad = 1e-4, .phase_rad = kPi / 2}};
-  const Polygon misread(parameters);
+  const PolygonScanner misread(parameters);
   EXPECT_FALSE(unknown.is_known());
   EXPECT_TRUE(known.is_known());
   EXPECT_FALSE(misread.is_known());
@@ -186,7 +189,7 @@ TEST(Polygon, TheLanderKnowsTheTiltsOfACalibratedScanner) {
 
 // The encoder of the drum counts whole turns: an eccentric disc reads the same error once a revolution.
 TEST(Polygon, TheEncoderOfTheDrumHasItsHarmonics) {
-  const Polygon polygon(
+  const PolygonScanner polygon(
       {.facets = 4,
        .rate_hz = 1,
        .frame_amplitude_rad = 0.1,
@@ -203,26 +206,26 @@ TEST(Polygon, TheEncoderOfTheDrumHasItsHarmonics) {
 
 // 1000 facets: the sample sigma is within 5/sqrt(2000) = 11 % of the true one.
 TEST(Polygon, DrawsTilts) {
-  const auto tilt = [](const Polygon& polygon, int facet) {
+  const auto tilt = [](const PolygonScanner& polygon, int facet) {
     return std::asin(-line_of_sight(polygon, polygon_state(polygon, facet / 1000.0)).y()) / 2;
   };
   PolygonParameters parameters{.facets = 1000, .rate_hz = 1, .facet_tilt_sigma_rad = 1e-4, .seed = 5};
-  const Polygon drawn(parameters);
+  const PolygonScanner drawn(parameters);
   double squares = 0;
   for (int facet = 0; facet < 1000; ++facet) squares += std::pow(tilt(drawn, facet) / 1e-4, 2);
   EXPECT_NEAR(std::sqrt(squares / 1000), 1, 0.11);
   parameters.facet_tilt_rad = std::vector<double>(1000, 1e-3);
-  EXPECT_NEAR(tilt(Polygon(parameters), 7), 1e-3 + tilt(drawn, 7), 1e-12);
+  EXPECT_NEAR(tilt(PolygonScanner(parameters), 7), 1e-3 + tilt(drawn, 7), 1e-12);
   parameters.seed = 6;
-  EXPECT_NE(tilt(Polygon(parameters), 7), 1e-3 + tilt(drawn, 7));
+  EXPECT_NE(tilt(PolygonScanner(parameters), 7), 1e-3 + tilt(drawn, 7));
 }
 
 TEST(Polygon, RefusesTiltsOutOfRange) {
-  EXPECT_THROW(Polygon({.facets = 4, .facet_tilt_rad = {0, 0, 0}}), UsageError);
-  EXPECT_THROW(Polygon({.facets = 2, .duty_frac = 0.2, .facet_tilt_rad = {0, 0.11}}), UsageError);
-  EXPECT_THROW(Polygon({.facet_tilt_sigma_rad = -1e-6}), UsageError);
-  EXPECT_THROW(Polygon({.facet_tilt_sigma_rad = 0.011}), UsageError);
-  EXPECT_THROW(Polygon({.encoder_harmonics = {{.order = 0}}}), UsageError);
+  EXPECT_THROW(PolygonScanner({.facets = 4, .facet_tilt_rad = {0, 0, 0}}), UsageError);
+  EXPECT_THROW(PolygonScanner({.facets = 2, .duty_frac = 0.2, .facet_tilt_rad = {0, 0.11}}), UsageError);
+  EXPECT_THROW(PolygonScanner({.facet_tilt_sigma_rad = -1e-6}), UsageError);
+  EXPECT_THROW(PolygonScanner({.facet_tilt_sigma_rad = 0.011}), UsageError);
+  EXPECT_THROW(PolygonScanner({.encoder_harmonics = {{.order = 0}}}), UsageError);
 }
 
 }  // namespace

@@ -116,7 +116,8 @@ TEST(MirrorTime, EveryScannerIsWhereItShouldBeThreePulsesLater) {
        true},
       {[] { return std::make_unique<Risley>(RisleyParameters{.encoder_sigma_rad = 0}); }},
       {[] {
-        return std::make_unique<Polygon>(PolygonParameters{.phase_rad = 0.01, .frame_amplitude_rad = 0.1});
+        return std::make_unique<PolygonScanner>(
+            PolygonParameters{.phase_rad = 0.01, .frame_amplitude_rad = 0.1});
       }},
       {[] { return std::make_unique<Palmer>(PalmerParameters{.tilt_rad = 0.04}); }},
       {[&] { return std::make_unique<TableScanner>(table, TableMirror{}); }},
@@ -198,8 +199,8 @@ TEST(MirrorTime, TheLaserKeepsItsOwnTime) {
   EXPECT_EQ(late.points.status[219], PointStatus::blanked);
   EXPECT_EQ(late.points.status[220], PointStatus::returned);
   const auto polygon = [](double error_s) {
-    return simulate(
-        scan({.mirror_time_bias_s = error_s}, std::make_unique<Polygon>(PolygonParameters{}), nullptr));
+    return simulate(scan({.mirror_time_bias_s = error_s},
+                         std::make_unique<PolygonScanner>(PolygonParameters{}), nullptr));
   };
   EXPECT_EQ(polygon(1e-4).points.status, polygon(0).points.status);
 }

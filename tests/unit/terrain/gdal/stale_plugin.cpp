@@ -3,5 +3,8 @@
 #include "terrain/gdal/plugin.h"
 
 extern "C" const landfall::GdalPlugin landfall_gdal_plugin;
-const landfall::GdalPlugin landfall_gdal_plugin{"0.0.0", nullptr, nullptr, nullptr,
-                                                nullptr, nullptr, nullptr};
+const landfall::GdalPlugin landfall_gdal_plugin = [] {
+  landfall::GdalPlugin plugin{};
+  plugin.version = "0.0.0";
+  return plugin;
+}();

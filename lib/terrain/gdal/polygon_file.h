@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "raster/polygon.h"
+
+namespace landfall {
+
+struct PolygonFileRequest {
+  std::string path;
+  std::string layer;     ///< of the file; empty: its only one
+  std::string site_wkt;  ///< the CRS of the DEM's frame
+};
+
+/// Polygons in x and y of the DEM frame.
+struct PolygonFile {
+  std::vector<Polygon> polygons;
+  std::string crs_name;  ///< of the map that they were reprojected from; empty if they are in the DEM frame
+};
+
+/// polygon_file() of gdal_loader.h.
+[[nodiscard]] PolygonFile read_polygons(const PolygonFileRequest& request);
+
+}  // namespace landfall
