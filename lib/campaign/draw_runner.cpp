@@ -60,6 +60,7 @@ DrawHazards DrawRunner::judge_hazards(const DemLayers& dem, const SigmaLayers* s
   if (sigma != nullptr) {
     layers.z_sigma = in_double(sigma->z_rel);
     layers.z_sigma_noise = in_double(sigma->z_noise);
+    layers.centroids = sigma->centroids;
   }
   HazardInput input = fill_map(std::move(layers), parameters, complete);
   input.region = scene_.hazard_region;

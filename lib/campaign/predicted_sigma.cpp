@@ -69,17 +69,20 @@ SigmaLayers predicted_sigma(const CampaignScene& scene, const Simulation& simula
   const PoseTrack poses({estimated_poses("the scan", gridded.pulses)});
   const UncertaintyMap map(gridded.bins, gridded.moments, slopes, poses, parameters);
   const auto unset = [&] { return Grid<float>::unset(scene.grid); };
-  SigmaLayers layers{unset(), unset(), unset()};
+  SigmaLayers layers{unset(), unset(), unset(), {unset(), unset()}};
   parallel_for(static_cast<std::size_t>(scene.grid.rows), 16, [&](std::size_t begin, std::size_t end) {
     std::vector<BinValues> row(static_cast<std::size_t>(scene.grid.cols));
     for (auto r = static_cast<std::int64_t>(begin); r < static_cast<std::int64_t>(end); ++r) {
       gridded.bins.values({r, 0}, row);
       for (std::int64_t c = 0; c < scene.grid.cols; ++c) {
-        const bool is_filled = row[static_cast<std::size_t>(c)].count > 0;
+        const BinValues& values = row[static_cast<std::size_t>(c)];
+        const bool is_filled = values.count > 0;
         const BinSigmas sigmas = is_filled ? map.sigmas({r, c}) : BinSigmas{};
         layers.z_abs.at({r, c}) = static_cast<float>(sigmas.z_abs);
         layers.z_rel.at({r, c}) = static_cast<float>(sigmas.z_rel);
         layers.z_noise.at({r, c}) = static_cast<float>(sigmas.z_noise);
+        layers.centroids.x.at({r, c}) = static_cast<float>(values.x_est);
+        layers.centroids.y.at({r, c}) = static_cast<float>(values.y_est);
       }
     }
   });

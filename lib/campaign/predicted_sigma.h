@@ -3,6 +3,7 @@
 
 #include "campaign/campaign_scene.h"
 #include "gridding/uncertainty.h"
+#include "hazards/return_centroids.h"
 
 namespace landfall {
 
@@ -12,6 +13,7 @@ struct SigmaLayers {
   Grid<float> z_abs;
   Grid<float> z_rel;
   Grid<float> z_noise;
+  ReturnCentroids centroids;  ///< x_est_mean and y_est_mean
 };
 
 /// The layers of the DEM that the scan gives by the method bilinear_nearest: those of regrid --uncertainty,

@@ -99,6 +99,9 @@ HazardSource read_hazard_source(const std::filesystem::path& path, bool with_tru
     source.z_sigma = layers.read_checked<double>("z_sigma_rel", LayerValues::not_negative);
   if (source.z_sigma && layers.has("z_sigma_noise"))
     source.z_sigma_noise = layers.read_checked<double>("z_sigma_noise", LayerValues::not_negative);
+  if (source.z_sigma && layers.has("x_est_mean") && layers.has("y_est_mean"))
+    source.centroids = {layers.read_checked<float>("x_est_mean", LayerValues::finite),
+                        layers.read_checked<float>("y_est_mean", LayerValues::finite)};
   if (with_truth && kind == "dem" && layers.has("z_true"))
     source.z_true = layers.read_checked<double>("z_true", LayerValues::finite);
   return source;

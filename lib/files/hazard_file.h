@@ -19,6 +19,7 @@ struct HazardSource {
   std::optional<Grid<double>> z_true;         ///< of a DEM that has it
   std::optional<Grid<double>> z_sigma;        ///< z_sigma_rel of a DEM that has it
   std::optional<Grid<double>> z_sigma_noise;  ///< of a DEM that has both
+  std::optional<ReturnCentroids> centroids;   ///< x_est_mean and y_est_mean of a DEM that has z_sigma too
   std::string crs_wkt;
   std::string file_id;
   nlohmann::json chain;

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Decisions: D387
 #include "hazards/ground_posterior.h"
 
 #include <algorithm>
@@ -83,6 +84,28 @@ BinMask interpolate(Grid<double>& z, const Grid<float>& seen) {
   return unknown;
 }
 
+/// Moves the elevations of measured bins along the slope of the 3 x 3 bins about each.
+void move_to_centers(Grid<double>& z, const Grid<float>& seen, const ReturnCentroids& centroids) {
+  const GridSpec& spec = z.spec();
+  const Grid<double> before = z;
+  by_rows(spec, [&](std::int64_t row) {
+    if (row == 0 || row == spec.rows - 1) return;
+    for (std::int64_t col = 1; col < spec.cols - 1; ++col) {
+      const BinIndex bin{row, col};
+      const double x = static_cast<double>(centroids.x.at(bin)) - spec.x(col);
+      const double y = static_cast<double>(centroids.y.at(bin)) - spec.y(row);
+      if (seen.at(bin) == 0 || std::isnan(x) || std::isnan(y)) continue;
+      double rise_x = 0;
+      double rise_y = 0;
+      for (std::int64_t side = -1; side <= 1; ++side) {
+        rise_x += before.at({row + side, col + 1}) - before.at({row + side, col - 1});
+        rise_y += before.at({row + 1, col + side}) - before.at({row - 1, col + side});
+      }
+      z.at(bin) -= (rise_x * x + rise_y * y) / (6 * spec.resolution_m);
+    }
+  });
+}
+
 /// The least and the largest value in the 3 x 3 bins about each bin of a row, clipped at the border.
 struct Extremes {
   std::vector<double> low, high;
@@ -113,7 +136,8 @@ Extremes extremes_of(const Grid<double>& map, std::int64_t row) {
 
 }  // namespace
 
-GroundPosterior::GroundPosterior(const Grid<double>& z, const SigmaParts& sigma, std::uint64_t seed)
+GroundPosterior::GroundPosterior(const Grid<double>& z, const SigmaParts& sigma, std::uint64_t seed,
+                                 std::optional<ReturnCentroids> centroids)
     : seed_(seed), mean_(z), noise_(z.spec()) {
   const GridSpec& spec = z.spec();
   Grid<float> seen(spec);
@@ -126,6 +150,8 @@ GroundPosterior::GroundPosterior(const Grid<double>& z, const SigmaParts& sigma,
     variance.values()[i] = std::max(noise * noise, kMinVariance);
   }
   const BinMask unknown = interpolate(mean_, seen);
+  if (centroids) move_to_centers(mean_, seen, *centroids);
+  centroids.reset();  // makes room
   std::vector<Grid<float>> details;
   const Grid<double> filled = mean_;
   while (static_cast<std::int64_t>(details.size()) < scale_count(spec.resolution_m)) {
@@ -267,9 +293,10 @@ std::int64_t GroundPosterior::reach_bins(double resolution_m) {
   const std::int64_t scales = scale_count(resolution_m);
   const std::int64_t coarsest = std::int64_t{1} << (scales - 1);
   const std::int64_t fill_reach = kBlurReach * (2 * fill_step(resolution_m) - 1);
-  // Interpolated, filtered, compared at the coarsest scale, whose relief bounds that of each finer one.
+  // Interpolated, moved by a slope, filtered, compared at the coarsest scale, whose relief bounds that of
+  // each finer one.
   return fill_reach + kLowPassReach * (2 * coarsest - 1) + relief_reach_bins(coarsest, resolution_m) +
-         kBlurReach * coarsest + 2;
+         kBlurReach * coarsest + 3;
 }
 
 }  // namespace landfall

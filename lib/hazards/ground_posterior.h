@@ -2,8 +2,10 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <vector>
 
+#include "hazards/return_centroids.h"
 #include "hazards/sigma_parts.h"
 #include "raster/grid.h"
 
@@ -21,14 +23,21 @@ namespace landfall {
 /// at most the relief of the two finest scales. Means over bins are flatter than the ground: details of the
 /// two finest scales are multiplied by 1.3 and 1.04.
 ///
+/// The elevation of a bin is that at the mean position of its returns, which scan patterns move alike in
+/// neighbouring bins: on slopes this is no noise that is independent from bin to bin. Where these positions
+/// are known, elevations are first moved to the bins' centres, along the plane fitted to the 3 x 3 bins
+/// about each; not in the outermost bins of a map.
+///
 /// The draw at a measured bin is bounded by the 3 x 3 elevations about it, plus 0.3 of the noise and a
 /// twentieth of their range; its departure by the 3 x 3 values of the draw without it, plus 0.2 of the noise.
 /// So a wall has no overshoot. Bins that were not measured are interpolated, and have the relief of the
 /// measured ground around them.
 class GroundPosterior {
  public:
-  /// z counts where the parts of its sigma are not NaN. `seed` chooses the draws.
-  GroundPosterior(const Grid<double>& z, const SigmaParts& sigma, std::uint64_t seed);
+  /// z counts where the parts of its sigma are not NaN. `seed` chooses the draws. Without centroids the
+  /// elevations are those at the bins' centres.
+  GroundPosterior(const Grid<double>& z, const SigmaParts& sigma, std::uint64_t seed,
+                  std::optional<ReturnCentroids> centroids = std::nullopt);
 
   /// A ground. NaN where no measured bin lies within about 3 m. The noise of a bin is a function of seed,
   /// number and the bin's index from the origin.

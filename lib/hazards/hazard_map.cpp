@@ -66,15 +66,17 @@ SigmaParts take_sigma(HazardInput& input, const LanderStencil& lander) {
 void add_probability(HazardMap& map, HazardInput& input, const HazardParameters& parameters,
                      const MapJudge& judge) {
   const bool knows_noise = input.z_sigma_noise.has_value();
+  const bool knows_centroids = input.centroids.has_value();
   const auto measure = [&](const Grid<double>& z, const BinMask& places) { return judge.measure(z, places); };
-  map.p_safe = safe_probability(
-      {input.z, take_sigma(input, judge.lander()), map.measures, map.region, parameters.seed}, judge.lander(),
-      parameters.limits, judge.slope_base_m(), measure);
+  map.p_safe = safe_probability({input.z, take_sigma(input, judge.lander()), map.measures, map.region,
+                                 parameters.seed, std::exchange(input.centroids, std::nullopt)},
+                                judge.lander(), parameters.limits, judge.slope_base_m(), measure);
   const double reach_m =
       static_cast<double>(safe_probability_reach(judge.lander())) * input.z.spec().resolution_m;
   map.p_safe_origin =
       "share of " + std::to_string(kSafeGrounds) + " grounds drawn from the map and its 1 sigma (" +
       (knows_noise ? "noise and relief apart" : "noise taken from its least values about a place") +
+      (knows_centroids ? "; elevations moved from the centroids of the returns to the bins' centres" : "") +
       "), seed " + std::to_string(parameters.seed) + "; a place depends on the bins within " +
       short_number(reach_m) + " m";
 }
@@ -142,6 +144,7 @@ HazardInput fill_map(MapLayers layers, const HazardParameters& parameters, const
   HazardInput input{std::move(layers.z), std::move(layers.z_true), std::move(filled_truth),
                     std::move(layers.z_sigma), std::move(layers.z_sigma_noise)};
   if (input.z_sigma) complete_sigma(input, measured, parameters.z_sigma_m);
+  if (input.z_sigma) input.centroids = std::move(layers.centroids);
   return input;
 }
 

@@ -11,6 +11,7 @@
 #include "geometry/map_position.h"
 #include "hazards/hole_filling.h"
 #include "hazards/pose.h"
+#include "hazards/return_centroids.h"
 #include "hazards/safety.h"
 #include "hazards/sites.h"
 
@@ -46,6 +47,7 @@ struct HazardInput {
   /// Bins with a measured elevation and without a sigma: p_safe does not use their elevations.
   std::int64_t bins_without_sigma = 0;
   std::optional<BinMask> region = std::nullopt;  ///< the places, if the region's shape is mask or polygon
+  std::optional<ReturnCentroids> centroids = std::nullopt;  ///< for p_safe
 };
 
 /// A bin of a filled hole that has no true elevation, and the position at which it is taken from the terrain.
@@ -75,6 +77,7 @@ struct MapLayers {
   std::optional<Grid<double>> z_true = std::nullopt;
   std::optional<Grid<double>> z_sigma = std::nullopt;
   std::optional<Grid<double>> z_sigma_noise = std::nullopt;  ///< only with z_sigma
+  std::optional<ReturnCentroids> centroids = std::nullopt;   ///< only with z_sigma
 };
 
 /// The map with its small holes filled, its truth completed by `fill`, and z_sigma_m for the measured bins

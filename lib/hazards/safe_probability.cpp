@@ -132,7 +132,7 @@ Grid<float> safe_probability(MapEvidence map, const LanderStencil& lander, const
   const GridSpec& spec = map.z.spec();
   Sorted sorted = sort_places(map, limits, slope_base_m, lander_half_bins(lander));
   if (count_set(sorted.open) == 0) return std::move(sorted.p);
-  const GroundPosterior posterior(map.z, map.sigma, map.seed);
+  const GroundPosterior posterior(map.z, map.sigma, map.seed, std::exchange(map.centroids, std::nullopt));
   map.sigma = {};  // makes room
   Moments slope(spec);
   Moments roughness(spec);

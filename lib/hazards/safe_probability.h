@@ -3,8 +3,10 @@
 
 #include <cstdint>
 #include <functional>
+#include <optional>
 
 #include "hazards/measures.h"
+#include "hazards/return_centroids.h"
 #include "hazards/safety.h"
 #include "hazards/sigma_parts.h"
 
@@ -23,6 +25,7 @@ struct MapEvidence {
   const PlaceMeasures& measured;  ///< of the map as it is; NaN where it does not tell
   const BinMask& region;
   std::uint64_t seed = 1;
+  std::optional<ReturnCentroids> centroids = std::nullopt;  ///< without, z is that of the bins' centres
 };
 
 /// The probability that the true ground of each place of the region is within the limits, given the map and

@@ -150,6 +150,8 @@ class Maps(ChainTest):
             config = with_values(CONFIG, limits__roughness_m=0.15, **values)
             layers, listed, score = self.hazards(source, config)
             p, safe = layers["p_safe"], layers["safe"]
+            with h5py.File(self.path("h.h5")) as file:
+                self.assertEqual("centroids" in file["p_safe"].attrs["comment"].decode(), source == dem)
             self.assertFalse(np.isnan(p[safe != oracle.UNKNOWN]).any())
             self.assertTrue((p[safe != oracle.UNKNOWN] >= 0).all() and (p[safe != oracle.UNKNOWN] <= 1).all())
             self.assertGreater(p[safe == 1].mean(), 0.8)

@@ -86,6 +86,25 @@ TEST(GroundPosterior, RoughGroundIsOneOfItsDraws) {
   EXPECT_NEAR(off / between, 1, 0.2);
 }
 
+// Returns that lie off the centres alike in neighbouring bins, by up to 7 mm: on the slope that is no relief.
+TEST(GroundPosterior, ThePlacesOfReturnsAreNoReliefOfASlope) {
+  const GridSpec spec = GridSpec::centered(5, 0.05);
+  const Grid<double> truth = plane(spec);
+  Grid<double> z = truth;
+  ReturnCentroids centroids{Grid<float>(spec), Grid<float>(spec)};
+  for (std::int64_t row = 0; row < spec.rows; ++row)
+    for (std::int64_t col = 0; col < spec.cols; ++col) {
+      const double off =
+          0.007 * std::sin(2.0 * static_cast<double>(col)) * std::sin(1.5 * static_cast<double>(row));
+      centroids.x.at({row, col}) = static_cast<float>(spec.x(col) + off);
+      centroids.y.at({row, col}) = static_cast<float>(spec.y(row) - 2 * off);
+      z.at({row, col}) += std::tan(std::numbers::pi / 20) * (0.6 - 2 * 0.8) * off;
+    }
+  const SigmaParts noise = noise_of(spec, 1e-5);
+  EXPECT_GT(rms(GroundPosterior(z, noise, 1).draw(0), truth), 3e-4);
+  EXPECT_LT(rms(GroundPosterior(z, noise, 1, centroids).draw(0), truth), 1e-4);
+}
+
 TEST(GroundPosterior, WithoutNoiseADrawIsTheMap) {
   const GridSpec spec = GridSpec::centered(2, 0.05);
   const Grid<double> z = rough(spec, 0.05, 0.8);
