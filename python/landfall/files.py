@@ -190,13 +190,24 @@ class Metrics:
             raise ValueError("not an object")
         self._tree, self._name = tree, name
 
-    def get(self, path):
-        """The value at a path such as 'coverage/hole_count'."""
+    def _node(self, path):
         node = self._tree
         for key in path.split("/"):
             node = node.get(key) if isinstance(node, dict) else None
+        return node
+
+    def get(self, path):
+        """The value at a path such as 'coverage/hole_count'."""
+        node = self._node(path)
         if isinstance(node, (str, dict)):
             raise DataError(f"/{self._name}: {path} is not a number")
+        return node
+
+    def text(self, path):
+        """The text at a path."""
+        node = self._node(path)
+        if not isinstance(node, (str, type(None))):
+            raise DataError(f"/{self._name}: {path} is not a text")
         return node
 
 

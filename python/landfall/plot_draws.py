@@ -88,7 +88,7 @@ def draw_chance(ax, draws, values, title, quantity):
 
 def finish(ax, draws, *notes):
     radius_m = draws.config.get("eval/region_radius_m")
-    if draws.config.get("eval/region/shape") in ("square", "mask", "polygon"):
+    if draws.config.text("eval/region/shape") in ("square", "mask", "polygon"):
         maps.draw_region_edge(ax, draws.grid, draws.layers["in_region"] != 0)
     elif radius_m is not None:
         maps.draw_region(ax, radius_m, draws.config.get("eval/region/center_m") or (0, 0))

@@ -68,7 +68,7 @@ def read_elevations(path, grid):
 def frame(ax, hazards, title):
     maps.frame_map(ax, hazards.grid, title)
     radius_m = hazards.config.get("region_radius_m")
-    if hazards.config.get("region/shape") in ("mask", "polygon"):
+    if hazards.config.text("region/shape") in ("mask", "polygon"):
         maps.draw_region_edge(ax, hazards.grid, hazards.inside())
     elif radius_m is not None:
         maps.draw_region(ax, radius_m, hazards.config.get("region/center_m") or (0, 0))

@@ -114,7 +114,7 @@ class Compare(ChainTest):
         self.assertIn("the grids differ", self.succeed("landfall-info", "--compare", self.chain.dem, self.path("d.h5")).stdout)
 
     def test_refusals(self):
-        self.refuse(2, "landfall-info", "--compare", self.chain.dem, self.chain.eval, words=["two files of one kind", "is a dem", "a evaluation"])
+        self.refuse(2, "landfall-info", "--compare", self.chain.dem, self.chain.eval, words=["two files of one kind", ": dem, ", ": evaluation"])
         self.refuse(2, "landfall-info", "--compare", self.chain.dem, words=["needs two files"])
         self.refuse(2, "landfall-info", "--compare", self.chain.dem, self.chain.dem, "--config", words=["takes only --json"])
         self.refuse(1, "landfall-info", "--compare", self.chain.dem, self.path("nowhere.h5"), words=["nowhere.h5"])

@@ -158,6 +158,9 @@ class InTheFrame(ChainTest):
         triangle = [[-3.05, -2.05], [3.05, -2.05], [0.02, 3.05]]
         x, y, region = self.judged(*region_set(shape="polygon", vertices=triangle))
         np.testing.assert_array_equal(region, winds(triangle, *np.meshgrid(x, y)))
+        self.succeed("hazard-map", self.chain.dem, "-c", self.chain.config("hazard-map"), *region_set(shape="polygon", vertices=triangle), "-o", self.path("h.h5"))
+        plot = os.path.join(os.environ["LANDFALL_ROOT"], "python", "commands", "plot_hazards.py")
+        subprocess.run(["/usr/bin/python3", plot, self.path("h.h5"), "-o", self.path("h.png"), "--dpi", "50"], check=True)
         on_earth = geojson(self.path("a.geojson"), crs=None)
         self.refuse(1, "dem-eval", self.chain.dem, *region_set(shape="polygon", path=on_earth), "--table", words=["WGS 84", "the DEM has none", '"crs": null'])
 

@@ -283,7 +283,7 @@ class DemEval(ChainTest):
     def test_square_region_and_disc(self):
         metrics = self.metrics('region={"shape": "square", "half_width_m": 3}', 'footprint_shape="disc"')
         self.assertEqual(metrics["region"], {"radius_m": None, "bin_count": 61 * 61, "shape": "square",
-                                             "half_width_m": 3})
+                                             "half_width_m": 3, "center_x_m": None, "center_y_m": None})
         self.assertEqual(metrics["accuracy"]["footprint_bins"], 7)
         self.assertNotEqual(metrics["accuracy"]["relative"]["z"], self.metrics()["accuracy"]["relative"]["z"])
 

@@ -175,7 +175,8 @@ class Evaluation:
         shape = self.c["region"]["shape"]
         return {"bin_count": self.region.sum(), "shape": shape,
                 "radius_m": self.c["region_radius_m"] if shape == "circle" else None,
-                "half_width_m": self.c["region"]["half_width_m"] if shape == "square" else None}
+                "half_width_m": self.c["region"]["half_width_m"] if shape == "square" else None,
+                **{f"center_{axis}_m": 0 if shape == "circle" else None for axis in "xy"}}
 
     def coverage(self):
         values, counts = np.unique(self.sizes, return_counts=True)
