@@ -151,6 +151,7 @@ ExitCode run_in_strips(cli::Session& session, const Options& o, const HazardPara
     map = map_strips(
         source, parameters, [&](const PlaceMeasures& strip) { writer.take(strip); }, session.phases());
   });
+  if (reader.has_sigma()) map.no_probability = kProbabilityLeftOut;
   place(session, o.map, map, reader.crs_wkt());
   session.phase("write", [&](const ProgressCallback&) {
     if (sites_file) write_text(*sites_file, sites_json(map).dump(2) + "\n");

@@ -54,7 +54,7 @@ std::string site_lines(const HazardMap& map) {
                                       : print(" %10s", "-");
     text += map.truth ? print("  %s\n", truth_text(site.truth)) : "\n";
   }
-  if (!map.p_safe) text += std::string(kNoProbability) + "\n";
+  if (!map.p_safe) text += map.no_probability + "\n";
   return text + map_lines(map.sites);
 }
 
@@ -95,7 +95,7 @@ std::string hazard_summary(const HazardMap& map) {
   const LandingSite& best = map.sites.front();
   return text + "best site (" + short_number(best.x_m) + ", " + short_number(best.y_m) + ") m, " +
          (map.p_safe ? "p_touchdown " + print("%.4f", static_cast<double>(best.p_touchdown))
-                     : kNoProbability);
+                     : map.no_probability);
 }
 
 }  // namespace landfall::cli

@@ -133,7 +133,7 @@ ExitCode report_hazards(Session& session, const std::string& name, const HazardM
                  ": no place is compared with the truth, because each is unknown in the map or on the "
                  "true ground");
   if (min_p && !map.p_safe && !map.sites.empty())
-    session.warn(name + ": --require-safe: " + kNoProbability +
+    session.warn(name + ": --require-safe: " + map.no_probability +
                  "; p_touchdown counts safe places as certain");
   const auto is_enough = [&](const LandingSite& site) { return site.p_touchdown >= *min_p; };
   const bool lacks_site = min_p && std::ranges::none_of(map.sites, is_enough);

@@ -101,8 +101,10 @@ struct LandingSite {
   MapPosition map = {};  ///< who has the CRS of the file sets it
 };
 
-/// Text in place of a probability if HazardMap::p_safe is not given.
+/// Text in place of a probability if HazardMap::p_safe is not given: of a map without 1-sigmas, and of one
+/// whose 1-sigmas were left out.
 inline constexpr const char* kNoProbability = "no probability: the map has no 1-sigma layer";
+inline constexpr const char* kProbabilityLeftOut = "no probability: --layers leaves out the map's 1-sigmas";
 
 struct HazardMap {
   BinMask region;
@@ -110,6 +112,7 @@ struct HazardMap {
   Grid<std::int8_t> safe;
   std::optional<Grid<float>> p_safe;  ///< safe_probability(); none without z_sigma
   std::string p_safe_origin;          ///< how it was made, in words
+  std::string no_probability = kNoProbability;
   Grid<float> p_touchdown;
   Grid<float> cost;
   Grid<float> distance_to_hazard;

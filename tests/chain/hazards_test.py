@@ -261,8 +261,9 @@ class Strips(ChainTest):
         dem = self.path("sigmas.h5")
         self.succeed("regrid", self.chain.scan, "-c", self.config(REGRID), "--terrain", self.chain.terrain, "--uncertainty",
                      "--range-sigma", "0.01", "--navigation-sigma", "position_m=0", "-o", dem)
-        result = run("hazard-map", dem, "-c", self.config(CONFIG), "-o", self.path("h.h5"), "--layers", "safe")
+        result = run("hazard-map", dem, "-c", self.config(CONFIG), "-o", self.path("h.h5"), "--layers", "safe", "--table")
         self.assertEqual(result.returncode, 0)
+        self.assertIn("no probability: --layers leaves out the map's 1-sigmas\n", result.stdout)
         self.assertIn(f"warning: {dem}: --layers leaves out its 1-sigmas: sites count safe places, without p_safe", result.stderr)
 
     def test_damaged_elevations_are_refused(self):
