@@ -32,6 +32,9 @@ target_link_options(landfall_flags INTERFACE $<$<CONFIG:Release>:LINKER:-z,relro
 target_include_directories(landfall_flags INTERFACE ${CMAKE_SOURCE_DIR}/lib)
 if(CMAKE_SYSTEM_PROCESSOR MATCHES "aarch64|arm64")
   target_include_directories(landfall_flags BEFORE INTERFACE ${CMAKE_SOURCE_DIR}/cmake/arm64)
+  # The instructions of Highway's functions, which g++ 12 inlines only into functions with the same; the constructors that it makes
+  # itself have those of the command line.
+  target_compile_options(landfall_flags INTERFACE -march=armv8-a+crypto)
 endif()
 target_link_libraries(landfall_flags INTERFACE Threads::Threads)
 set(landfall_instrumentation)  # what whoever links instrumented objects must be linked with

@@ -82,7 +82,7 @@ bool same_bits(const AxisLayers& a, const AxisLayers& b) {
 TEST(Evaluate, PerfectDemPasses) {
   const Collected evaluation = collected(perfect(5), small());
   EXPECT_EQ(evaluation.metrics.pass, true);
-  EXPECT_EQ(evaluation.metrics.region, (RegionMetrics{RegionShape::circle, 4.0, {}, 45}));
+  EXPECT_EQ(evaluation.metrics.region, (RegionMetrics{RegionShape::circle, 4.0, {}, 45, 0.0, 0.0}));
   ASSERT_TRUE(evaluation.metrics.accuracy);
   EXPECT_EQ(evaluation.metrics.accuracy->footprint_bins, 3);
   EXPECT_EQ(evaluation.metrics.accuracy->quantile, 0.95);
