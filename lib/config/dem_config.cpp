@@ -45,8 +45,7 @@ EvaluationParameters evaluation_config(const nlohmann::json& resolved, const std
   const RegionConfig region = region_config(resolved, name);
   parameters.region_shape = region.shape;
   parameters.region_center_m = region.center_m;
-  parameters.region_half_width_m =
-      resolved.at("region").value("half_width_m", parameters.region_half_width_m);
+  if (region.half_width_m) parameters.region_half_width_m = *region.half_width_m;
   parameters.region_radius_m = resolved.at("region_radius_m").get<double>();
   parameters.footprint_m = resolved.at("footprint_m").get<double>();
   parameters.footprint_shape =

@@ -75,10 +75,13 @@ RegionConfig region_config(const Json& resolved, const std::string& name) {
   refuse_foreign_keys(region, shape, name);
   RegionConfig config{.shape = shape_of(shape)};
   if (region.contains("center_m")) config.center_m = horizontal(region.at("center_m"));
-  if (shape == "square") require_key(region, "half_width_m", shape, name);
+  if (shape == "square") {
+    require_key(region, "half_width_m", shape, name);
+    config.half_width_m = region.at("half_width_m");
+  }
   if (shape == "mask") require_key(region, "path", shape, name);
   if (shape == "polygon") require_polygon(region, name);
-  if (shape == "mask" || shape == "polygon") config.source = source_of(config.shape, region, name);
+  if (has_mask(config.shape)) config.source = source_of(config.shape, region, name);
   return config;
 }
 

@@ -22,6 +22,7 @@ struct RegionSource {
 struct RegionConfig {
   RegionShape shape = RegionShape::circle;
   Horizontal center_m = {};
+  std::optional<double> half_width_m = std::nullopt;  ///< of the square
   std::optional<RegionSource> source = std::nullopt;
 };
 

@@ -325,13 +325,25 @@ Grid<T> GridLayerReader::read(const std::string& name, const ProgressCallback& p
 }
 
 template <class T>
-Grid<T> GridLayerReader::read_checked(const std::string& name, LayerValues allowed) const {
-  Grid<T> layer = read<T>(name);
+void GridLayerReader::check(const Grid<T>& layer, const std::string& name, LayerValues allowed) const {
   try {
-    require_values(layer, name, allowed);
+    require_values(layer, name, allowed, layer.spec().first_row - spec_.first_row);
   } catch (const FormatError& error) {
     file_.fail(error.what());
   }
+}
+
+template <class T>
+Grid<T> GridLayerReader::read_checked(const std::string& name, LayerValues allowed) const {
+  Grid<T> layer = read<T>(name);
+  check(layer, name, allowed);
+  return layer;
+}
+
+Grid<double> GridLayerReader::read_checked_rows(const std::string& name, LayerValues allowed,
+                                                const GridSpec& rows) const {
+  Grid<double> layer = read_window<double>(name, rows);
+  check(layer, name, allowed);
   return layer;
 }
 

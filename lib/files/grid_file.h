@@ -111,6 +111,9 @@ class GridLayerReader {
   /// or std::int32_t.
   template <class T>
   [[nodiscard]] Grid<T> read_checked(const std::string& name, LayerValues allowed) const;
+  /// The same of read_window(), of whole rows.
+  [[nodiscard]] Grid<double> read_checked_rows(const std::string& name, LayerValues allowed,
+                                               const GridSpec& rows) const;
 
   /// Size of the layer's chunks in bins, or a substitute for a layer without such chunks.
   [[nodiscard]] BinIndex tile() const;
@@ -124,6 +127,8 @@ class GridLayerReader {
 
  private:
   [[nodiscard]] h5::Handle open(const std::string& name) const;
+  template <class T>
+  void check(const Grid<T>& layer, const std::string& name, LayerValues allowed) const;
 
   const LandfallFileReader& file_;
   GridSpec spec_;

@@ -2,7 +2,6 @@
 #include "files/hazard_strips.h"
 
 #include <algorithm>
-#include <cmath>
 #include <utility>
 
 #include "base/error.h"
@@ -19,15 +18,6 @@ std::string list_of(const std::vector<std::string>& names) {
   std::string list;
   for (const std::string& name : names) list += (list.empty() ? "" : ", ") + name;
   return list;
-}
-
-void require_finite(const LandfallFileReader& file, const std::string& layer, const Grid<double>& rows,
-                    std::int64_t first_row) {
-  const auto wrong = std::ranges::find_if(rows.values(), [](double z) { return std::isinf(z); });
-  if (wrong == rows.values().end()) return;
-  const std::int64_t index = wrong - rows.values().begin();
-  file.fail(layer + ": the value in row " + std::to_string(first_row + index / rows.spec().cols) +
-            ", column " + std::to_string(index % rows.spec().cols) + " is infinite");
 }
 
 }  // namespace
@@ -66,8 +56,7 @@ const Grid<double>& HazardStripReader::tile_row(std::int64_t number) {
   const GridSpec& map = layers_.spec();
   const std::int64_t first = number * layers_.tile().row;
   const GridSpec part = part_of(map, {first, 0}, std::min(layers_.tile().row, map.rows - first), map.cols);
-  Grid<double> rows = layers_.read_window<double>(layer_, part);
-  require_finite(file_, layer_, rows, first);
+  Grid<double> rows = layers_.read_checked_rows(layer_, LayerValues::finite, part);
   return tile_rows_.emplace(number, std::move(rows)).first->second;
 }
 

@@ -36,20 +36,21 @@ std::size_t first_outside(std::span<const T> values, T least, T most) {
 }  // namespace
 
 template <class T>
-void require_values(const Grid<T>& layer, const std::string& name, LayerValues allowed) {
+void require_values(const Grid<T>& layer, const std::string& name, LayerValues allowed,
+                    std::int64_t first_row) {
   const T least = allowed == LayerValues::finite ? std::numeric_limits<T>::lowest() : T{0};
   const std::size_t index = first_outside<T>(layer.values(), least, std::numeric_limits<T>::max());
   if (index == kNone) return;
   const auto value = static_cast<double>(layer.values()[index]);
   const auto cols = static_cast<std::size_t>(layer.spec().cols);
   throw FormatError(
-      name + ": the value in row " + std::to_string(index / cols) + ", column " +
-      std::to_string(index % cols) +
+      name + ": the value in row " + std::to_string(first_row + static_cast<std::int64_t>(index / cols)) +
+      ", column " + std::to_string(index % cols) +
       (std::isinf(value) ? " is infinite" : " is " + short_number(value) + ", and must be 0 or more"));
 }
 
-template void require_values(const Grid<double>&, const std::string&, LayerValues);
-template void require_values(const Grid<float>&, const std::string&, LayerValues);
-template void require_values(const Grid<std::int32_t>&, const std::string&, LayerValues);
+template void require_values(const Grid<double>&, const std::string&, LayerValues, std::int64_t);
+template void require_values(const Grid<float>&, const std::string&, LayerValues, std::int64_t);
+template void require_values(const Grid<std::int32_t>&, const std::string&, LayerValues, std::int64_t);
 
 }  // namespace landfall

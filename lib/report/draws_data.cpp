@@ -215,23 +215,6 @@ Json reach_json(const nlohmann::json& config) {
   return sites.reach ? outline_json(*sites.reach) : Json(nullptr);
 }
 
-Json region_json(const EvaluationParameters& parameters) {
-  switch (parameters.region_shape) {
-    case RegionShape::circle:
-      return {{"shape", "circle"},
-              {"radius_m", parameters.region_radius_m},
-              {"center_x_m", parameters.region_center_m.x},
-              {"center_y_m", parameters.region_center_m.y}};
-    case RegionShape::square:
-      return {{"shape", "square"}, {"half_width_m", parameters.region_half_width_m}};
-    case RegionShape::mask:
-      return {{"shape", "mask"}};
-    case RegionShape::polygon:
-      return {{"shape", "polygon"}};
-  }
-  return {};
-}
-
 }  // namespace
 
 ReportData draws_data(const DrawsReport& content, const nlohmann::json& config, std::int64_t max_cells) {
@@ -242,7 +225,8 @@ ReportData draws_data(const DrawsReport& content, const nlohmann::json& config, 
   ReportData data;
   data.values = {{"colors", colors_json()},
                  {"quantile", parameters.quantile},
-                 {"region", region_json(parameters)},
+                 {"region", region_json(parameters.region_shape, parameters.region_radius_m,
+                                        parameters.region_center_m, parameters.region_half_width_m)},
                  {"layers", Json::array()},
                  {"groups", groups_json("draws")},
                  {"draw_count", table.size()},

@@ -200,18 +200,22 @@ Json outline_json(const ReachableArea& area) {
   return vertices;
 }
 
-namespace {
-
-Json place_region(const HazardParameters& parameters) {
-  if (parameters.region_shape != RegionShape::circle)
-    return {{"shape", parameters.region_shape == RegionShape::mask ? "mask" : "polygon"}};
-  return {{"shape", "circle"},
-          {"radius_m", parameters.region_radius_m},
-          {"center_x_m", parameters.region_center_m.x},
-          {"center_y_m", parameters.region_center_m.y}};
+Json region_json(RegionShape shape, double radius_m, Horizontal center_m, double half_width_m) {
+  switch (shape) {
+    case RegionShape::circle:
+      return {{"shape", "circle"},
+              {"radius_m", radius_m},
+              {"center_x_m", center_m.x},
+              {"center_y_m", center_m.y}};
+    case RegionShape::square:
+      return {{"shape", "square"}, {"half_width_m", half_width_m}};
+    case RegionShape::mask:
+      return {{"shape", "mask"}};
+    case RegionShape::polygon:
+      return {{"shape", "polygon"}};
+  }
+  return {};
 }
-
-}  // namespace
 
 ReportData hazard_data(const HazardReport& content, const std::string& elevation, std::int64_t max_cells) {
   const HazardParameters& parameters = content.parameters;
@@ -222,7 +226,8 @@ ReportData hazard_data(const HazardReport& content, const std::string& elevation
   ReportData data;
   data.values = {
       {"grid", grid_json(spec, factor)},
-      {"region", place_region(parameters)},
+      {"region",
+       region_json(parameters.region_shape, parameters.region_radius_m, parameters.region_center_m)},
       {"footprint",
        {{"shape", "disc"},
         {"text", "lander"},

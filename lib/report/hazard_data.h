@@ -23,6 +23,10 @@ inline constexpr std::size_t kMaxDrawnSites = 10;  ///< the best ones, with thei
 [[nodiscard]] ReportData hazard_data(const HazardReport& content, const std::string& elevation,
                                      std::int64_t max_cells = kMaxCells);
 
+/// The judged region of EvaluationParameters; that of HazardParameters has no half width.
+[[nodiscard]] nlohmann::ordered_json region_json(RegionShape shape, double radius_m, Horizontal center_m,
+                                                 double half_width_m = 0);
+
 /// The border of the reachable places: [[x, y], ...], open.
 [[nodiscard]] nlohmann::ordered_json outline_json(const ReachableArea& area);
 

@@ -8,9 +8,10 @@ import subprocess
 import unittest
 
 import h5py
-from case import BIN, LIMITS, ROOT, SIGMAS, StudyTest, read, study
+from case import BIN, LIMITS, SIGMAS, StudyTest, read, study
 
 # pylint: disable=wrong-import-order
+from harness.commands import run_command
 from landfall.errors import UsageError
 from landfall.study import figures, names, reader, results, rules, stages, table, verdicts
 
@@ -277,8 +278,7 @@ class Pages(StudyTest):
     def test_the_default_metrics_have_the_score(self):
         self.write(hazard_study(SIGMAS))
         self.make("study-results")
-        subprocess.run([os.path.join(ROOT, "python", "commands", "plot_study.py"), self.out("results.h5"), "-o", self.path("f")],
-                       check=True, capture_output=True)
+        self.assertEqual(run_command("plot_study", self.out("results.h5"), "-o", self.path("f")).returncode, 0)
         self.assertLessEqual({"score.missed_hazard_frac.png", "score.false_alarm_frac.png", "hazards.png"}, set(os.listdir(self.path("f"))))
         with h5py.File(self.out("results.h5")) as file:
             read_results = table.Results(file)
