@@ -3,7 +3,7 @@
 """How well p_safe of hazard-map is calibrated: the share of truly safe places in each tenth of p, over sites of several kinds of ground.
 
   bench/bench_probability.py --folder DIR [--bin build/release/bin] [--families rocks,..] [--cells base,..] [--sites 20] [--seed 9100]
-                             [--figure FILE.png]
+                             [--figure FILE.png] [--before FOLDER]
 
 A site is 26 m of ground with nodes of 2.5 cm, judged within 12 m of its origin. A family is a kind of ground:
 
@@ -22,8 +22,9 @@ Each tenth shows the share less the mean of p, with its standard error over site
 the safe places, P_s the sum of p, n_s the places of site s. Tenths of fewer than 1,000 places or 8 sites are left out. The Brier scores are those
 of p, and of the decision by the limits at the places that are known. A second table does the same for p_touchdown, whose truth is the
 share of touchdowns that meet a truly safe place; its last column has the sites that hazard-map ranked: their number, mean p_safe and the share
-truly safe. Results are kept in the folder, and a stopped bench resumes: 20 sites of one family in
-all cells take about 6 minutes of two cores.
+truly safe. With --before, the hazard-map of another release judges the same DEMs, and a third table
+has the Brier scores of both. Results are kept in the folder, and a stopped bench resumes: 20 sites of one family in all cells take about
+6 minutes of two cores.
 """
 import argparse
 import json
@@ -86,8 +87,8 @@ def make_raster(path, seed):
 class Site:
     """One ground, and its maps in a temporary folder."""
 
-    def __init__(self, binaries, folder, family, seed):
-        self.bin, self.folder, self.seed = binaries, folder, seed
+    def __init__(self, options, folder, family, seed):
+        self.bin, self.before, self.folder, self.seed = options.bin, options.before, folder, seed
         base, patterns = ground(family, seed, self.path("raster.tif"))
         config = {"grid": {"half_width_m": HALF_M + 2, "resolution_m": NODE_M}, "seed": seed, "base": base}
         if patterns:
@@ -99,8 +100,8 @@ class Site:
     def path(self, name):
         return os.path.join(self.folder, name)
 
-    def run(self, tool, *arguments):
-        command = [os.path.join(self.bin, tool), *map(str, arguments), "-O", "-q"]
+    def run(self, tool, *arguments, binaries=None):
+        command = [os.path.join(binaries or self.bin, tool), *map(str, arguments), "-O", "-q"]
         result = subprocess.run(command, capture_output=True, text=True, check=False)
         if result.returncode != 0:
             sys.exit(f"{' '.join(command)}\nexit {result.returncode}: {result.stderr}")
@@ -143,9 +144,9 @@ class Site:
         with h5py.File(self.path("truth.h5"), "r+") as file:
             file["z"][...] = below * (1 - v) + above * v
 
-    def judge(self, name, limit, *options):
+    def judge(self, name, limit, *options, binaries=None):
         self.run("hazard-map", self.path(name), "-o", self.path("hazards.h5"), "--no-truth", "--set", f"region_radius_m={RADIUS_M}",
-                 "--set", f"limits.slope_deg={limit}", *options)
+                 "--set", f"limits.slope_deg={limit}", *options, binaries=binaries)
         with h5py.File(self.path("hazards.h5")) as file:
             found = {layer: file[layer][()] for layer in ("safe", "p_safe", "p_touchdown") if layer in file}
             if "sites" in file:
@@ -158,10 +159,13 @@ class Site:
         self.truth(resolution, is_rigid)
         found = {}
         for limit in LIMITS_DEG.get(cell, (10,)):
-            judged = self.judge("dem.h5", limit, *(["--set", "hole_fill_bins=1000"] if CELLS[cell].get("dropouts") else []))
+            fill = ["--set", "hole_fill_bins=1000"] if CELLS[cell].get("dropouts") else []
+            judged = self.judge("dem.h5", limit, *fill)
             true = self.judge("truth.h5", limit)
             found.update({f"p{limit}": judged["p_safe"], f"s{limit}": judged["safe"], f"t{limit}": true["safe"],
                           f"q{limit}": judged["p_touchdown"], f"u{limit}": true["p_touchdown"], f"r{limit}": ranked(judged, true, resolution)})
+            if self.before:
+                found[f"b{limit}"] = self.judge("dem.h5", limit, *fill, binaries=self.before)["p_safe"]
         return found
 
 
@@ -178,7 +182,7 @@ def measure(options):
             if not cells:
                 continue
             with tempfile.TemporaryDirectory(dir=options.folder) as folder:
-                site = Site(options.bin, folder, family, seed)
+                site = Site(options, folder, family, seed)
                 for cell in cells:
                     np.savez_compressed(kept(options, family, cell, seed), **site.results(cell))
         print(f"{seed - options.seed + 1} of {options.sites} sites", file=sys.stderr)
@@ -264,6 +268,25 @@ def touchdown_table(options):
               f"| {sites.shape[1]}, {sites[0].mean():.3f}, {sites[1].mean():.3f} |" if sites.size else "| 0 |")
 
 
+def brier_scores(options, family, cell, limit):
+    """Brier scores of p_safe and of that before, per site, over the places that both judge."""
+    found = []
+    for _, (p, before, truth) in kept_layers(options, family, cell, limit, "pbt"):
+        known = np.isfinite(p) & np.isfinite(before) & (truth != 2)
+        safe = truth[known] == 1
+        found.append((np.mean((p[known] - safe)**2), np.mean((before[known] - safe)**2)))
+    return np.array(found).T if found else None
+
+
+def before_table(options):
+    print("\n| family | cell | sites | Brier score | before | difference | its standard error | sites where it is worse |")
+    print("|---" * 8 + "|")
+    for family, cell, (now, before) in rows(options, brier_scores):
+        off = now - before
+        print(f"| {family} | {cell} | {len(off)} | {now.mean():.4f} | {before.mean():.4f} | {off.mean():+.4f} "
+              f"| {off.std(ddof=1) / len(off)**0.5 if len(off) > 1 else np.nan:.4f} | {np.count_nonzero(off > 0.001)} |")
+
+
 def figure(options):
     import matplotlib  # pylint: disable=import-outside-toplevel
     matplotlib.use("Agg")
@@ -302,12 +325,15 @@ def main():
     parser.add_argument("--sites", type=int, default=20)
     parser.add_argument("--seed", type=int, default=9100, help="seed of the first site")
     parser.add_argument("--figure", help="reliability diagrams")
+    parser.add_argument("--before", metavar="FOLDER", help="tools of another release, whose p_safe is compared")
     parser.add_argument("--table-only", action="store_true", help="of what is there")
     options = parser.parse_args()
     if not options.table_only:
         measure(options)
     table(options)
     touchdown_table(options)
+    if options.before:
+        before_table(options)
     if options.figure:
         figure(options)
 
