@@ -13,6 +13,7 @@ A site is 26 m of ground with nodes of 2.5 cm, judged within 12 m of its origin.
   smooth      a raster of 2 m posting, interpolated bicubically
   smoothfine  the same with fractal relief of 5 cm at 2 m
   blocks      blocks of ice with vertical sides on a tenth of the area
+  plane9.5    a plane of 9.5 deg (or any other slope), whose mean p is printed
 
 and a cell one setting of the chain: base (1.67 cm of range noise, bins of 5 cm, 3.1 returns per bin, a slope limit of 10 deg, the map
 moved by a random fraction of a bin), n5 (5 cm of noise), b10 (bins of 10 cm), v3 (0.3 m/s of velocity error), thin2 and thin15 (2 and 1.5
@@ -59,6 +60,8 @@ def ground(family, seed, raster):
         return fractal(0.8, 0.1), [{"type": "craters", "model": "trask", "min_diameter_m": 1.0}]
     if family == "blocks":
         return fractal(0.7, 0.25), [{"type": "ice_blocks", "area_fraction": 0.1}]
+    if family.startswith("plane"):
+        return {"type": "plane", "slope_x": np.tan(np.radians(float(family[5:])))}, []
     make_raster(raster, seed)
     dem = {"type": "dem", "path": raster}
     return (dem if family == "smooth" else [dem, fractal(0.7, 0.05, 2)]), []
@@ -260,6 +263,13 @@ def table(options):
               f"| {np.mean((p - truth)**2):.4f} | {np.mean(((decided == 1) != truth)[decided != 2]):.4f} | {100 * np.mean(decided == 2):.0f} % |")
 
 
+def plane_table(options):
+    print("| plane | cell | sites | mean p |")
+    print("|---" * 4 + "|")
+    for family, cell, (p, _, _, site) in rows(options, pooled):
+        print(f"| {family[5:]} deg | {cell} | {len(np.unique(site))} | {p.mean():.4f} |")
+
+
 def touchdown_table(options):
     print("\n| family | cell | sites |", " | ".join(f"{k / 10:.1f}" for k in range(10)), "| ranked sites: number, mean p_safe, share safe |")
     print("|---" * 14 + "|")
@@ -330,6 +340,9 @@ def main():
     options = parser.parse_args()
     if not options.table_only:
         measure(options)
+    if all(family.startswith("plane") for family in options.families):
+        plane_table(options)
+        return
     table(options)
     touchdown_table(options)
     if options.before:

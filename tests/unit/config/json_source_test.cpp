@@ -1,34 +1,27 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "config/json_source.h"
 
-#include <unistd.h>
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <chrono>
-#include <filesystem>
 #include <fstream>
 
 #include "base/error.h"
+#include "temporary_folder.h"
 
 namespace landfall {
 namespace {
 
 using testing::HasSubstr;
 
-std::string write_temporary(const std::string& name, const std::string& text) {
-  // several tests of this program may run at once
-  const std::filesystem::path path =
-      std::filesystem::path(testing::TempDir()) / (std::to_string(getpid()) + name);
-  std::ofstream(path) << text;
-  return path.string();
-}
-
 std::string json_refusal(const std::string& text) {
+  const TemporaryFolder folder;
+  const std::filesystem::path path = folder / "source.json";
+  std::ofstream(path) << text;
   try {
-    static_cast<void>(read_json(write_temporary("json_source_test.json", text)));
+    static_cast<void>(read_json(path.string()));
   } catch (const UsageError& error) {
     return error.what();
   }
