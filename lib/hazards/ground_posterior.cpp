@@ -84,24 +84,36 @@ BinMask interpolate(Grid<double>& z, const Grid<float>& seen) {
   return unknown;
 }
 
+/// The rise per bin from those of both sides: their mean, but at most twice the smaller, and 0 if their signs
+/// differ, so that the foot and the rim of a wall are level (van Leer's limiter of monotonized central
+/// differences, J. Comput. Phys. 23, 1977).
+double limited_rise(double before, double after) {
+  if (before * after <= 0) return 0;
+  const double mean = (before + after) / 2;
+  return std::copysign(std::min(std::abs(mean), 2 * std::min(std::abs(before), std::abs(after))), mean);
+}
+
 /// Moves the elevations of measured bins along the slope of the 3 x 3 bins about each.
 void move_to_centers(Grid<double>& z, const Grid<float>& seen, const ReturnCentroids& centroids) {
   const GridSpec& spec = z.spec();
-  const Grid<double> before = z;
+  const Grid<double> measured = z;
   by_rows(spec, [&](std::int64_t row) {
     if (row == 0 || row == spec.rows - 1) return;
+    const auto column = [&](std::int64_t col) {
+      return measured.at({row - 1, col}) + measured.at({row, col}) + measured.at({row + 1, col});
+    };
+    const auto across = [&](std::int64_t other, std::int64_t col) {
+      return measured.at({other, col - 1}) + measured.at({other, col}) + measured.at({other, col + 1});
+    };
     for (std::int64_t col = 1; col < spec.cols - 1; ++col) {
       const BinIndex bin{row, col};
       const double x = static_cast<double>(centroids.x.at(bin)) - spec.x(col);
       const double y = static_cast<double>(centroids.y.at(bin)) - spec.y(row);
       if (seen.at(bin) == 0 || std::isnan(x) || std::isnan(y)) continue;
-      double rise_x = 0;
-      double rise_y = 0;
-      for (std::int64_t side = -1; side <= 1; ++side) {
-        rise_x += before.at({row + side, col + 1}) - before.at({row + side, col - 1});
-        rise_y += before.at({row + 1, col + side}) - before.at({row - 1, col + side});
-      }
-      z.at(bin) -= (rise_x * x + rise_y * y) / (6 * spec.resolution_m);
+      const double rise_x = limited_rise(column(col) - column(col - 1), column(col + 1) - column(col)) / 3;
+      const double rise_y =
+          limited_rise(across(row, col) - across(row - 1, col), across(row + 1, col) - across(row, col)) / 3;
+      z.at(bin) -= (rise_x * x + rise_y * y) / spec.resolution_m;
     }
   });
 }

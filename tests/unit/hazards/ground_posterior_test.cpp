@@ -170,7 +170,8 @@ TEST(GroundPosterior, FarFromAnyReturnThereIsNone) {
   EXPECT_TRUE(std::isnan(ground.at({100, 100})));
 }
 
-// A wall of 1 m: no draw stands above it or below its foot by more than a twentieth.
+// A wall of 1 m: no draw stands above it or below its foot by more than a twentieth, wherever the returns of
+// a bin lie.
 TEST(GroundPosterior, AWallHasNoOvershoot) {
   const GridSpec spec = GridSpec::centered(4, 0.05);
   Grid<double> z(spec);
@@ -179,9 +180,18 @@ TEST(GroundPosterior, AWallHasNoOvershoot) {
   add_noise(z, 0.001, 10);
   SigmaParts parts = noise_of(spec, 0.001);
   for (std::int64_t row = 0; row < spec.rows; ++row) parts.relief_m.at({row, 80}) = 0.3F;
-  const Grid<double> ground = GroundPosterior(z, parts, 1).draw(0);
-  EXPECT_LT(*std::ranges::max_element(ground.values()), 1.06);
-  EXPECT_GT(*std::ranges::min_element(ground.values()), -0.06);
+  ReturnCentroids centroids{Grid<float>(spec), Grid<float>(spec)};
+  for (std::int64_t row = 0; row < spec.rows; ++row)
+    for (std::int64_t col = 0; col < spec.cols; ++col) {
+      centroids.x.at({row, col}) = static_cast<float>(spec.x(col) + 0.02);
+      centroids.y.at({row, col}) = static_cast<float>(spec.y(row) - 0.02);
+    }
+  for (const std::optional<ReturnCentroids>& places :
+       {std::optional<ReturnCentroids>{}, std::optional{centroids}}) {
+    const Grid<double> ground = GroundPosterior(z, parts, 1, places).draw(0);
+    EXPECT_LT(*std::ranges::max_element(ground.values()), 1.06);
+    EXPECT_GT(*std::ranges::min_element(ground.values()), -0.06);
+  }
 }
 
 // The same bins of a larger map: equal bits as far from the smaller map's border as a draw reaches.
