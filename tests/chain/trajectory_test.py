@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Trajectories through the chain: attitude conventions, a rover, an attitude limit cycle.
 
-The Python code of docs/reference/attitudes.md and docs/user/lidar/trajectory-table.md is run as printed. LANDFALL_TEST_SEED is the seed of the attitudes.
+The Python code of docs/reference/attitudes.md is run as printed. LANDFALL_TEST_SEED is the seed of the attitudes.
 """
 import json
 import os
@@ -16,18 +16,17 @@ from harness import CONFIGS, ToolTest, columns, returns_of
 from oracle import surface
 
 SEED = int(os.environ.get("LANDFALL_TEST_SEED", "20240607"))
-PAGE = os.path.join(os.environ["LANDFALL_ROOT"], "docs", "user", "lidar", "trajectory-table.md")
-ATTITUDES = os.path.join(os.environ["LANDFALL_ROOT"], "docs", "reference", "attitudes.md")
+PAGE = os.path.join(os.environ["LANDFALL_ROOT"], "docs", "reference", "attitudes.md")
 
 
-def blocks(language, page=PAGE):
-    with open(page, encoding="utf-8") as file:
+def blocks(language):
+    with open(PAGE, encoding="utf-8") as file:
         return re.findall(rf"```{language}\n(.*?)```", file.read(), re.DOTALL)
 
 
 DOC = {}
-for source in (ATTITUDES, PAGE):
-    exec(compile(blocks("python", source)[0], source, "exec"), DOC)  # pylint: disable=exec-used
+for source in blocks("python")[:2]:
+    exec(compile(source, PAGE, "exec"), DOC)  # pylint: disable=exec-used
 
 
 def tilde(v):

@@ -1,6 +1,6 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""regrid --uncertainty and --corrected against a simple numpy implementation of docs/user/uncertainty.md."""
+"""regrid --uncertainty and --corrected against a simple numpy implementation of docs/reference/sigmas.md."""
 import json
 from statistics import NormalDist
 import unittest

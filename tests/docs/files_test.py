@@ -56,14 +56,14 @@ BEFORE = {"unjudged.h5": ["regrid", "scan.h5", "-o", "blind.h5", *MAP]}
 
 def rows(name):
     """The cells of the table rows of a page, without the header rows."""
-    text = pages.Page(os.path.join("docs", "user", "files", name)).prose.values()
+    text = pages.Page(os.path.normpath(os.path.join("docs", "user", "files", name))).prose.values()
     return [[cell.strip() for cell in re.split(r"(?<!\\)\|", line)[1:-1]] for line in text if line.startswith("| `")]
 
 
 def described(name):
-    """{dataset: (type, unit)} as described by a page."""
+    """{dataset: (type, unit)} as described by a page, and for draws.h5 by that of its state."""
     found = {}
-    for first, *others in rows(name):
+    for first, *others in rows(name) + (rows("../../reference/draws-state.md") if name == "draws.md" else []):
         for dataset in re.findall(r"`(/[^`]+)`", first):
             found[dataset] = tuple(others[:2])
     return found

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The layers of a DEM from the returns of a scan (docs/user/regrid.md, docs/user/uncertainty.md)."""
+"""The layers of a DEM from the returns of a scan (docs/user/regrid.md, docs/reference/sigmas.md)."""
 from statistics import NormalDist
 
 import numpy as np
@@ -115,7 +115,7 @@ def windows(layer, radius):
 
 
 class Uncertainty:
-    """Slopes, z_corrected and sigmas by the formulas of docs/user/uncertainty.md."""
+    """Slopes, z_corrected and sigmas by the formulas of docs/reference/sigmas.md."""
 
     PARTS = ("position_m", "velocity_mps", "rpy_rad", "rpy_rate_radps")
 
