@@ -16,7 +16,7 @@ sys.dont_write_bytecode = True
 # pylint: disable=wrong-import-position
 import matplotlib.image
 import numpy as np
-from landfall import plot_features
+from landfall.plot import plot_features
 
 
 class Picture(unittest.TestCase):

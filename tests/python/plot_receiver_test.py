@@ -18,7 +18,7 @@ sys.dont_write_bytecode = True
 # pylint: disable=wrong-import-position
 import matplotlib.image
 import numpy as np
-from landfall import plot_receiver
+from landfall.plot import plot_receiver
 
 
 def crossing_of_a_plane(slope_deg, level):

@@ -16,7 +16,8 @@ sys.path.insert(0, PYTHON)
 sys.dont_write_bytecode = True
 
 from harness.commands import run_command
-from landfall import colors, dictionary, files, maps, plot_compare, plot_dem, plot_eval, plot_plan, scales
+from landfall import dictionary, files
+from landfall.plot import colors, maps, plot_compare, plot_dem, plot_eval, plot_plan, scales
 import matplotlib.pyplot as plt
 
 BINS = 41

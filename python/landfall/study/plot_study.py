@@ -12,8 +12,9 @@ import argparse
 import csv
 import os
 
-from landfall import command, files, plots
+from landfall import command, files
 from landfall.errors import UsageError, printable
+from landfall.plot import plots
 from landfall.study import crossing, figures, verdicts
 from landfall.study.table import Results
 

@@ -7,7 +7,8 @@ import tempfile
 import matplotlib.pyplot as plt
 import numpy as np
 
-from landfall import command, files, plots, tools
+from landfall import command, files, tools
+from landfall.plot import plots
 
 LIGHT_MPS = 299792458
 FWHM_S = 1e-9

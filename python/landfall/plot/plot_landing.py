@@ -5,9 +5,10 @@ distance that the lander diverted, and slope and roughness on the true ground ag
 
 import numpy as np
 
-from landfall import command, maps, plots
+from landfall import command
 from landfall.errors import DataError
-from landfall.plot_draws import Draws, light_of
+from landfall.plot import maps, plots
+from landfall.plot.plot_draws import Draws, light_of
 
 ARMS = {"landing": "with the lidar", "blind": "without a lidar"}
 

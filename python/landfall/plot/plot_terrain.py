@@ -8,8 +8,9 @@ import numpy as np
 from matplotlib.collections import EllipseCollection
 from matplotlib.patches import Patch
 
-from landfall import colors, command, files, maps, plots, reduction, scales
+from landfall import command, files
 from landfall.errors import DataError
+from landfall.plot import colors, maps, plots, reduction, scales
 
 CELLS = 900  # blocks along a panel's edge
 BAND_NODES = 1 << 23  # nodes held at a time: a terrain of any size is drawn in the same memory

@@ -9,7 +9,8 @@ import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.colors import LightSource
 
-from landfall import command, files, plots, tools
+from landfall import command, files, tools
+from landfall.plot import plots
 
 RESOLUTION_M = 0.05
 

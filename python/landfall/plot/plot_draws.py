@@ -11,8 +11,9 @@ import os
 import numpy as np
 from matplotlib.colors import LogNorm
 
-from landfall import colors, command, dictionary, files, maps, plots, reduction, relief, scales
+from landfall import command, dictionary, files
 from landfall.errors import DataError
+from landfall.plot import colors, maps, plots, reduction, relief, scales
 
 LAYERS = ["p_invalid", "p_missed_hazard", "p_judged_safe", "p_fail_rel_x", "p_fail_rel_y", "p_fail_rel_z", "p_fail_absolute", "e_z_mean", "e_z_std", "e_map_std", "z_sigma_abs",
           "e_map_std_over_sigma", "z_true_map", "in_region"]

@@ -1,11 +1,12 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The answer of landfall.design as text, table, figure and page."""
+"""The answer of landfall.answers.design as text, table, figure and page."""
 import csv
 import json
 import math
 import os
 
-from landfall import answer_page, command, plots, runs, tools
+from landfall import command, tools
+from landfall.answers import answer_page, runs
 from landfall.study.page import cell, escaped, head, table, verdict
 
 STAGES = {"geometry": "the geometry of the frames", "plan": "the plan", "error": "a tool", "draw": "one draw"}
@@ -15,6 +16,8 @@ def write(problem, answer, folder):
     """design.json, candidates.csv, design.png and report.html."""
     runs.write_json(os.path.join(folder, "design.json"), answer)
     command.write_whole(os.path.join(folder, "candidates.csv"), lambda name: _write_csv(name, problem, answer))
+    from landfall.plot import plots
+
     figure = os.path.join(folder, "design.png")
     plots.save({figure: figure_of(problem, answer)}, 150)
     version = tools.run_tool(tools.find("monte-carlo"), "--version").stdout
@@ -90,7 +93,7 @@ def figure_of(problem, answer):
     """Cost against the worst requirement of the one draw: candidates, front, and what more draws made of it."""
     from matplotlib.figure import Figure
 
-    from landfall import maps
+    from landfall.plot import maps
 
     figure = Figure(figsize=(9, 5.4), constrained_layout=True)
     axes = figure.subplots()

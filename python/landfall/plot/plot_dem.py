@@ -4,8 +4,9 @@ import os
 
 import numpy as np
 
-from landfall import command, files, maps, plots, reduction, scales
+from landfall import command, files
 from landfall.errors import DataError
+from landfall.plot import maps, plots, reduction, scales
 
 ZOOM_WIDTH_M = 8.0
 SIGN = "true - estimated"

@@ -9,7 +9,8 @@ import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.collections import LineCollection
 
-from landfall import command, files, plots, tools
+from landfall import command, files, tools
+from landfall.plot import plots
 
 HALF_WIDTH_M = 50
 SCAN_TIME_S = 2

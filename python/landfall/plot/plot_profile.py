@@ -11,8 +11,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from landfall import command, maps, plot_dem, plots, reduction, scales
+from landfall import command
 from landfall.errors import UsageError
+from landfall.plot import maps, plot_dem, plots, reduction, scales
 
 TRUE, ESTIMATED, LIMIT = maps.SKY_BLUE, maps.VERMILION, "#a3478f"  # as in the report
 

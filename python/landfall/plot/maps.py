@@ -10,8 +10,8 @@ from matplotlib.colors import ListedColormap, Normalize, to_rgba
 from matplotlib.patches import Circle, Patch, Rectangle
 from matplotlib.ticker import MaxNLocator
 
-from landfall import colors, reduction, relief
 from landfall.errors import printable_lines
+from landfall.plot import colors, reduction, relief
 
 FONT_PT, NOTE_PT, NOTE_LETTERS_PER_IN = 11, 9, 11
 MAP_SHARE = 0.62      # of the width of a column of panels that a map fills, at least

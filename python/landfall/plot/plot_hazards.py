@@ -9,8 +9,9 @@ from matplotlib.colors import to_rgb
 from matplotlib.lines import Line2D
 from matplotlib.patches import Circle
 
-from landfall import command, dictionary, files, maps, plots, reduction, relief, scales
+from landfall import command, dictionary, files
 from landfall.errors import DataError
+from landfall.plot import maps, plots, reduction, relief, scales
 
 LAYERS = ["slope", "roughness", "safe", "p_safe", "p_touchdown", "cost", "outcome"]
 MAX_LISTED = 6  # sites in the legend

@@ -9,7 +9,8 @@ import os
 
 import numpy as np
 
-from landfall import command, model, progress, runs, schema
+from landfall import command, schema
+from landfall.answers import model, progress, runs
 from landfall.errors import DataError, UsageError, printable_lines
 
 RANDOM = "random numbers"  # the group of the seed: which noise, dropouts and dead pixels are drawn
@@ -152,7 +153,7 @@ def figure_of(problem, answer):
     """A panel per output: bars of both indices with their intervals."""
     from matplotlib.figure import Figure
 
-    from landfall import maps
+    from landfall.plot import maps
 
     shown = {name: output["groups"] for name, output in answer["outputs"].items() if output["groups"]}
     figure = Figure(figsize=(9, 1.2 + 2.3 * max(len(shown), 1)), constrained_layout=True)
@@ -193,7 +194,8 @@ def main(arguments):
     answer = analyse(problem, of)
     runs.write_json(os.path.join(options.out, "sensitivity.json"), answer)
     write_csv(os.path.join(options.out, "sensitivity.csv"), answer)
-    from landfall import answer_page, plots
+    from landfall.answers import answer_page
+    from landfall.plot import plots
 
     figure = os.path.join(options.out, "sensitivity.png")
     plots.save({figure: figure_of(problem, answer)}, 150)

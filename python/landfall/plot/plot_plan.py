@@ -5,8 +5,9 @@ import os
 
 import numpy as np
 
-from landfall import command, files, maps, plots, reduction, scales
+from landfall import command, files
 from landfall.errors import DataError
+from landfall.plot import maps, plots, reduction, scales
 
 BUDGET = [("in_region", "frame in the region", "#0072b2"),
           ("partly_in_region", "partly in the region", "#56b4e9"),

@@ -3,8 +3,9 @@
 
 import numpy as np
 
-from landfall import command, files, maps, plots, reduction, scales
+from landfall import command, files
 from landfall.errors import DataError
+from landfall.plot import maps, plots, reduction, scales
 
 ZOOM_WIDTH_M = 8.0
 SIGN = "B - A"
