@@ -37,11 +37,6 @@ def new_figure(rows_cols, size_in, title, **ratios):
     return figure, axes
 
 
-def use_dpi(dpi):
-    """The resolution of the figures to come: a map has no more blocks than pixels, because blocks that are skipped would hide defects."""
-    plt.rcParams["figure.dpi"] = dpi
-
-
 def block_size(ax, shape):
     """The edge, in bins, of the blocks in which a panel shows a map of this shape."""
     columns = ax.get_subplotspec().get_gridspec().ncols

@@ -355,7 +355,7 @@ def figures_of(evaluation):
 
 def main(arguments):
     options = parse(arguments)
-    maps.use_dpi(options.dpi)
+    plots.use_dpi(options.dpi)
     evaluation = Evaluation(options.evaluation, options.data_only)
     chosen = figures_of(evaluation)
     dem_figure = [options.output + "dem.png"] if options.dem else []

@@ -229,7 +229,4 @@ def figure_of(options):
     return draw(samples, options.terrain.rsplit("/", 1)[-1])
 
 
-def main(arguments):
-    options = parse(arguments)
-    command.check_outputs([options.output], options.overwrite)
-    plots.save({options.output: figure_of(options)}, options.dpi)
+main = plots.main_of(parse, figure_of)

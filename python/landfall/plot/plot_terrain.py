@@ -26,10 +26,7 @@ def parse(arguments):
     parser.add_argument("--sun-elevation-deg", type=sun_elevation, default=35, help="0..90, default 35")
     parser.add_argument("--zoom-width-m", type=plots.positive_metres, help="default: a tenth of the site")
     parser.add_argument("--zoom-at", type=plots.place, metavar="X,Y", help="default: the steepest place")
-    plots.add_output_options(parser)
-    options = parser.parse_args(arguments)
-    plots.name_output(options, options.terrain)
-    return options
+    return plots.parsed(parser, arguments, "terrain")
 
 
 def finite(text):
@@ -247,7 +244,4 @@ def figure_of(options):
         return draw(file, options)
 
 
-def main(arguments):
-    options = parse(arguments)
-    command.check_outputs([options.output], options.overwrite)
-    plots.save({options.output: figure_of(options)}, options.dpi)
+main = plots.main_of(parse, figure_of)

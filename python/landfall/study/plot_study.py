@@ -112,24 +112,15 @@ def draw_all(options, results, metrics):
         pair = figures.map_axes(results, x)
         if pair:
             made[path + "-map.png"] = figures.map_figure(results, metric, pair, quantile)
-    overview = figures.overview_figure(results, metrics, x, quantile)
-    if overview:
-        made[os.path.join(options.output, "overview.png")] = overview
     spec = chosen_crossing(options, results)
-    if spec:
-        made[os.path.join(options.output, "crossing.png")] = crossing.crossing_figure(results, x, spec)
-    hazards = verdicts.hazards_figure(results, quantile)
-    if hazards:
-        made[os.path.join(options.output, "hazards.png")] = hazards
-    campaigns = verdicts.campaigns_figure(results)
-    if campaigns:
-        made[os.path.join(options.output, "campaigns.png")] = campaigns
-    landings = figures.landings_figure(results, x, quantile)
-    if landings:
-        made[os.path.join(options.output, "landings.png")] = landings
-    made[os.path.join(options.output, "requirements.png")] = verdicts.requirements_figure(results)
-    made[os.path.join(options.output, "shares.png")] = verdicts.shares_figure(results, quantile)
-    return made
+    wholes = {"overview": figures.overview_figure(results, metrics, x, quantile),
+              "crossing": crossing.crossing_figure(results, x, spec) if spec else None,
+              "hazards": verdicts.hazards_figure(results, quantile),
+              "campaigns": verdicts.campaigns_figure(results),
+              "landings": figures.landings_figure(results, x, quantile),
+              "requirements": verdicts.requirements_figure(results),
+              "shares": verdicts.shares_figure(results, quantile)}
+    return made | {os.path.join(options.output, name + ".png"): figure for name, figure in wholes.items() if figure}
 
 
 def main(arguments):
