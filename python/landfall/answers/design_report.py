@@ -1,6 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The answer of landfall.answers.design as text, table, figure and page."""
-import csv
 import json
 import math
 import os
@@ -15,7 +14,7 @@ STAGES = {"geometry": "the geometry of the frames", "plan": "the plan", "error":
 def write(problem, answer, folder):
     """design.json, candidates.csv, design.png and report.html."""
     runs.write_json(os.path.join(folder, "design.json"), answer)
-    command.write_whole(os.path.join(folder, "candidates.csv"), lambda name: _write_csv(name, problem, answer))
+    command.write_text(os.path.join(folder, "candidates.csv"), command.csv_text(_rows(problem, answer)))
     from landfall.plot import plots
 
     figure = os.path.join(folder, "design.png")
@@ -24,14 +23,13 @@ def write(problem, answer, folder):
     answer_page.write(os.path.join(folder, "report.html"), problem.title, problem.tree.get("description", ""), sections(problem, answer, figure, version))
 
 
-def _write_csv(path, problem, answer):
+def _rows(problem, answer):
+    """candidates.csv."""
     names = list(dict.fromkeys(name for look in answer["candidates"] for name in look["margins"]))
-    with open(path, "w", encoding="utf-8", newline="") as file:
-        rows = csv.writer(file, lineterminator="\n")
-        rows.writerow([*problem.variables, "cost", "stage", "passes", *(f"ln(value/limit) of {name}" for name in names), "reason"])
-        for look in answer["candidates"]:
-            rows.writerow([*(look["values"][name] for name in problem.variables), look["cost"], look["stage"], int(look["passes"]),
-                           *(look["margins"].get(name, "") for name in names), look["reason"]])
+    yield [*problem.variables, "cost", "stage", "passes", *(f"ln(value/limit) of {name}" for name in names), "reason"]
+    for look in answer["candidates"]:
+        yield [*(look["values"][name] for name in problem.variables), look["cost"], look["stage"], int(look["passes"]),
+               *(look["margins"].get(name, "") for name in names), look["reason"]]
 
 
 def values_text(values):

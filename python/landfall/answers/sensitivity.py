@@ -4,7 +4,6 @@
 
 OpenTURNS makes the sample and estimates indices and intervals; landfall.model computes the draws.
 """
-import csv
 import os
 
 import numpy as np
@@ -140,13 +139,10 @@ def interval_text(index):
 
 
 def write_csv(path, answer):
-    def write_to(name):
-        with open(name, "w", encoding="utf-8", newline="") as file:
-            rows = csv.writer(file, lineterminator="\n")
-            rows.writerow(["output", "group", *(f"{kind}_{part}" for kind in KINDS for part in PARTS)])
-            for output, found in answer["outputs"].items():
-                rows.writerows([output, row["group"], *(row[kind][part] for kind in KINDS for part in PARTS)] for row in found["groups"] or [])
-    command.write_whole(path, write_to)
+    rows = [["output", "group", *(f"{kind}_{part}" for kind in KINDS for part in PARTS)]]
+    for output, found in answer["outputs"].items():
+        rows += [[output, row["group"], *(row[kind][part] for kind in KINDS for part in PARTS)] for row in found["groups"] or []]
+    command.write_text(path, command.csv_text(rows))
 
 
 def figure_of(problem, answer):

@@ -9,7 +9,6 @@ landings with the lidar and without, of campaigns that land), crossing.png (wher
 percentiles.csv and crossings.csv.
 """
 import argparse
-import csv
 import os
 
 from landfall import command, files
@@ -94,12 +93,8 @@ def percentile_rows(results, metrics, quantile):
 
 
 def write_csv(path, head, rows):
-    def write_to(name):
-        with open(name, "w", newline="", encoding="utf-8") as file:
-            writer = csv.writer(file, lineterminator="\n")
-            writer.writerow(head)
-            writer.writerows([["" if isinstance(cell, float) and cell != cell else cell for cell in row] for row in rows])
-    command.write_whole(path, write_to)
+    known = ([cell if cell == cell else "" for cell in row] for row in rows)  # NaN is not
+    command.write_text(path, command.csv_text([head, *known]))
     print(printable(path))
 
 
