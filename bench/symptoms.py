@@ -19,7 +19,8 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 import landfall
-from landfall import colors, command
+from landfall import command
+from landfall.plot import colors
 
 TERRAIN = {"grid": {"half_width_m": 9, "resolution_m": 0.1}, "base": {"slope_x": 0.25},
            "features": [{"type": "cone", "x_m": x, "y_m": y, "radius_m": 1.2, "height_m": 0.8} for x, y in ((2.5, 2), (-2, -1.5))]}

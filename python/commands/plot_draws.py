@@ -2,4 +2,4 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 from start import start
 
-start("plot_draws")
+start("plot.plot_draws")

@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Common parts of all commands: options, output paths, error messages and exit codes."""
 import argparse
+import csv
+import io
 import os
 import re
 import sys
@@ -81,3 +83,17 @@ def write_whole(path, write_to, is_synced=True):
     finally:
         if os.path.exists(temporary):
             os.remove(temporary)
+
+
+def write_text(path, text, is_synced=True):
+    """write_whole() of a text, whose line feeds remain."""
+    def write_to(name):
+        with open(name, "w", encoding="utf-8", newline="") as file:
+            file.write(text)
+    write_whole(path, write_to, is_synced)
+
+
+def csv_text(rows):
+    text = io.StringIO()
+    csv.writer(text, lineterminator="\n").writerows(rows)
+    return text.getvalue()

@@ -16,7 +16,7 @@ from matplotlib.image import imread
 sys.path.insert(0, os.path.join(os.environ["LANDFALL_ROOT"], "python"))
 
 from harness import REGRID, SCAN, TERRAIN, ChainTest, ToolTest, columns, read_bytes, run, with_values
-from landfall import plot_hazards
+from landfall.plot import plot_hazards
 from oracle import hazards as oracle
 from oracle.evaluate import region_of
 

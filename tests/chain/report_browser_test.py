@@ -14,7 +14,8 @@ sys.path.insert(0, os.path.join(os.environ["LANDFALL_ROOT"], "python"))
 
 from harness import EVAL, REGRID, browser
 from harness.page import CONTRAST, POINT, WIDTHS, PageTest
-from landfall import colors, files, plot_profile, reduction, relief, scales
+from landfall import files
+from landfall.plot import colors, plot_profile, reduction, relief, scales
 
 SECTIONS = ["requirements", "maps", "view-3d", "worst", "holes", "errors", "uncertainty", "provenance-chain"]
 MAPS = ["z_est", "z_true", "count", "e_x", "e_y", "e_z", "abs_x", "abs_y", "abs_z", "rel_x", "rel_y", "rel_z", "invalid",

@@ -32,8 +32,8 @@ sys.dont_write_bytecode = True
 matplotlib.use("Agg")
 # pylint: disable=wrong-import-position
 import landfall
-from landfall import (errors, grids, plot_dem, plot_draws, plot_eval, plot_hazards, plot_plan, plot_populations, plot_profile,
-                      plot_terrain)
+from landfall import errors, grids
+from landfall.plot import plot_dem, plot_draws, plot_eval, plot_hazards, plot_plan, plot_populations, plot_profile, plot_terrain
 from landfall.table import Table
 from matplotlib import pyplot
 

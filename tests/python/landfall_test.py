@@ -473,7 +473,7 @@ class Figures(Chain):
         self.assertEqual({type(figure).__name__ for figure in figures}, {"Figure"})
 
     def test_the_verdict_of_a_figure_is_that_of_the_table(self):
-        from landfall import plot_eval
+        from landfall.plot import plot_eval
 
         for verdicts, has_elevations, expected in ((["pass", "FAIL", "not judged"], False, "FAIL"), (["pass", "pass"], True, "pass"),
                                                    (["pass", "not judged"], False, "not judged, the DEM has no truth"),
@@ -528,21 +528,39 @@ def imports(path):
     return {name for name in [*plain, *(name for pair in members for name in pair)] if name.startswith("landfall")}
 
 
+def modules_and_imports():
+    """{module: the modules that it imports}, without the package itself, whose functions import what they call."""
+    modules = {}
+    for folder, _, names in os.walk(os.path.join(ROOT, "python", "landfall")):
+        for name in names:
+            path = os.path.join(folder, name)
+            module = os.path.relpath(path, os.path.join(ROOT, "python"))[:-3].replace(os.sep, ".").removesuffix(".__init__")
+            if name.endswith(".py") and module != "landfall":
+                modules[module] = imports(path)
+    return {module: found & modules.keys() for module, found in modules.items()}
+
+
 class Modules(unittest.TestCase):
+    ROOMS = ["landfall", "landfall.plot", "landfall.study", "landfall.answers"]
+
     def test_no_module_imports_itself_through_others(self):
-        """The package itself is left out: its functions import what they call."""
-        modules = {}
-        for folder, _, names in os.walk(os.path.join(ROOT, "python", "landfall")):
-            for name in names:
-                if name.endswith(".py") and name != "__init__.py":
-                    path = os.path.join(folder, name)
-                    modules[os.path.relpath(path, os.path.join(ROOT, "python"))[:-3].replace(os.sep, ".")] = imports(path)
-        self.assertGreater(len(modules), 40)
-        left = {module: found & modules.keys() for module, found in modules.items()}
+        left = modules_and_imports()
+        self.assertGreater(len(left), 40)
         while ready := [module for module, found in left.items() if not found & left.keys()]:
             for module in ready:
                 del left[module]
         self.assertEqual(sorted(left), [], "these import each other in a circle")
+
+    def test_rooms_import_those_above_them(self):
+        """landfall.model is the public name of the room answers."""
+        found = modules_and_imports()
+        self.assertEqual(found.pop("landfall.model"), {"landfall.answers.model"})
+        arrows = {(self.room(module), self.room(other)) for module, others in found.items() for other in others}
+        self.assertIn(("landfall.answers", "landfall.study"), arrows)
+        self.assertEqual([arrow for arrow in arrows if self.ROOMS.index(arrow[0]) < self.ROOMS.index(arrow[1])], [])
+
+    def room(self, module):
+        return module if module in self.ROOMS else module.rpartition(".")[0]
 
 
 if __name__ == "__main__":

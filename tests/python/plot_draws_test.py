@@ -17,7 +17,8 @@ PYTHON = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", "p
 sys.path.insert(0, PYTHON)
 sys.dont_write_bytecode = True
 
-from landfall import dictionary, plot_draws
+from landfall import dictionary
+from landfall.plot import plot_draws
 import matplotlib.pyplot as plt
 
 CAMPAIGN = {"draws": 6, "metrics": "verdict", "sigma": True, "regrid": {**harness.REGRID, "uncertainty": {"navigation_sigma": {}}},

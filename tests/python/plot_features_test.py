@@ -1,6 +1,7 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Tests of plot_features.py, which makes a terrain of each shape and draws all of them in one figure."""
+import json
 import os
 import subprocess
 import sys
@@ -16,7 +17,7 @@ sys.dont_write_bytecode = True
 # pylint: disable=wrong-import-position
 import matplotlib.image
 import numpy as np
-from landfall import plot_features
+from landfall.plot import plot_features
 
 
 class Picture(unittest.TestCase):
@@ -37,7 +38,7 @@ class Picture(unittest.TestCase):
 
     def test_every_shape_of_the_schema_has_a_panel(self):
         schema = subprocess.run([os.path.join(BIN, "terrain-gen"), "--print-schema"], capture_output=True, text=True, check=True)
-        definitions = plot_features.json.loads(schema.stdout)["definitions"]
+        definitions = json.loads(schema.stdout)["definitions"]
         types = {choice["$ref"].split("/")[-1] for choice in definitions["feature"]["oneOf"]}
         self.assertEqual(types, {panel.feature["type"] for panel in plot_features.PANELS})
 

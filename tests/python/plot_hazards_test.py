@@ -17,8 +17,8 @@ PYTHON = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", "p
 sys.path.insert(0, PYTHON)
 sys.dont_write_bytecode = True
 
-from landfall import maps, plot_hazards, reduction
 from landfall.errors import DataError
+from landfall.plot import maps, plot_hazards, reduction
 import matplotlib.pyplot as plt
 from matplotlib.colors import to_rgb
 

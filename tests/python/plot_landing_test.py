@@ -13,8 +13,8 @@ import harness
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", "python"))
 sys.dont_write_bytecode = True
 
-from landfall import plot_draws, plot_landing
 from landfall.errors import DataError
+from landfall.plot import plot_draws, plot_landing
 import matplotlib.pyplot as plt
 
 TERRAIN = {**harness.TERRAIN, "base": {"type": "plane", "elevation_m": 0}}

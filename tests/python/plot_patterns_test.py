@@ -1,6 +1,7 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Tests of plot_patterns.py, which runs the tools for each pattern and draws all of them in one figure."""
+import json
 import os
 import subprocess
 import sys
@@ -16,7 +17,7 @@ sys.dont_write_bytecode = True
 # pylint: disable=wrong-import-position
 import matplotlib.image
 import numpy as np
-from landfall import plot_patterns
+from landfall.plot import plot_patterns
 
 
 class Picture(unittest.TestCase):
@@ -36,7 +37,7 @@ class Picture(unittest.TestCase):
 
     def test_every_type_of_the_schema_has_a_panel(self):
         schema = subprocess.run([os.path.join(BIN, "scan-sim"), "--print-schema"], capture_output=True, text=True, check=True)
-        definitions = plot_patterns.json.loads(schema.stdout)["definitions"]
+        definitions = json.loads(schema.stdout)["definitions"]
         names = [choice["$ref"].split("/")[-1] for choice in definitions["pattern"]["oneOf"]]
         types = {definitions[name]["properties"]["type"]["const"] for name in names}
         self.assertEqual(types, {panel.keys["type"] for panel in plot_patterns.PANELS})

@@ -20,7 +20,7 @@ sys.path.insert(0, os.path.join(ROOT, "python"))
 sys.dont_write_bytecode = True
 # pylint: disable=wrong-import-position
 from landfall import files
-from landfall import plot_populations as populations
+from landfall.plot import plot_populations as populations
 import matplotlib.image
 
 COMMON = {"region": {"type": "site"}, "clear_radius_m": 0}

@@ -16,8 +16,9 @@ PYTHON = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", "p
 sys.path.insert(0, PYTHON)
 sys.dont_write_bytecode = True
 
-from landfall import files, plot_dem, plot_profile
+from landfall import files
 from landfall.errors import UsageError
+from landfall.plot import plot_dem, plot_profile
 import matplotlib.pyplot as plt
 
 RESOLUTION_M = 0.5

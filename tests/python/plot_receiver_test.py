@@ -1,6 +1,7 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Tests of plot_receiver.py, which scans tilted planes with each receiver and draws the errors of the range."""
+import json
 import math
 import os
 import subprocess
@@ -18,7 +19,7 @@ sys.dont_write_bytecode = True
 # pylint: disable=wrong-import-position
 import matplotlib.image
 import numpy as np
-from landfall import plot_receiver
+from landfall.plot import plot_receiver
 
 
 def crossing_of_a_plane(slope_deg, level):
@@ -80,7 +81,7 @@ class Picture(unittest.TestCase):
 
     def test_every_type_of_the_schema_is_drawn(self):
         schema = subprocess.run([os.path.join(BIN, "scan-sim"), "--print-schema"], capture_output=True, text=True, check=True)
-        receiver = plot_receiver.json.loads(schema.stdout)["properties"]["receiver"]["properties"]
+        receiver = json.loads(schema.stdout)["properties"]["receiver"]["properties"]
         self.assertEqual(set(receiver["type"]["enum"]) - {"none"}, {kind for kind, *_ in plot_receiver.RECEIVERS})
 
     def test_an_existing_figure_is_kept(self):

@@ -11,7 +11,8 @@ PYTHON = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", "p
 sys.path.insert(0, PYTHON)
 sys.dont_write_bytecode = True
 
-from landfall import colors, files, maps, plots, reduction, relief, scales
+from landfall import files
+from landfall.plot import colors, maps, plots, reduction, relief, scales
 
 
 class ReductionTest(unittest.TestCase):

@@ -17,7 +17,7 @@ sys.dont_write_bytecode = True
 from harness.commands import run_command
 from landfall import files
 import matplotlib.pyplot as plt
-from landfall import plot_terrain
+from landfall.plot import plot_terrain
 
 SUN = plot_terrain.Sun(315, 35)
 

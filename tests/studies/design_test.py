@@ -17,7 +17,8 @@ from unittest import mock
 from case import BASE, BIN, PYTHON, ROOT, StudyTest, read
 
 # pylint: disable=wrong-import-order
-from landfall import design, design_problem, design_search, runs, tools
+from landfall import tools
+from landfall.answers import design, design_problem, design_search, runs
 from landfall.errors import DataError, UsageError
 
 tools.BIN = BIN

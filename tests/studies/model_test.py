@@ -14,7 +14,8 @@ import numpy as np
 from case import BASE, BIN, PYTHON, ROOT, StudyTest, read
 
 # pylint: disable=wrong-import-order
-from landfall import dakota, model, progress, runs, tools
+from landfall import tools
+from landfall.answers import dakota, model, progress, runs
 from landfall.errors import DataError, UsageError
 from landfall.study.results import flatten
 
@@ -195,7 +196,8 @@ class Cache(ModelTest):
     def test_what_a_killed_run_left_is_removed(self):
         """Not the files of a run that continues."""
         code = f"""import os, signal
-from landfall import runs, tools
+from landfall import tools
+from landfall.answers import runs
 tools.BIN = {BIN!r}
 runner = runs.Runner({self.path("cache")!r})
 os.kill(os.getpid(), signal.SIGKILL)"""

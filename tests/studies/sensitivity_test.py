@@ -17,7 +17,8 @@ import numpy as np
 from case import BASE, BIN, PYTHON, ROOT, StudyTest, read
 
 # pylint: disable=wrong-import-order
-from landfall import model, sensitivity, tools
+from landfall import tools
+from landfall.answers import model, sensitivity
 from landfall.errors import DataError, UsageError
 
 tools.BIN = BIN

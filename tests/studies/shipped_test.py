@@ -19,7 +19,8 @@ import unittest
 from case import BIN, ROOT, StudyTest, read
 
 # pylint: disable=wrong-import-order
-from landfall import design_problem, sensitivity, tools
+from landfall import tools
+from landfall.answers import design_problem, sensitivity
 from landfall.study import sweep
 
 PAGES = os.path.join(ROOT, "docs", "user", "studies")

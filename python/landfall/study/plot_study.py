@@ -9,11 +9,11 @@ landings with the lidar and without, of campaigns that land), crossing.png (wher
 percentiles.csv and crossings.csv.
 """
 import argparse
-import csv
 import os
 
-from landfall import command, files, plots
+from landfall import command, files
 from landfall.errors import UsageError, printable
+from landfall.plot import plots
 from landfall.study import crossing, figures, verdicts
 from landfall.study.table import Results
 
@@ -93,12 +93,8 @@ def percentile_rows(results, metrics, quantile):
 
 
 def write_csv(path, head, rows):
-    def write_to(name):
-        with open(name, "w", newline="", encoding="utf-8") as file:
-            writer = csv.writer(file, lineterminator="\n")
-            writer.writerow(head)
-            writer.writerows([["" if isinstance(cell, float) and cell != cell else cell for cell in row] for row in rows])
-    command.write_whole(path, write_to)
+    known = ([cell if cell == cell else "" for cell in row] for row in rows)  # NaN is not
+    command.write_text(path, command.csv_text([head, *known]))
     print(printable(path))
 
 
@@ -111,24 +107,15 @@ def draw_all(options, results, metrics):
         pair = figures.map_axes(results, x)
         if pair:
             made[path + "-map.png"] = figures.map_figure(results, metric, pair, quantile)
-    overview = figures.overview_figure(results, metrics, x, quantile)
-    if overview:
-        made[os.path.join(options.output, "overview.png")] = overview
     spec = chosen_crossing(options, results)
-    if spec:
-        made[os.path.join(options.output, "crossing.png")] = crossing.crossing_figure(results, x, spec)
-    hazards = verdicts.hazards_figure(results, quantile)
-    if hazards:
-        made[os.path.join(options.output, "hazards.png")] = hazards
-    campaigns = verdicts.campaigns_figure(results)
-    if campaigns:
-        made[os.path.join(options.output, "campaigns.png")] = campaigns
-    landings = figures.landings_figure(results, x, quantile)
-    if landings:
-        made[os.path.join(options.output, "landings.png")] = landings
-    made[os.path.join(options.output, "requirements.png")] = verdicts.requirements_figure(results)
-    made[os.path.join(options.output, "shares.png")] = verdicts.shares_figure(results, quantile)
-    return made
+    wholes = {"overview": figures.overview_figure(results, metrics, x, quantile),
+              "crossing": crossing.crossing_figure(results, x, spec) if spec else None,
+              "hazards": verdicts.hazards_figure(results, quantile),
+              "campaigns": verdicts.campaigns_figure(results),
+              "landings": figures.landings_figure(results, x, quantile),
+              "requirements": verdicts.requirements_figure(results),
+              "shares": verdicts.shares_figure(results, quantile)}
+    return made | {os.path.join(options.output, name + ".png"): figure for name, figure in wholes.items() if figure}
 
 
 def main(arguments):

@@ -25,11 +25,8 @@ def parse(arguments):
 
 
 def write_page(text, path):
-    def write_to(name):
-        with open(name, "w", encoding="utf-8", newline="\n") as file:
-            file.write(text)
     try:
-        command.write_whole(path, write_to)
+        command.write_text(path, text)
     except OSError as error:
         raise DataError(f"cannot write {path}: {error.strerror}") from error
 

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 # Decisions: D323
 """A study's table: a row a case, its axes and all numbers of its metrics, as CSV and as HDF5."""
-import csv
-import io
 import json
 import os
 
@@ -173,22 +171,11 @@ class Table:
         return metrics.pop() if len(metrics) == 1 else name
 
     def csv(self):
-        text = io.StringIO()
-        writer = csv.writer(text, lineterminator="\n")
-        writer.writerow(self.columns)
-        writer.writerows(zip(*([_cell(value) for value in column] for column in self.columns.values())))
-        return text.getvalue()
+        return command.csv_text([self.columns, *zip(*([_cell(value) for value in column] for column in self.columns.values()))])
 
 
 def _cell(value):
     return "" if value is None else repr(value) if isinstance(value, float) else value
-
-
-def write_csv(table, path):
-    def write_to(name):
-        with open(name, "w", encoding="utf-8", newline="") as file:
-            file.write(table.csv())
-    command.write_whole(path, write_to)
 
 
 def write_h5(table, path, version):

@@ -7,7 +7,7 @@ reads it, and removed after it; one that several stages read stays in shared/ un
 import json
 from dataclasses import dataclass, field, replace
 
-from landfall.command import write_whole
+from landfall.command import write_text
 from landfall.study import names, session, stages
 
 KEEPABLE = ("scan", "dem", "eval", "hazard", "draws")
@@ -327,11 +327,7 @@ def write_if_changed(path, text):
                 return False
     except FileNotFoundError:
         pass
-
-    def write_to(name):
-        with open(name, "w", encoding="utf-8") as file:
-            file.write(text)
-    write_whole(path, write_to, is_synced=False)
+    write_text(path, text, is_synced=False)
     return True
 
 

@@ -21,7 +21,7 @@ import re
 import shlex
 
 from landfall import tools
-from landfall.command import Parser
+from landfall.command import Parser, write_text
 from landfall.errors import ToolError, UsageError, printable
 from landfall.schema import read_json, shown
 from landfall.study import disk, lock, model, names, reader, rules, session, stages
@@ -311,7 +311,7 @@ def collect(options):
         version = file.readline().strip()
     # The table that make looks at comes last.
     results.write_h5(table, os.path.join(options.folder, "results.h5"), version)
-    results.write_csv(table, os.path.join(options.folder, "results.csv"))
+    write_text(os.path.join(options.folder, "results.csv"), table.csv())
     tidy(options)
     left_out = len(cases["cases"]) - len(rows)
     print(f"{printable(os.path.join(options.folder, 'results.csv'))}: {counted(len(rows), 'case')}, "

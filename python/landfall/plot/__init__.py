@@ -121,7 +121,7 @@ def populations(source: Source, *, dpi: int = 100) -> Figure:
 
 def _module(name: str) -> typing.Any:
     with matplotlib.rc_context():  # modules of figures set the fonts of the commands
-        return importlib.import_module(f"landfall.{name}")
+        return importlib.import_module(f"landfall.plot.{name}")
 
 
 def _style(dpi: int) -> typing.ContextManager[None]:

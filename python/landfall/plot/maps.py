@@ -10,8 +10,8 @@ from matplotlib.colors import ListedColormap, Normalize, to_rgba
 from matplotlib.patches import Circle, Patch, Rectangle
 from matplotlib.ticker import MaxNLocator
 
-from landfall import colors, reduction, relief
 from landfall.errors import printable_lines
+from landfall.plot import colors, reduction, relief
 
 FONT_PT, NOTE_PT, NOTE_LETTERS_PER_IN = 11, 9, 11
 MAP_SHARE = 0.62      # of the width of a column of panels that a map fills, at least
@@ -35,11 +35,6 @@ def new_figure(rows_cols, size_in, title, **ratios):
     figure.suptitle(printable_lines(title), parse_math=False)  # it holds the name of a file
     figure.get_layout_engine().set(w_pad=0.12, h_pad=0.08)
     return figure, axes
-
-
-def use_dpi(dpi):
-    """The resolution of the figures to come: a map has no more blocks than pixels, because blocks that are skipped would hide defects."""
-    plt.rcParams["figure.dpi"] = dpi
 
 
 def block_size(ax, shape):

@@ -2,8 +2,12 @@
 """Common parts of the plot commands: options, numbers as text, and writing figures."""
 import argparse
 import contextlib
+import json
 import math
 import os
+import tempfile
+
+import matplotlib.pyplot as plt
 
 from landfall import command, tools
 from landfall.errors import DataError, UsageError, printable
@@ -19,28 +23,18 @@ def add_data_only_option(parser):
                         help="scales of errors end where the data does, even if their limits lie outside")
 
 
-def parse_figure_of_tools(arguments, prog, description):
-    """The options of a figure that is drawn from runs of the tools: -o, --bin, --dpi, -O."""
-    parser = command.Parser(prog=prog, description=description)
-    parser.add_argument("-o", "--output", metavar="PNG", required=True)
-    parser.add_argument("--bin", metavar="DIR", help="where the tools are (default: beside this package, or on PATH)")
-    add_output_options(parser)
-    options = parser.parse_args(arguments)
-    require_png(options.output)
-    if options.bin:
-        tools.BIN = options.bin
-    return options
-
-
 def require_png(path):
     if not path.endswith(".png"):
         raise UsageError(f"--output {path}: the name must end in .png")
 
 
-def name_output(options, source, ending="-figure.png"):
-    """The PNG of --output; without it one beside the input that is called after it."""
-    options.output = options.output or os.path.splitext(source)[0] + ending
+def parsed(parser, arguments, source, ending="-figure.png"):
+    """The options of a command that draws a file, the argument `source`. Without --output the PNG is beside the file and called after it."""
+    add_output_options(parser)
+    options = parser.parse_args(arguments)
+    options.output = options.output or os.path.splitext(getattr(options, source))[0] + ending
     require_png(options.output)
+    return options
 
 
 def dots_per_inch(text):
@@ -64,6 +58,53 @@ def place(text):
         if math.isfinite(x) and math.isfinite(y):
             return x, y
     raise argparse.ArgumentTypeError(f"'{text}' is not X,Y in metres")
+
+
+# Commands
+
+
+def use_dpi(dpi):
+    """The resolution of the figures to come: a map has no more blocks than pixels, because blocks that are skipped would hide defects."""
+    plt.rcParams["figure.dpi"] = dpi
+
+
+def main_of(parse, figure_of):
+    """The function main(arguments) of a command that writes one figure, figure_of(options)."""
+    def main(arguments):
+        options = parse(arguments)
+        use_dpi(options.dpi)
+        command.check_outputs([options.output], options.overwrite)
+        save({options.output: figure_of(options)}, options.dpi)
+
+    return main
+
+
+def main_of_tools(prog, description, figure_of):
+    """The function main(arguments) of a command that writes one figure of runs of the tools, figure_of(an empty folder, options)."""
+    def parse(arguments):
+        parser = command.Parser(prog=prog, description=description)
+        parser.add_argument("-o", "--output", metavar="PNG", required=True)
+        parser.add_argument("--bin", metavar="DIR", help="where the tools are (default: beside this package, or on PATH)")
+        add_output_options(parser)
+        options = parser.parse_args(arguments)
+        require_png(options.output)
+        tools.BIN = options.bin or tools.BIN
+        return options
+
+    def in_folder(options):
+        with tempfile.TemporaryDirectory(prefix="landfall-figure-") as folder:
+            return figure_of(folder, options)
+
+    return main_of(parse, in_folder)
+
+
+def run_tool(tool, folder, name, config, options, *arguments):
+    """Runs a tool of options.bin. Returns the path of its output, NAME.h5 in the folder, which it replaces."""
+    path, config_path = (os.path.join(folder, name + ending) for ending in (".h5", ".json"))
+    with open(config_path, "w", encoding="utf-8") as file:
+        json.dump(config, file)
+    tools.run_tool(tools.find(tool, options.bin), "-c", config_path, *arguments, "-o", path, "-O")
+    return path
 
 
 # Text

@@ -1,15 +1,14 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Draws where each scan pattern aims: a small scan of flat ground for each, from 500 m at -23 m/s (docs/user/lidar)."""
-import json
 import os
-import tempfile
 from dataclasses import dataclass
 
 import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.collections import LineCollection
 
-from landfall import command, files, plots, tools
+from landfall import files
+from landfall.plot import plots
 
 HALF_WIDTH_M = 50
 SCAN_TIME_S = 2
@@ -43,12 +42,6 @@ PANELS = [
 ]
 
 
-def write_json(path, tree):
-    with open(path, "w", encoding="utf-8") as file:
-        json.dump(tree, file)
-    return path
-
-
 def write_star(path):
     times = np.linspace(0, SCAN_TIME_S, len(STAR))
     with open(path, "w", encoding="utf-8") as file:
@@ -66,10 +59,7 @@ def configuration(panel, folder):
 
 def scan(panel, folder, options):
     """(x, y), metres, one row per pulse and one column per pixel."""
-    path = os.path.join(folder, "scan.h5")
-    config = write_json(os.path.join(folder, "scan.json"), configuration(panel, folder))
-    terrain = os.path.join(folder, "terrain.h5")
-    tools.run_tool(tools.find("scan-sim", options.bin), "-c", config, "--terrain", terrain, "-o", path, "-O")
+    path = plots.run_tool("scan-sim", folder, "scan", configuration(panel, folder), options, "--terrain", os.path.join(folder, "terrain.h5"))
     with files.open_landfall(path, "landfall.scan") as file:
         x, y = file["points/x_true"][()], file["points/y_true"][()]
     return x.reshape(-1, panel.pixels ** 2), y.reshape(-1, panel.pixels ** 2)
@@ -121,12 +111,10 @@ def draw(scans):
     return figure
 
 
-def main(arguments):
-    options = plots.parse_figure_of_tools(arguments, "plot_patterns.py", __doc__)
-    command.check_outputs([options.output], options.overwrite)
-    with tempfile.TemporaryDirectory(prefix="landfall-patterns-") as folder:
-        write_star(os.path.join(folder, "star.csv"))
-        terrain = write_json(os.path.join(folder, "terrain.json"), TERRAIN)
-        tools.run_tool(tools.find("terrain-gen", options.bin), "-c", terrain, "-o", os.path.join(folder, "terrain.h5"))
-        scans = [(panel, *scan(panel, folder, options)) for panel in PANELS]
-    plots.save({options.output: draw(scans)}, options.dpi)
+def figure_of(folder, options):
+    write_star(os.path.join(folder, "star.csv"))
+    plots.run_tool("terrain-gen", folder, "terrain", TERRAIN, options)
+    return draw([(panel, *scan(panel, folder, options)) for panel in PANELS])
+
+
+main = plots.main_of_tools("plot_patterns.py", __doc__, figure_of)

@@ -1,13 +1,12 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Draws what each type of receiver reports: the waveforms of a pixel, and the error of the range on slopes, by scans of a tilted lidar."""
-import json
 import os
-import tempfile
 
 import matplotlib.pyplot as plt
 import numpy as np
 
-from landfall import command, files, plots, tools
+from landfall import files
+from landfall.plot import plots
 
 LIGHT_MPS = 299792458
 FWHM_S = 1e-9
@@ -45,10 +44,8 @@ def configuration(slope_deg, kind, keys):
 
 def error_m(slope_deg, kind, keys, folder, options):
     """The mean of measured minus true range."""
-    config, path = os.path.join(folder, "scan.json"), os.path.join(folder, "scan.h5")
-    with open(config, "w", encoding="utf-8") as file:
-        json.dump(configuration(slope_deg, kind, keys), file)
-    tools.run_tool(tools.find("scan-sim", options.bin), "-c", config, "--terrain", os.path.join(folder, "terrain.h5"), "-o", path, "-O")
+    config, terrain = configuration(slope_deg, kind, keys), os.path.join(folder, "terrain.h5")
+    path = plots.run_tool("scan-sim", folder, "scan", config, options, "--terrain", terrain)
     with files.open_landfall(path, "landfall.scan") as file:
         error = file["points/range_measured"][()] - file["points/range_true"][()]
     return np.nanmean(error)
@@ -56,9 +53,7 @@ def error_m(slope_deg, kind, keys, folder, options):
 
 def errors_of_slopes(folder, options):
     """{type: the error on each slope, metres}"""
-    with open(os.path.join(folder, "terrain.json"), "w", encoding="utf-8") as file:
-        json.dump(TERRAIN, file)
-    tools.run_tool(tools.find("terrain-gen", options.bin), "-c", file.name, "-o", os.path.join(folder, "terrain.h5"))
+    plots.run_tool("terrain-gen", folder, "terrain", TERRAIN, options)
     return {kind: np.array([error_m(slope, kind, keys, folder, options) for slope in SLOPES_DEG]) for kind, keys, _, _ in RECEIVERS}
 
 
@@ -104,9 +99,8 @@ def draw(errors):
     return figure
 
 
-def main(arguments):
-    options = plots.parse_figure_of_tools(arguments, "plot_receiver.py", __doc__)
-    command.check_outputs([options.output], options.overwrite)
-    with tempfile.TemporaryDirectory(prefix="landfall-receiver-") as folder:
-        errors = errors_of_slopes(folder, options)
-    plots.save({options.output: draw(errors)}, options.dpi)
+def figure_of(folder, options):
+    return draw(errors_of_slopes(folder, options))
+
+
+main = plots.main_of_tools("plot_receiver.py", __doc__, figure_of)

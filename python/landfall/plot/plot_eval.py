@@ -11,7 +11,8 @@ import os
 
 import numpy as np
 
-from landfall import command, dictionary, files, maps, plot_dem, plots, reduction, scales, scores
+from landfall import command, dictionary, files
+from landfall.plot import maps, plot_dem, plots, reduction, scales, scores
 
 LAYERS = ["e_z", "abs_x", "abs_y", "abs_z", "rel_x", "rel_y", "rel_z", "invalid", "in_region", "fail"]
 ZOOM_WIDTH_M = 6.0
@@ -354,7 +355,7 @@ def figures_of(evaluation):
 
 def main(arguments):
     options = parse(arguments)
-    maps.use_dpi(options.dpi)
+    plots.use_dpi(options.dpi)
     evaluation = Evaluation(options.evaluation, options.data_only)
     chosen = figures_of(evaluation)
     dem_figure = [options.output + "dem.png"] if options.dem else []

@@ -6,7 +6,7 @@ import math
 import numpy as np
 from matplotlib.ticker import LogLocator, NullLocator
 
-from landfall import maps, plots
+from landfall.plot import maps, plots
 
 
 def draw(name, metrics):

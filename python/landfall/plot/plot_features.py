@@ -1,15 +1,13 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Draws every shape of a terrain (docs/user/terrain): seen from above, lit from the north-west, and cut along the dashed line."""
-import json
-import os
-import tempfile
 from dataclasses import dataclass
 
 import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.colors import LightSource
 
-from landfall import command, files, plots, tools
+from landfall import files
+from landfall.plot import plots
 
 RESOLUTION_M = 0.05
 
@@ -42,13 +40,9 @@ PANELS = [
 
 def terrain(panel, folder, options):
     """x and y of the nodes, metres, and the elevations, one row per y."""
-    config, path = os.path.join(folder, "terrain.json"), os.path.join(folder, "terrain.h5")
-    with open(config, "w", encoding="utf-8") as file:
-        resolution_m = RESOLUTION_M if panel.half_width_m <= 12 else 2 * RESOLUTION_M
-        json.dump({"grid": {"half_width_m": panel.half_width_m, "resolution_m": resolution_m},
-                   "features": [panel.feature]}, file)
-    tools.run_tool(tools.find("terrain-gen", options.bin), "-c", config, "-o", path, "-O")
-    with files.open_landfall(path, "landfall.terrain") as file:
+    resolution_m = RESOLUTION_M if panel.half_width_m <= 12 else 2 * RESOLUTION_M
+    config = {"grid": {"half_width_m": panel.half_width_m, "resolution_m": resolution_m}, "features": [panel.feature]}
+    with files.open_landfall(plots.run_tool("terrain-gen", folder, "terrain", config, options), "landfall.terrain") as file:
         return file["x"][()], file["y"][()], file["z"][()]
 
 
@@ -99,9 +93,8 @@ def draw(terrains):
     return figure
 
 
-def main(arguments):
-    options = plots.parse_figure_of_tools(arguments, "plot_features.py", __doc__)
-    command.check_outputs([options.output], options.overwrite)
-    with tempfile.TemporaryDirectory(prefix="landfall-features-") as folder:
-        terrains = [(panel, *terrain(panel, folder, options)) for panel in PANELS]
-    plots.save({options.output: draw(terrains)}, options.dpi)
+def figure_of(folder, options):
+    return draw([(panel, *terrain(panel, folder, options)) for panel in PANELS])
+
+
+main = plots.main_of_tools("plot_features.py", __doc__, figure_of)

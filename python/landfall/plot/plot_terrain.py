@@ -8,8 +8,9 @@ import numpy as np
 from matplotlib.collections import EllipseCollection
 from matplotlib.patches import Patch
 
-from landfall import colors, command, files, maps, plots, reduction, scales
+from landfall import command, files
 from landfall.errors import DataError
+from landfall.plot import colors, maps, plots, reduction, scales
 
 CELLS = 900  # blocks along a panel's edge
 BAND_NODES = 1 << 23  # nodes held at a time: a terrain of any size is drawn in the same memory
@@ -25,10 +26,7 @@ def parse(arguments):
     parser.add_argument("--sun-elevation-deg", type=sun_elevation, default=35, help="0..90, default 35")
     parser.add_argument("--zoom-width-m", type=plots.positive_metres, help="default: a tenth of the site")
     parser.add_argument("--zoom-at", type=plots.place, metavar="X,Y", help="default: the steepest place")
-    plots.add_output_options(parser)
-    options = parser.parse_args(arguments)
-    plots.name_output(options, options.terrain)
-    return options
+    return plots.parsed(parser, arguments, "terrain")
 
 
 def finite(text):
@@ -246,7 +244,4 @@ def figure_of(options):
         return draw(file, options)
 
 
-def main(arguments):
-    options = parse(arguments)
-    command.check_outputs([options.output], options.overwrite)
-    plots.save({options.output: figure_of(options)}, options.dpi)
+main = plots.main_of(parse, figure_of)

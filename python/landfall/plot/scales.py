@@ -7,7 +7,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from landfall import dictionary, plots
+from landfall import dictionary
+from landfall.plot import plots
 
 OUTLIERS = dictionary.table("maps")["outliers"]          # on either side
 LIMIT_INSIDE = dictionary.table("maps")["limit_inside"]  # a scale reaches at least this times the limit

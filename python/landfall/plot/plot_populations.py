@@ -10,8 +10,9 @@ import matplotlib
 import matplotlib.pyplot as plt
 import numpy as np
 
-from landfall import command, files, plots
+from landfall import command, files
 from landfall.errors import DataError, printable
+from landfall.plot import plots
 
 STEPS_PER_DECADE = 12
 COLOURS = ["#0072b2", "#d55e00", "#009e73", "#cc79a7", "#56b4e9", "#e69f00"]  # Okabe and Ito's, for colour-blind readers
@@ -228,7 +229,4 @@ def figure_of(options):
     return draw(samples, options.terrain.rsplit("/", 1)[-1])
 
 
-def main(arguments):
-    options = parse(arguments)
-    command.check_outputs([options.output], options.overwrite)
-    plots.save({options.output: figure_of(options)}, options.dpi)
+main = plots.main_of(parse, figure_of)

@@ -4,12 +4,12 @@
 
 OpenTURNS makes the sample and estimates indices and intervals; landfall.model computes the draws.
 """
-import csv
 import os
 
 import numpy as np
 
-from landfall import command, model, progress, runs, schema
+from landfall import command, schema
+from landfall.answers import model, progress, runs
 from landfall.errors import DataError, UsageError, printable_lines
 
 RANDOM = "random numbers"  # the group of the seed: which noise, dropouts and dead pixels are drawn
@@ -139,20 +139,17 @@ def interval_text(index):
 
 
 def write_csv(path, answer):
-    def write_to(name):
-        with open(name, "w", encoding="utf-8", newline="") as file:
-            rows = csv.writer(file, lineterminator="\n")
-            rows.writerow(["output", "group", *(f"{kind}_{part}" for kind in KINDS for part in PARTS)])
-            for output, found in answer["outputs"].items():
-                rows.writerows([output, row["group"], *(row[kind][part] for kind in KINDS for part in PARTS)] for row in found["groups"] or [])
-    command.write_whole(path, write_to)
+    rows = [["output", "group", *(f"{kind}_{part}" for kind in KINDS for part in PARTS)]]
+    for output, found in answer["outputs"].items():
+        rows += [[output, row["group"], *(row[kind][part] for kind in KINDS for part in PARTS)] for row in found["groups"] or []]
+    command.write_text(path, command.csv_text(rows))
 
 
 def figure_of(problem, answer):
     """A panel per output: bars of both indices with their intervals."""
     from matplotlib.figure import Figure
 
-    from landfall import maps
+    from landfall.plot import maps
 
     shown = {name: output["groups"] for name, output in answer["outputs"].items() if output["groups"]}
     figure = Figure(figsize=(9, 1.2 + 2.3 * max(len(shown), 1)), constrained_layout=True)
@@ -193,7 +190,8 @@ def main(arguments):
     answer = analyse(problem, of)
     runs.write_json(os.path.join(options.out, "sensitivity.json"), answer)
     write_csv(os.path.join(options.out, "sensitivity.csv"), answer)
-    from landfall import answer_page, plots
+    from landfall.answers import answer_page
+    from landfall.plot import plots
 
     figure = os.path.join(options.out, "sensitivity.png")
     plots.save({figure: figure_of(problem, answer)}, 150)

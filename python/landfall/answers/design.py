@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The cheapest lidar whose DEM passes with a given probability (docs/user/studies/design.md)."""
-from landfall import command, design_report, design_search, model, progress, runs
-from landfall.design_problem import Problem
+from landfall import command
+from landfall.answers import design_report, design_search, model, progress, runs
+from landfall.answers.design_problem import Problem
 from landfall.errors import Error, printable_lines
 
 

@@ -4,8 +4,9 @@ import os
 
 import numpy as np
 
-from landfall import command, files, maps, plots, reduction, scales
+from landfall import command, files
 from landfall.errors import DataError
+from landfall.plot import maps, plots, reduction, scales
 
 ZOOM_WIDTH_M = 8.0
 SIGN = "true - estimated"
@@ -21,9 +22,7 @@ def parse(arguments):
     parser.add_argument("--limit-m", type=plots.positive_metres, default=0.05,
                         help="limit of the relative elevation error, marked on the scale of e_z, default 0.05")
     plots.add_data_only_option(parser)
-    plots.add_output_options(parser)
-    options = parser.parse_args(arguments)
-    plots.name_output(options, options.dem)
+    options = plots.parsed(parser, arguments, "dem")
     options.draw_region = None  # of an evaluation
     return options
 
@@ -124,8 +123,4 @@ def figure_of(options):
     return draw(grid, layers, options)
 
 
-def main(arguments):
-    options = parse(arguments)
-    maps.use_dpi(options.dpi)
-    command.check_outputs([options.output], options.overwrite)
-    plots.save({options.output: figure_of(options)}, options.dpi)
+main = plots.main_of(parse, figure_of)

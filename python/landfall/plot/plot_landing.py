@@ -5,9 +5,10 @@ distance that the lander diverted, and slope and roughness on the true ground ag
 
 import numpy as np
 
-from landfall import command, maps, plots
+from landfall import command
 from landfall.errors import DataError
-from landfall.plot_draws import Draws, light_of
+from landfall.plot import maps, plots
+from landfall.plot.plot_draws import Draws, light_of
 
 ARMS = {"landing": "with the lidar", "blind": "without a lidar"}
 
@@ -16,10 +17,7 @@ def parse(arguments):
     parser = command.Parser(prog="plot_landing.py", description=__doc__)
     parser.add_argument("draws", metavar="DRAWS.h5")
     parser.add_argument("-o", "--output", metavar="PNG", help="output file (default: DRAWS-landing.png beside the input)")
-    plots.add_output_options(parser)
-    options = parser.parse_args(arguments)
-    plots.name_output(options, options.draws, "-landing.png")
-    return options
+    return plots.parsed(parser, arguments, "draws", "-landing.png")
 
 
 def require_landings(draws):
@@ -153,8 +151,4 @@ def figure_of(options):
     return draw(draws)
 
 
-def main(arguments):
-    options = parse(arguments)
-    maps.use_dpi(options.dpi)
-    command.check_outputs([options.output], options.overwrite)
-    plots.save({options.output: figure_of(options)}, options.dpi)
+main = plots.main_of(parse, figure_of)

@@ -3,8 +3,9 @@
 
 import numpy as np
 
-from landfall import command, files, maps, plots, reduction, scales
+from landfall import command, files
 from landfall.errors import DataError
+from landfall.plot import maps, plots, reduction, scales
 
 ZOOM_WIDTH_M = 8.0
 SIGN = "B - A"
@@ -17,10 +18,7 @@ def parse(arguments):
     parser.add_argument("dem_b", metavar="B.h5")
     parser.add_argument("-o", "--output", metavar="PNG", help="output file (default: B-compared.png beside B)")
     parser.add_argument("--layer", default="z_est", choices=LAYERS, help="elevations to compare; default z_est")
-    plots.add_output_options(parser)
-    options = parser.parse_args(arguments)
-    plots.name_output(options, options.dem_b, "-compared.png")
-    return options
+    return plots.parsed(parser, arguments, "dem_b", "-compared.png")
 
 
 def read(path, layer):
@@ -92,8 +90,4 @@ def figure_of(options):
     return draw(grid, a, b, options)
 
 
-def main(arguments):
-    options = parse(arguments)
-    maps.use_dpi(options.dpi)
-    command.check_outputs([options.output], options.overwrite)
-    plots.save({options.output: figure_of(options)}, options.dpi)
+main = plots.main_of(parse, figure_of)

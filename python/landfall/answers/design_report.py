@@ -1,11 +1,11 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The answer of landfall.design as text, table, figure and page."""
-import csv
+"""The answer of landfall.answers.design as text, table, figure and page."""
 import json
 import math
 import os
 
-from landfall import answer_page, command, plots, runs, tools
+from landfall import command, tools
+from landfall.answers import answer_page, runs
 from landfall.study.page import cell, escaped, head, table, verdict
 
 STAGES = {"geometry": "the geometry of the frames", "plan": "the plan", "error": "a tool", "draw": "one draw"}
@@ -14,21 +14,22 @@ STAGES = {"geometry": "the geometry of the frames", "plan": "the plan", "error":
 def write(problem, answer, folder):
     """design.json, candidates.csv, design.png and report.html."""
     runs.write_json(os.path.join(folder, "design.json"), answer)
-    command.write_whole(os.path.join(folder, "candidates.csv"), lambda name: _write_csv(name, problem, answer))
+    command.write_text(os.path.join(folder, "candidates.csv"), command.csv_text(_rows(problem, answer)))
+    from landfall.plot import plots
+
     figure = os.path.join(folder, "design.png")
     plots.save({figure: figure_of(problem, answer)}, 150)
     version = tools.run_tool(tools.find("monte-carlo"), "--version").stdout
     answer_page.write(os.path.join(folder, "report.html"), problem.title, problem.tree.get("description", ""), sections(problem, answer, figure, version))
 
 
-def _write_csv(path, problem, answer):
+def _rows(problem, answer):
+    """candidates.csv."""
     names = list(dict.fromkeys(name for look in answer["candidates"] for name in look["margins"]))
-    with open(path, "w", encoding="utf-8", newline="") as file:
-        rows = csv.writer(file, lineterminator="\n")
-        rows.writerow([*problem.variables, "cost", "stage", "passes", *(f"ln(value/limit) of {name}" for name in names), "reason"])
-        for look in answer["candidates"]:
-            rows.writerow([*(look["values"][name] for name in problem.variables), look["cost"], look["stage"], int(look["passes"]),
-                           *(look["margins"].get(name, "") for name in names), look["reason"]])
+    yield [*problem.variables, "cost", "stage", "passes", *(f"ln(value/limit) of {name}" for name in names), "reason"]
+    for look in answer["candidates"]:
+        yield [*(look["values"][name] for name in problem.variables), look["cost"], look["stage"], int(look["passes"]),
+               *(look["margins"].get(name, "") for name in names), look["reason"]]
 
 
 def values_text(values):
@@ -90,7 +91,7 @@ def figure_of(problem, answer):
     """Cost against the worst requirement of the one draw: candidates, front, and what more draws made of it."""
     from matplotlib.figure import Figure
 
-    from landfall import maps
+    from landfall.plot import maps
 
     figure = Figure(figsize=(9, 5.4), constrained_layout=True)
     axes = figure.subplots()

@@ -11,8 +11,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from landfall import command, maps, plot_dem, plots, reduction, scales
+from landfall import command
 from landfall.errors import UsageError
+from landfall.plot import maps, plot_dem, plots, reduction, scales
 
 TRUE, ESTIMATED, LIMIT = maps.SKY_BLUE, maps.VERMILION, "#a3478f"  # as in the report
 
@@ -26,11 +27,9 @@ def parse(arguments):
     parser.add_argument("-o", "--output", metavar="PNG", help="output file (default: DEM-profile.png beside the DEM)")
     parser.add_argument("--limit-m", type=plots.positive_metres, default=0.05,
                         help="limit of the relative elevation error, drawn as lines, default 0.05")
-    plots.add_output_options(parser)
-    options = parser.parse_args(arguments)
+    options = plots.parsed(parser, arguments, "dem", "-profile.png")
     if options.start == options.end:
         raise UsageError("--from and --to are the same point")
-    plots.name_output(options, options.dem, "-profile.png")
     return options
 
 
@@ -162,8 +161,4 @@ def figure_of(options):
     return draw(grid, layers, options)
 
 
-def main(arguments):
-    options = parse(arguments)
-    maps.use_dpi(options.dpi)
-    command.check_outputs([options.output], options.overwrite)
-    plots.save({options.output: figure_of(options)}, options.dpi)
+main = plots.main_of(parse, figure_of)

@@ -107,11 +107,7 @@ def prepare(options):
 
 
 def write_json(path, value):
-    def write_to(name):
-        with open(name, "w", encoding="utf-8") as file:
-            json.dump(value, file, indent=1)
-            file.write("\n")
-    command.write_whole(path, write_to)
+    command.write_text(path, json.dumps(value, indent=1) + "\n")
 
 
 class Runner:

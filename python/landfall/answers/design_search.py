@@ -9,8 +9,9 @@ import math
 import os
 import warnings
 
-from landfall import model, runs, schema
-from landfall.design_problem import ALL_AND_OWN, ALL_REQUIREMENTS, Look, failures_allowed, rate_of
+from landfall import schema
+from landfall.answers import model, runs
+from landfall.answers.design_problem import ALL_AND_OWN, ALL_REQUIREMENTS, Look, failures_allowed, rate_of
 from landfall.errors import DataError
 
 TOGETHER = 4  # candidates that are proposed together, whatever the number of workers

@@ -5,8 +5,9 @@ import os
 
 import numpy as np
 
-from landfall import command, files, maps, plots, reduction, scales
+from landfall import command, files
 from landfall.errors import DataError
+from landfall.plot import maps, plots, reduction, scales
 
 BUDGET = [("in_region", "frame in the region", "#0072b2"),
           ("partly_in_region", "partly in the region", "#56b4e9"),
@@ -19,10 +20,7 @@ def parse(arguments):
     parser = command.Parser(prog="plot_plan.py", description=__doc__)
     parser.add_argument("plan", metavar="PLAN.h5")
     parser.add_argument("-o", "--output", metavar="PNG", help="output file (default: PLAN-figure.png beside the plan)")
-    plots.add_output_options(parser)
-    options = parser.parse_args(arguments)
-    plots.name_output(options, options.plan)
-    return options
+    return plots.parsed(parser, arguments, "plan")
 
 
 def read(path):
@@ -104,8 +102,4 @@ def figure_of(options):
     return draw(grid, layers, plan, options)
 
 
-def main(arguments):
-    options = parse(arguments)
-    maps.use_dpi(options.dpi)
-    command.check_outputs([options.output], options.overwrite)
-    plots.save({options.output: figure_of(options)}, options.dpi)
+main = plots.main_of(parse, figure_of)

@@ -9,8 +9,9 @@ from matplotlib.colors import to_rgb
 from matplotlib.lines import Line2D
 from matplotlib.patches import Circle
 
-from landfall import command, dictionary, files, maps, plots, reduction, relief, scales
+from landfall import command, dictionary, files
 from landfall.errors import DataError
+from landfall.plot import maps, plots, reduction, relief, scales
 
 LAYERS = ["slope", "roughness", "safe", "p_safe", "p_touchdown", "cost", "outcome"]
 MAX_LISTED = 6  # sites in the legend
@@ -27,10 +28,7 @@ def parse(arguments):
     parser.add_argument("--dem", metavar="DEM.h5", help="the DEM that was judged: its relief shades the first panel")
     parser.add_argument("-o", "--output", metavar="PNG", help="output file (default: HAZARDS-figure.png beside the input)")
     plots.add_data_only_option(parser)
-    plots.add_output_options(parser)
-    options = parser.parse_args(arguments)
-    plots.name_output(options, options.hazards)
-    return options
+    return plots.parsed(parser, arguments, "hazards")
 
 
 class Hazards:
@@ -276,8 +274,4 @@ def figure_of(options):
     return draw(hazards, z, options.data_only)
 
 
-def main(arguments):
-    options = parse(arguments)
-    maps.use_dpi(options.dpi)
-    command.check_outputs([options.output], options.overwrite)
-    plots.save({options.output: figure_of(options)}, options.dpi)
+main = plots.main_of(parse, figure_of)

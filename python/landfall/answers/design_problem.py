@@ -12,7 +12,8 @@ import math
 import os
 import statistics
 
-from landfall import dictionary, model, runs, schema
+from landfall import dictionary, schema
+from landfall.answers import model, runs
 from landfall.errors import ToolError, UsageError, printable
 
 ALL_REQUIREMENTS = "all six"

@@ -8,7 +8,8 @@ import re
 
 import numpy as np
 
-from landfall import command, model, runs, schema, tools
+from landfall import command, schema, tools
+from landfall.answers import model, runs
 from landfall.errors import DataError, UsageError, printable
 
 # { DAKOTA_VARS = 3 }, { velocity = 1.5e-01 }; a value may be in quotation marks.

@@ -11,8 +11,9 @@ import os
 import numpy as np
 from matplotlib.colors import LogNorm
 
-from landfall import colors, command, dictionary, files, maps, plots, reduction, relief, scales
+from landfall import command, dictionary, files
 from landfall.errors import DataError
+from landfall.plot import colors, maps, plots, reduction, relief, scales
 
 LAYERS = ["p_invalid", "p_missed_hazard", "p_judged_safe", "p_fail_rel_x", "p_fail_rel_y", "p_fail_rel_z", "p_fail_absolute", "e_z_mean", "e_z_std", "e_map_std", "z_sigma_abs",
           "e_map_std_over_sigma", "z_true_map", "in_region"]
@@ -24,10 +25,7 @@ def parse(arguments):
     parser = command.Parser(prog="plot_draws.py", description=__doc__)
     parser.add_argument("draws", metavar="DRAWS.h5")
     parser.add_argument("-o", "--output", metavar="PNG", help="output file (default: DRAWS-figure.png beside the input)")
-    plots.add_output_options(parser)
-    options = parser.parse_args(arguments)
-    plots.name_output(options, options.draws)
-    return options
+    return plots.parsed(parser, arguments, "draws")
 
 
 class Draws:
@@ -241,8 +239,4 @@ def figure_of(options):
     return draw(Draws(options.draws))
 
 
-def main(arguments):
-    options = parse(arguments)
-    maps.use_dpi(options.dpi)
-    command.check_outputs([options.output], options.overwrite)
-    plots.save({options.output: figure_of(options)}, options.dpi)
+main = plots.main_of(parse, figure_of)

@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 
-from landfall import colors
+from landfall.plot import colors
 
 
 def slopes(z, step_m):
