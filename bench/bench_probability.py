@@ -22,7 +22,7 @@ returns per bin, 10 % dropouts), and limit30 (base with a slope limit of 30 deg)
 Each tenth shows the share less the mean of p, with its standard error over sites: SE^2 = S/(S-1) sum_s (Y_s - P_s - d n_s)^2 / (sum n)^2, Y_s
 the safe places, P_s the sum of p, n_s the places of site s. Tenths of fewer than 1,000 places or 8 sites are left out. The Brier scores are those
 of p, and of the decision by the limits at the places that are known. A second table does the same for p_touchdown, whose truth is the
-share of touchdowns that meet a truly safe place; its last column has the sites that hazard-map ranked: their number, mean p_safe and the share
+share of touchdowns that meet a place that is truly safe and not unknown in the map; its last column has the sites that hazard-map ranked: their number, mean p_safe and the share
 truly safe. With --before, the hazard-map of another release judges the same DEMs, and a third table
 has the Brier scores of both. Results are kept in the folder, and a stopped bench resumes: 20 sites of one family in all cells take about
 6 minutes of two cores.
@@ -166,7 +166,7 @@ class Site:
             judged = self.judge("dem.h5", limit, *fill)
             true = self.judge("truth.h5", limit)
             found.update({f"p{limit}": judged["p_safe"], f"s{limit}": judged["safe"], f"t{limit}": true["safe"],
-                          f"q{limit}": judged["p_touchdown"], f"u{limit}": true["p_touchdown"], f"r{limit}": ranked(judged, true, resolution)})
+                          f"q{limit}": judged["p_touchdown"], f"r{limit}": ranked(judged, true, resolution)})
             if self.before:
                 found[f"b{limit}"] = self.judge("dem.h5", limit, *fill, binaries=self.before)["p_safe"]
         return found
@@ -212,13 +212,24 @@ def pooled(options, family, cell, limit):
     return [np.concatenate(column) for column in zip(*parts)] if parts else None
 
 
+def touchdown_share(safe, resolution):
+    """The share of touchdowns, off by 1 m along x and y, that meet a safe place."""
+    offset = np.arange(-round(3 / resolution), round(3 / resolution) + 1) * resolution
+    weight = np.exp(-offset**2 / 2)
+    share = safe.astype(float)
+    for axis in (0, 1):
+        share = np.apply_along_axis(np.convolve, axis, share, weight / weight.sum(), "same")
+    return share
+
+
 def touchdowns(options, family, cell, limit):
     """p_touchdown, the true share and number of the site of all places; then p_safe and truth of the ranked ones."""
     parts, sites = [], []
-    for number, (p, truth, chosen) in kept_layers(options, family, cell, limit, "qur"):
+    for number, (p, truth, decided, chosen) in kept_layers(options, family, cell, limit, "qtsr"):
         sites.append(chosen)
-        known = np.isfinite(p) & np.isfinite(truth)
-        parts.append((p[known].astype(float), truth[known].astype(float), np.full(known.sum(), number)))
+        hit = touchdown_share((truth == 1) & (decided != 2), CELLS[cell].get("resolution", 0.05))
+        known = np.isfinite(p) & (truth != 2)
+        parts.append((p[known].astype(float), hit[known], np.full(known.sum(), number)))
     return ([np.concatenate(column) for column in zip(*parts)], np.concatenate(sites, 1)) if parts else None
 
 
