@@ -8,7 +8,7 @@ import h5py
 import numpy as np
 
 from harness import HAZARD, REGRID, browser, columns, read_bytes, run, with_values
-from harness.page import CONTRAST, POINT, PageTest
+from harness.page import CONTRAST, POINT, CommonPage, PageTest
 
 SECTIONS = ["places", "maps", "sites", "score", "provenance-chain"]
 MAPS = ["safe", "outcome", "p_safe", "p_touchdown", "cost", "distance_to_hazard", "slope", "roughness", "z_est", "slope_true",
@@ -55,14 +55,20 @@ def plane_height(pose, site, place):
     return pose["centre_z_m"] + pose["east"] * (place["x_m"] - site["x_m"]) + pose["north"] * (place["y_m"] - site["y_m"])
 
 
-@unittest.skipIf(browser.missing(), browser.missing())
-class HazardReportTest(PageTest):
-    def report(self, source=None, config=NOISE, *arguments):
-        """Opens the report of a map; returns its layers and its sites."""
+class HazardReport(PageTest):
+    def make(self, source=None, config=NOISE, *arguments):
+        """Makes the report of a map."""
         score = [] if "--no-truth" in arguments or source else ["--score", self.path("score.json")]
         self.succeed("hazard-map", source or self.chain.dem, "-c", self.config(config), "-o", self.path("h.h5"), "-O", "--sites",
                      self.path("sites.json"), "--report", self.path("hazards.html"), *score, *arguments)
+
+    def report(self, *arguments):
+        """Makes the report of a map and opens it; returns its layers and its sites."""
+        self.make(*arguments)
         self.open("hazards.html")
+        return self.results()
+
+    def results(self):
         return columns(self.path("h.h5")), json.loads(read_bytes(self.path("sites.json")))["sites"]
 
     def data(self, path="report"):
@@ -78,6 +84,9 @@ class HazardReportTest(PageTest):
         self.check_log_and_requests()
         self.check_layout()
 
+
+@unittest.skipIf(browser.missing(), browser.missing())
+class CommonReport(CommonPage, HazardReport):
     def test_layers_are_those_of_the_file(self):
         layers, _ = self.report()
         self.assertEqual(self.window.run("return [...document.querySelectorAll('main > section')].map((s) => s.id)"), SECTIONS)
@@ -146,6 +155,61 @@ class HazardReportTest(PageTest):
         self.assertIn(f"p_touchdown of {sites[0]['p_touchdown']:.4f}", self.text("#verdict"))
         self.assertEqual(self.window.run("return document.querySelectorAll('#maps .reach').length"), 2)
 
+    def test_the_cursor_is_on_all_maps_with_all_values(self):
+        layers, sites = self.report()
+        self.window.run(POINT, "cost", [layers["x"][40], layers["y"][57]])
+        self.settle()
+        shown = self.window.run("return Object.fromEntries([...document.querySelectorAll('#values [data-value-of]')].map("
+                                "(e) => [e.dataset.valueOf, e.querySelector('output').textContent]))")
+        self.assertEqual(set(shown), set(MAPS))
+        self.assertEqual(shown["safe"], ["hazard", "safe", "unknown"][layers["safe"][57, 40]])
+        self.assertAlmostEqual(float(shown["p_touchdown"]), layers["p_touchdown"][57, 40], delta=1e-4)
+        self.assertAlmostEqual(float(shown["slope"].split()[0]), layers["slope"][57, 40], delta=0.05)
+        drawn = self.window.run("return panels.filter((p) => p.options.region && p.svg.querySelector('.cursor')).map((p) => p.raster.layer.name)")
+        self.assertEqual(drawn, MAPS)
+        self.window.run(POINT, "slope", [sites[0]["x_m"], sites[0]["y_m"]])
+        self.settle()
+        crops = self.window.run("return panels.filter((p) => p.options.footprint && p.svg.querySelector('.cursor')).length")
+        self.assertGreater(crops, 0)
+
+    def test_limits_are_on_their_scales(self):
+        self.report()
+        scales = self.window.run("return Object.fromEntries(panels.filter((p) => p.options.region).map((p) => [p.raster.layer.name, "
+                                 "[p.raster.layer.limit, p.scale.low, p.scale.high, p.svg.querySelectorAll('polygon.limit').length]]))")
+        for name, (limit, low, high, marks) in scales.items():
+            expected = {"slope": 14, "roughness": 0.08}.get(name.replace("_true", ""))
+            self.assertEqual((limit, marks), (expected, 0 if expected is None else 1), name)
+            if expected:
+                self.assertTrue(low == 0 and high > 1.09 * expected, name)
+        self.assertEqual(scales["p_safe"][1:3], [0, 1])
+        self.assertEqual(scales["slope"][1:3], scales["slope_true"][1:3])
+        self.assertIn("limit 14 deg", self.text("#maps"))
+
+    def test_light_and_dark_mode(self):
+        self.report()
+        texts = ["body", ".note", "#verdict", "#outcomes td", "nav.contents a", "#theme", "figcaption code"]
+        paper = "return getComputedStyle(document.querySelector('main > section')).backgroundColor"
+        before = self.window.run(paper)
+        self.assertGreater(min(self.window.run(CONTRAST, texts)), 4.5)
+        self.window.run("document.getElementById('theme').click()")
+        self.assertNotEqual(self.window.run(paper), before)
+        self.assertGreater(min(self.window.run(CONTRAST, texts)), 4.5)
+        self.check_page()
+        self.window.run("document.getElementById('theme').click()")
+        self.assertEqual(self.window.run(paper), before)
+
+    def test_the_score_is_drawn(self):
+        self.report()
+        score = self.data("report.score")
+        charts = self.window.run("return [...document.querySelectorAll('#score figure.chart')].map("
+                                 "(f) => [f.querySelector('figcaption').textContent, f.querySelectorAll(':scope > svg circle').length])")
+        known = sum(a is not None and b is not None for a, b in zip(score["roc"]["missed_hazard_frac"], score["roc"]["false_alarm_frac"]))
+        classes = sum(share is not None for share in score["reliability"]["safe_frac"])
+        self.assertEqual(charts, [["Other roughness limits of the map", known], ["Reliability of p_safe", classes]])
+
+
+@unittest.skipIf(browser.missing(), browser.missing())
+class OtherReports(HazardReport):
     def check_poses(self, sites, legs):
         """The poses of the data explain slope and roughness, and are what is drawn."""
         for site, listed in zip(self.data("report.sites"), sites):
@@ -189,56 +253,6 @@ class HazardReportTest(PageTest):
                                                  {"steepest pose", "roughest pose", "steepest and roughest pose"}), True, titles)
                 self.check_page()
 
-    def test_the_cursor_is_on_all_maps_with_all_values(self):
-        layers, sites = self.report()
-        self.window.run(POINT, "cost", [layers["x"][40], layers["y"][57]])
-        self.settle()
-        shown = self.window.run("return Object.fromEntries([...document.querySelectorAll('#values [data-value-of]')].map("
-                                "(e) => [e.dataset.valueOf, e.querySelector('output').textContent]))")
-        self.assertEqual(set(shown), set(MAPS))
-        self.assertEqual(shown["safe"], ["hazard", "safe", "unknown"][layers["safe"][57, 40]])
-        self.assertAlmostEqual(float(shown["p_touchdown"]), layers["p_touchdown"][57, 40], delta=1e-4)
-        self.assertAlmostEqual(float(shown["slope"].split()[0]), layers["slope"][57, 40], delta=0.05)
-        drawn = self.window.run("return panels.filter((p) => p.options.region && p.svg.querySelector('.cursor')).map((p) => p.raster.layer.name)")
-        self.assertEqual(drawn, MAPS)
-        self.window.run(POINT, "slope", [sites[0]["x_m"], sites[0]["y_m"]])
-        self.settle()
-        crops = self.window.run("return panels.filter((p) => p.options.footprint && p.svg.querySelector('.cursor')).length")
-        self.assertGreater(crops, 0)
-
-    def test_limits_are_on_their_scales(self):
-        self.report()
-        scales = self.window.run("return Object.fromEntries(panels.filter((p) => p.options.region).map((p) => [p.raster.layer.name, "
-                                 "[p.raster.layer.limit, p.scale.low, p.scale.high, p.svg.querySelectorAll('polygon.limit').length]]))")
-        for name, (limit, low, high, marks) in scales.items():
-            expected = {"slope": 14, "roughness": 0.08}.get(name.replace("_true", ""))
-            self.assertEqual((limit, marks), (expected, 0 if expected is None else 1), name)
-            if expected:
-                self.assertTrue(low == 0 and high > 1.09 * expected, name)
-        self.assertEqual(scales["p_safe"][1:3], [0, 1])
-        self.assertEqual(scales["slope"][1:3], scales["slope_true"][1:3])
-        self.assertIn("limit 14 deg", self.text("#maps"))
-
-    def test_light_and_dark_mode(self):
-        self.report()
-        texts = ["body", ".note", "#verdict", "#outcomes td", "nav.contents a", "#theme", "figcaption code"]
-        paper = "return getComputedStyle(document.querySelector('main > section')).backgroundColor"
-        before = self.window.run(paper)
-        self.assertGreater(min(self.window.run(CONTRAST, texts)), 4.5)
-        self.window.run("document.getElementById('theme').click()")
-        self.assertNotEqual(self.window.run(paper), before)
-        self.assertGreater(min(self.window.run(CONTRAST, texts)), 4.5)
-        self.check_page()
-
-    def test_the_score_is_drawn(self):
-        self.report()
-        score = self.data("report.score")
-        charts = self.window.run("return [...document.querySelectorAll('#score figure.chart')].map("
-                                 "(f) => [f.querySelector('figcaption').textContent, f.querySelectorAll(':scope > svg circle').length])")
-        known = sum(a is not None and b is not None for a, b in zip(score["roc"]["missed_hazard_frac"], score["roc"]["false_alarm_frac"]))
-        classes = sum(share is not None for share in score["reliability"]["safe_frac"])
-        self.assertEqual(charts, [["Other roughness limits of the map", known], ["Reliability of p_safe", classes]])
-
     def test_without_truth_and_p_safe(self):
         _, sites = self.report(None, HAZARD, "--no-truth")
         self.assertEqual(self.shown_maps(), ["safe", "p_touchdown", "cost", "distance_to_hazard", "slope", "roughness", "z_est"])
@@ -276,7 +290,7 @@ class HazardReportTest(PageTest):
         self.check_log_and_requests()
 
     def test_a_method_without_poses(self):
-        self.report(None, HAZARD)
+        self.make(None, HAZARD)
         page = read_bytes(self.path("hazards.html")).decode()
         begin = page.index('id="report-data">') + len('id="report-data">')
         end = page.index("</script>", begin)
@@ -308,7 +322,7 @@ class HazardReportTest(PageTest):
     def test_the_same_bytes_at_any_number_of_threads(self):
         pages = set()
         for threads in (1, 3):
-            self.report(None, NOISE, "-t", threads)
+            self.make(None, NOISE, "-t", threads)
             pages.add(read_bytes(self.path("hazards.html")))
         self.assertEqual(len(pages), 1)
 

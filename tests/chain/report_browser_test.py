@@ -12,8 +12,8 @@ from matplotlib.image import imread
 
 sys.path.insert(0, os.path.join(os.environ["LANDFALL_ROOT"], "python"))
 
-from harness import EVAL, REGRID, browser
-from harness.page import CONTRAST, POINT, WIDTHS, PageTest
+from harness import EVAL, REGRID, browser, read_bytes
+from harness.page import CONTRAST, POINT, WIDTHS, CommonPage, PageTest
 from landfall import files
 from landfall.plot import colors, plot_profile, reduction, relief, scales
 
@@ -59,8 +59,7 @@ return Object.fromEntries(panels.filter((p) => p.options.region && ["signed", "m
         limit: p.raster.layer.limit, note: p.noteText.textContent, text: [...p.svg.querySelectorAll("text")].map((t) => t.textContent)}]));
 """
 
-@unittest.skipIf(browser.missing(), browser.missing())
-class ReportTest(PageTest):
+class ReportCase(PageTest):
     def expected_rows(self):
         """The table that dem-eval prints, as eval.h5 keeps it."""
         with h5py.File(self.path("eval.h5")) as file:
@@ -72,8 +71,30 @@ class ReportTest(PageTest):
         self.succeed("dem-eval", dem or self.chain.dem, "-c", config, "-o", self.path("eval.h5"), "-O", "--metrics",
                      self.path("metrics.json"), "--report", self.path("report.html"), *arguments)
         self.open("report.html")
-        with open(self.path("metrics.json"), encoding="utf-8") as file:
-            return json.load(file)
+        return self.results()
+
+    def results(self):
+        return json.loads(read_bytes(self.path("metrics.json")))
+
+    def layers(self, *names):
+        with h5py.File(self.path("eval.h5")) as evaluation, h5py.File(self.chain.dem) as dem:
+            return [(evaluation if name in evaluation else dem)[name][()] for name in names]
+
+    def choose_scales(self, value):
+        self.window.run("const s = document.querySelector('#scales'); s.value = arguments[0]; s.dispatchEvent(new Event('change'))", value)
+
+
+@unittest.skipIf(browser.missing(), browser.missing())
+class CommonReport(CommonPage, ReportCase):
+    """The report of the chain's DEM."""
+
+    def exaggerate(self, power):
+        self.window.run("const s = document.querySelector('#exaggeration'); s.value = arguments[0]; s.dispatchEvent(new Event('input'))", power)
+
+    def color_by(self, layer):
+        """Colours the 3-D view by a layer."""
+        self.window.run("const s = document.querySelector('#terrain-layer'); s.value = arguments[0]; s.dispatchEvent(new Event('change'))", layer)
+        self.window.driver.execute_async_script("setTimeout(arguments[0], 300)")
 
     def test_numbers_are_those_of_metrics_json(self):
         metrics = self.report()
@@ -92,37 +113,6 @@ class ReportTest(PageTest):
             self.assertGreater(self.canvas(f"#maps canvas[data-layer={name}]")["colors"], 1, name)
         self.assertEqual(self.window.run("return document.querySelectorAll('.crop canvas').length"),
                          2 * len(self.cells("#worst-footprints")))
-        self.check_log_and_requests()
-
-    def sparse(self, name, valid):
-        """A DEM of 401 x 401 bins of 2 cm, of which the fraction `valid` has an elevation."""
-        dem = self.path(name)
-        self.succeed("regrid", self.chain.scan, "--terrain", self.chain.terrain, "-o", dem,
-                     "-c", self.config({"resolution_m": 0.02, "half_width_m": 4}, "r.json"))
-        kept = np.random.default_rng(3).random((401, 401)) < valid
-        with h5py.File(dem, "r+") as file:
-            for layer, value in (("z_est", 0.5), ("z_true", 0.51), ("x_true", file["x"][()][None, :]),
-                                 ("y_true", file["y"][()][:, None])):
-                file[layer][...] = np.where(kept, value, np.nan)
-        return dem
-
-    def test_a_sparse_dem_is_not_hidden_by_its_marks(self):
-        self.report(self.sparse("sparse.h5", 0.2))
-        self.assertLess(self.window.run(SHARE, "z_est", list(colors.MARK)), 0.001)
-        self.assertLess(self.window.run(SHARE, "invalid", [0, 114, 178]), 0.7)
-        self.assertGreater(self.window.run(VIEW)[0], 0.05)
-        self.check_log_and_requests()
-        self.check_layout()
-
-    def test_single_invalid_bins_of_a_full_dem_are_visible(self):
-        self.report(self.sparse("full.h5", 0.9998))
-        with h5py.File(self.path("eval.h5")) as file:
-            count = int(np.sum(file["invalid"][()]))
-        self.assertTrue(5 < count < 60, count)
-        width = self.window.run("return document.querySelector('#maps canvas[data-layer=invalid]').width")
-        for layer, color in (("invalid", [0, 114, 178]), ("z_est", list(colors.MARK))):
-            found = self.window.run(SHARE, layer, color) * width ** 2 / count
-            self.assertTrue(6 < found <= 9.5, f"{layer}: {found} pixels per bin")
         self.check_log_and_requests()
 
     def test_values_under_the_pointer_are_those_of_the_file(self):
@@ -144,12 +134,8 @@ class ReportTest(PageTest):
             plot.dispatchEvent(new PointerEvent('pointermove', {clientX: box.left + box.width / 2,
                                                                 clientY: box.top + box.height / 2}));""")
         readout = "return document.querySelector('#maps canvas[data-layer=e_z]').closest('figure').querySelector('.readout').textContent"
-        self.window.wait(readout + ".trim()")  # written with the next frame
+        self.settle()
         self.assertRegex(self.window.run(readout), r"^x .?0\.0\d m, y .?0\.0\d m: ")
-
-    def layers(self, *names):
-        with h5py.File(self.path("eval.h5")) as evaluation, h5py.File(self.chain.dem) as dem:
-            return [(evaluation if name in evaluation else dem)[name][()] for name in names]
 
     def test_the_cursor_is_on_all_maps_with_all_values(self):
         self.report()
@@ -244,9 +230,181 @@ class ReportTest(PageTest):
         self.assertEqual(names, [f"enlarge {name}" for name in MAPS])
         self.window.run("document.querySelectorAll('#maps button.enlarge')[5].click()")
         self.assertEqual(self.text("#maps figure.wide button.enlarge"), "reduce e_z")
+        self.window.run("document.querySelectorAll('#maps button.enlarge')[5].click()")
+        self.assertIsNone(self.text("#maps figure.wide button.enlarge"))
 
-    def choose_scales(self, value):
-        self.window.run("const s = document.querySelector('#scales'); s.value = arguments[0]; s.dispatchEvent(new Event('change'))", value)
+    def test_profiles_are_those_of_plot_profile(self):
+        self.report()
+        with h5py.File(self.chain.dem) as file:
+            grid, z = files.read_grid(file), file["z_est"][()]
+        step = self.window.run("return layerNamed('z_est').step")
+        for start, end in (((-3.31, -2.2), (4.9, 3.87)), ((2.2, 4.7), (2.2, -1.1)), ((-5, -5), (5, 5))):
+            found = self.window.run("""const [from, to] = [...arguments].map(([x_m, y_m]) => ({x_m, y_m}));
+                return rasterOf(layerNamed("z_est"), report.grid).then((r) => profileOf(r, {from, to}));""", start, end)
+            bins = plot_profile.bins_under(grid, start, end)
+            np.testing.assert_allclose([at for at, _ in found], bins.at_m, atol=1e-9)
+            np.testing.assert_allclose([np.nan if value is None else value for _, value in found], bins.of(z), atol=0.501 * step)
+
+    def test_colours_are_those_of_the_figures(self):
+        self.report()
+        maps = self.window.run("return COLOR_MAPS")
+        self.assertEqual(maps, {name: [list(map(int, c)) for c in colors.table(name)] for name in colors.ANCHORS})
+        self.assertEqual(self.window.run("return NO_VALUE_COLOR"), list(colors.NO_VALUE))
+        self.assertEqual(self.window.run("return MARK_COLOR"), "rgb({},{},{})".format(*colors.MARK))
+        self.assertEqual(self.window.run("return [OUTLIERS, LIMIT_INSIDE, MAX_MARKED]"),
+                         [scales.OUTLIERS, scales.LIMIT_INSIDE, reduction.MAX_MARKED])
+        with h5py.File(self.path("eval.h5")) as file:
+            values = {name: file[name][()].astype(float) for name in ("e_x", "e_z", "rel_x", "rel_z", "abs_x", "abs_z")}
+        self.addCleanup(self.choose_scales, self.window.run("return document.querySelector('#scales').value"))
+        self.choose_scales("all")
+        for name, value in values.items():
+            limit_m = {"e_x": 0.05, "e_z": 0.05, "rel_x": 0.05, "rel_z": 0.05, "abs_x": 1}.get(name)
+            make = scales.magnitude_scale if name.startswith("rel") else scales.error_scale
+            expected, found = make(value, value, limit_m), self.window.run(SCALES)[name]
+            step = self.window.run("return layerNamed(arguments[0]).step", name)
+            self.assertAlmostEqual(found["low"], expected.low, delta=step)
+            self.assertAlmostEqual(found["high"], expected.high, delta=step)
+
+    def test_elevations_are_shaded_as_in_view(self):
+        self.report()
+        self.succeed("landfall-export", self.chain.dem, "--layers", "z_est", "-o", self.path("view.png"))
+        view = np.round(255 * imread(self.path("view.png"))[..., :3])
+        # The map of 101 x 101 bins begins at (88, 120) and is enlarged by 5 (lib/picture/map_picture.cpp).
+        view = view[88:88 + 505, 120:120 + 505][2::5, 2::5][::-1]
+        drawn = self.window.run("""return rasterOf(layerNamed("z_est"), report.grid).then((r) => {
+            const alone = Object.assign(Object.create(r), {peers: undefined}), b = blocksOf(alone, 1);
+            return [...reliefColors(alone, b, scaleOf(alone))]; })""")
+        self.assertLess(np.abs(np.reshape(drawn, (101, 101, 3)) - view).max(), 4)
+        with h5py.File(self.chain.dem) as file:
+            z = file["z_est"][()]
+        scale, step_m = scales.elevation_scale([z], [z]), 0.1
+        figure = 255 * relief.image(z, step_m, scale, relief.factor(z, step_m), np.isnan(z).astype(float))
+        self.assertLess(np.abs(figure - view).max(), 4)
+
+    def test_view_fills_its_canvas(self):
+        self.report()
+        for width in WIDTHS:
+            self.window.resize(width)
+            share, border = self.window.run(VIEW)
+            self.assertGreater(share, 0.3)
+            self.assertEqual(border, 0)
+
+    def test_view_turns_and_changes_its_colour(self):
+        self.report()
+        first = self.canvas("#terrain")
+        self.assertGreater(first["colors"], 20)
+        turn = "document.querySelector('#terrain').dispatchEvent(new KeyboardEvent('keydown', {key: arguments[0]}))"
+        seen = {first["sum"]}
+        for key in ("ArrowLeft", "ArrowUp", "+"):
+            self.window.run(turn, key)
+            seen.add(self.canvas("#terrain")["sum"])
+        self.assertEqual(len(seen), 4)
+        self.addCleanup(self.color_by, "z_est")
+        for layer in ("e_z", "rel_z", "fail", "count"):
+            before = self.canvas("#terrain")["sum"]
+            self.color_by(layer)
+            self.assertNotEqual(self.canvas("#terrain")["sum"], before, layer)
+        before = self.canvas("#terrain")["sum"]
+        self.addCleanup(self.exaggerate, self.window.run("return document.querySelector('#exaggeration').value"))
+        self.exaggerate(0.5)
+        self.assertNotEqual(self.canvas("#terrain")["sum"], before)
+        self.check_log_and_requests()
+
+    def test_view_keeps_exaggerated_heights_in_sight(self):
+        self.report()
+        self.addCleanup(self.exaggerate, self.window.run("return document.querySelector('#exaggeration').value"))
+        for power in (0, 0.25, 0.5, 0.75, 1):
+            self.exaggerate(power)
+            share, border = self.window.run(VIEW)
+            self.assertGreater(share, 0.001, power)
+            self.assertEqual(border, 0, power)
+
+    def test_view_has_a_legend_of_its_colours(self):
+        self.report()
+        legend = "#terrain-legend"
+        self.assertIn("Estimated elevation (m)", self.text(legend))
+        self.addCleanup(self.color_by, "z_est")
+        for width in WIDTHS:
+            self.window.resize(width)
+            for layer, text in (("rel_z", "Relative error in z: |e \u2212 mean|, 95 % quantile (cm)"),
+                                ("e_z", "Error in z: true \u2212 estimated (cm)"), ("fail", "relative z: "), ("count", "Returns in the bin")):
+                self.color_by(layer)
+                self.assertIn(text, self.text(legend))
+                self.check_boxes(f"{layer}, {width} px")
+
+    def test_tables_sort(self):
+        self.report()
+        click = "document.querySelectorAll('#worst-footprints th button')[arguments[0]].click()"
+
+        def values(column):
+            return self.window.run("return [...document.querySelectorAll('#worst-footprints tbody tr')]"
+                                   ".map((row) => Number(row.cells[arguments[0]].dataset.value))", column)
+
+        self.assertGreater(len(values(1)), 2)
+        for column in (1, 5):
+            self.window.run(click, column)
+            self.assertEqual(values(column), sorted(values(column)))
+            self.window.run(click, column)
+            self.assertEqual(values(column), sorted(values(column), reverse=True))
+
+    def test_worst_footprints_are_the_worst(self):
+        """Compared with the layers of eval.h5."""
+        self.report()
+        with h5py.File(self.path("eval.h5")) as file:
+            layers = {name: file[name][()] for name in ("rel_x", "rel_y", "rel_z", "abs_x", "abs_y", "x", "y")}
+        share = np.fmax.reduce([layers[f"rel_{axis}"] / 0.05 for axis in "xyz"] +
+                               [np.hypot(layers["abs_x"], layers["abs_y"])])
+        found = self.window.run("return report.worst")
+        half = self.window.run("return report.footprint.half_bins")
+        for footprint in found:
+            row = int(np.argmin(abs(layers["y"] - footprint["y_m"])))
+            col = int(np.argmin(abs(layers["x"] - footprint["x_m"])))
+            self.assertAlmostEqual(footprint["share"], np.nanmax(share), places=5)
+            self.assertAlmostEqual(footprint["relative_m"][2], layers["rel_z"][row, col], places=7)
+            share[max(0, row - 2 * half):row + 2 * half + 1, max(0, col - 2 * half):col + 2 * half + 1] = np.nan
+        self.assertTrue(len(found) == 10 or np.isnan(share).all())
+
+    def test_the_layout_fits_the_page(self):
+        self.report()
+        self.check_layout()
+        self.window.resize(800)
+        self.window.run("document.querySelector('#maps button.enlarge').click()")
+        self.check_layout()
+        self.window.run("document.querySelector('#maps button.enlarge').click()")
+
+
+@unittest.skipIf(browser.missing(), browser.missing())
+class OtherReports(ReportCase):
+    def sparse(self, name, valid):
+        """A DEM of 401 x 401 bins of 2 cm, of which the fraction `valid` has an elevation."""
+        dem = self.path(name)
+        self.succeed("regrid", self.chain.scan, "--terrain", self.chain.terrain, "-o", dem,
+                     "-c", self.config({"resolution_m": 0.02, "half_width_m": 4}, "r.json"))
+        kept = np.random.default_rng(3).random((401, 401)) < valid
+        with h5py.File(dem, "r+") as file:
+            for layer, value in (("z_est", 0.5), ("z_true", 0.51), ("x_true", file["x"][()][None, :]),
+                                 ("y_true", file["y"][()][:, None])):
+                file[layer][...] = np.where(kept, value, np.nan)
+        return dem
+
+    def test_a_sparse_dem_is_not_hidden_by_its_marks(self):
+        self.report(self.sparse("sparse.h5", 0.2))
+        self.assertLess(self.window.run(SHARE, "z_est", list(colors.MARK)), 0.001)
+        self.assertLess(self.window.run(SHARE, "invalid", [0, 114, 178]), 0.7)
+        self.assertGreater(self.window.run(VIEW)[0], 0.05)
+        self.check_log_and_requests()
+        self.check_layout()
+
+    def test_single_invalid_bins_of_a_full_dem_are_visible(self):
+        self.report(self.sparse("full.h5", 0.9998))
+        with h5py.File(self.path("eval.h5")) as file:
+            count = int(np.sum(file["invalid"][()]))
+        self.assertTrue(5 < count < 60, count)
+        width = self.window.run("return document.querySelector('#maps canvas[data-layer=invalid]').width")
+        for layer, color in (("invalid", [0, 114, 178]), ("z_est", list(colors.MARK))):
+            found = self.window.run(SHARE, layer, color) * width ** 2 / count
+            self.assertTrue(6 < found <= 9.5, f"{layer}: {found} pixels per bin")
+        self.check_log_and_requests()
 
     def test_a_scale_reaches_a_limit_that_is_near_its_values(self):
         """A limit far beyond the errors would leave a map without colour, at first sight."""
@@ -294,142 +452,11 @@ class ReportTest(PageTest):
         self.assertAlmostEqual(scale["high"], expected, delta=self.window.run("return layerNamed('e_z').step"))
         self.assertIn("colours end at \u00b1", scale["note"])
 
-    def test_profiles_are_those_of_plot_profile(self):
-        self.report()
-        with h5py.File(self.chain.dem) as file:
-            grid, z = files.read_grid(file), file["z_est"][()]
-        step = self.window.run("return layerNamed('z_est').step")
-        for start, end in (((-3.31, -2.2), (4.9, 3.87)), ((2.2, 4.7), (2.2, -1.1)), ((-5, -5), (5, 5))):
-            found = self.window.run("""const [from, to] = [...arguments].map(([x_m, y_m]) => ({x_m, y_m}));
-                return rasterOf(layerNamed("z_est"), report.grid).then((r) => profileOf(r, {from, to}));""", start, end)
-            bins = plot_profile.bins_under(grid, start, end)
-            np.testing.assert_allclose([at for at, _ in found], bins.at_m, atol=1e-9)
-            np.testing.assert_allclose([np.nan if value is None else value for _, value in found], bins.of(z), atol=0.501 * step)
-
-    def test_colours_are_those_of_the_figures(self):
-        self.report()
-        maps = self.window.run("return COLOR_MAPS")
-        self.assertEqual(maps, {name: [list(map(int, c)) for c in colors.table(name)] for name in colors.ANCHORS})
-        self.assertEqual(self.window.run("return NO_VALUE_COLOR"), list(colors.NO_VALUE))
-        self.assertEqual(self.window.run("return MARK_COLOR"), "rgb({},{},{})".format(*colors.MARK))
-        self.assertEqual(self.window.run("return [OUTLIERS, LIMIT_INSIDE, MAX_MARKED]"),
-                         [scales.OUTLIERS, scales.LIMIT_INSIDE, reduction.MAX_MARKED])
-        with h5py.File(self.path("eval.h5")) as file:
-            values = {name: file[name][()].astype(float) for name in ("e_x", "e_z", "rel_x", "rel_z", "abs_x", "abs_z")}
-        self.choose_scales("all")
-        for name, value in values.items():
-            limit_m = {"e_x": 0.05, "e_z": 0.05, "rel_x": 0.05, "rel_z": 0.05, "abs_x": 1}.get(name)
-            make = scales.magnitude_scale if name.startswith("rel") else scales.error_scale
-            expected, found = make(value, value, limit_m), self.window.run(SCALES)[name]
-            step = self.window.run("return layerNamed(arguments[0]).step", name)
-            self.assertAlmostEqual(found["low"], expected.low, delta=step)
-            self.assertAlmostEqual(found["high"], expected.high, delta=step)
-
-    def test_elevations_are_shaded_as_in_view(self):
-        self.report()
-        self.succeed("landfall-export", self.chain.dem, "--layers", "z_est", "-o", self.path("view.png"))
-        view = np.round(255 * imread(self.path("view.png"))[..., :3])
-        # The map of 101 x 101 bins begins at (88, 120) and is enlarged by 5 (lib/picture/map_picture.cpp).
-        view = view[88:88 + 505, 120:120 + 505][2::5, 2::5][::-1]
-        drawn = self.window.run("""return rasterOf(layerNamed("z_est"), report.grid).then((r) => {
-            const alone = Object.assign(Object.create(r), {peers: undefined}), b = blocksOf(alone, 1);
-            return [...reliefColors(alone, b, scaleOf(alone))]; })""")
-        self.assertLess(np.abs(np.reshape(drawn, (101, 101, 3)) - view).max(), 4)
-        with h5py.File(self.chain.dem) as file:
-            z = file["z_est"][()]
-        scale, step_m = scales.elevation_scale([z], [z]), 0.1
-        figure = 255 * relief.image(z, step_m, scale, relief.factor(z, step_m), np.isnan(z).astype(float))
-        self.assertLess(np.abs(figure - view).max(), 4)
-
-    def test_view_fills_its_canvas(self):
-        self.report()
-        for width in WIDTHS:
-            self.window.resize(width)
-            share, border = self.window.run(VIEW)
-            self.assertGreater(share, 0.3)
-            self.assertEqual(border, 0)
-
     def test_has_the_title_that_is_given(self):
         self.report(None, "--title", "Site 7 & <others>")
         self.assertEqual((self.text("h1"), self.window.driver.title), ("Site 7 & <others>",) * 2)
         self.report()
         self.assertEqual(self.text("h1"), "plane with cone features, hemisphere features and pyramid features, fsm scanner")
-
-    def test_view_turns_and_changes_its_colour(self):
-        self.report()
-        first = self.canvas("#terrain")
-        self.assertGreater(first["colors"], 20)
-        turn = "document.querySelector('#terrain').dispatchEvent(new KeyboardEvent('keydown', {key: arguments[0]}))"
-        seen = {first["sum"]}
-        for key in ("ArrowLeft", "ArrowUp", "+"):
-            self.window.run(turn, key)
-            seen.add(self.canvas("#terrain")["sum"])
-        self.assertEqual(len(seen), 4)
-        for layer in ("e_z", "rel_z", "fail", "count"):
-            before = self.canvas("#terrain")["sum"]
-            self.window.run("const s = document.querySelector('#terrain-layer'); s.value = arguments[0];"
-                            "s.dispatchEvent(new Event('change'))", layer)
-            self.window.wait("return true")
-            self.window.driver.execute_async_script("setTimeout(arguments[0], 300)")
-            self.assertNotEqual(self.canvas("#terrain")["sum"], before, layer)
-        before = self.canvas("#terrain")["sum"]
-        self.window.run("const s = document.querySelector('#exaggeration'); s.value = 0.5;"
-                        "s.dispatchEvent(new Event('input'))")
-        self.assertNotEqual(self.canvas("#terrain")["sum"], before)
-        self.check_log_and_requests()
-
-    def test_view_keeps_exaggerated_heights_in_sight(self):
-        self.report()
-        for power in (0, 0.25, 0.5, 0.75, 1):
-            self.window.run("const s = document.querySelector('#exaggeration'); s.value = arguments[0];"
-                            "s.dispatchEvent(new Event('input'))", power)
-            share, border = self.window.run(VIEW)
-            self.assertGreater(share, 0.001, power)
-            self.assertEqual(border, 0, power)
-
-    def test_view_has_a_legend_of_its_colours(self):
-        self.report()
-        legend = "#terrain-legend"
-        self.assertIn("Estimated elevation (m)", self.text(legend))
-        for layer, text in (("rel_z", "Relative error in z: |e \u2212 mean|, 95 % quantile (cm)"),
-                            ("e_z", "Error in z: true \u2212 estimated (cm)"), ("fail", "relative z: "), ("count", "Returns in the bin")):
-            self.window.run("const s = document.querySelector('#terrain-layer'); s.value = arguments[0];"
-                            "s.dispatchEvent(new Event('change'))", layer)
-            self.window.driver.execute_async_script("setTimeout(arguments[0], 300)")
-            self.assertIn(text, self.text(legend))
-            self.check_layout()
-
-    def test_tables_sort(self):
-        self.report()
-        click = "document.querySelectorAll('#worst-footprints th button')[arguments[0]].click()"
-
-        def values(column):
-            return self.window.run("return [...document.querySelectorAll('#worst-footprints tbody tr')]"
-                                   ".map((row) => Number(row.cells[arguments[0]].dataset.value))", column)
-
-        self.assertGreater(len(values(1)), 2)
-        for column in (1, 5):
-            self.window.run(click, column)
-            self.assertEqual(values(column), sorted(values(column)))
-            self.window.run(click, column)
-            self.assertEqual(values(column), sorted(values(column), reverse=True))
-
-    def test_worst_footprints_are_the_worst(self):
-        """Compared with the layers of eval.h5."""
-        self.report()
-        with h5py.File(self.path("eval.h5")) as file:
-            layers = {name: file[name][()] for name in ("rel_x", "rel_y", "rel_z", "abs_x", "abs_y", "x", "y")}
-        share = np.fmax.reduce([layers[f"rel_{axis}"] / 0.05 for axis in "xyz"] +
-                               [np.hypot(layers["abs_x"], layers["abs_y"])])
-        found = self.window.run("return report.worst")
-        half = self.window.run("return report.footprint.half_bins")
-        for footprint in found:
-            row = int(np.argmin(abs(layers["y"] - footprint["y_m"])))
-            col = int(np.argmin(abs(layers["x"] - footprint["x_m"])))
-            self.assertAlmostEqual(footprint["share"], np.nanmax(share), places=5)
-            self.assertAlmostEqual(footprint["relative_m"][2], layers["rel_z"][row, col], places=7)
-            share[max(0, row - 2 * half):row + 2 * half + 1, max(0, col - 2 * half):col + 2 * half + 1] = np.nan
-        self.assertTrue(len(found) == 10 or np.isnan(share).all())
 
     def test_numbers_of_worst_footprints_do_not_overlap(self):
         """The worst footprints, of one bin each, lie close together; a map shows as many numbers as fit."""
@@ -444,13 +471,6 @@ class ReportTest(PageTest):
             self.assertGreater(shown, 3)
             self.assertEqual(crossing, 0)
         self.check_log_and_requests()
-
-    def test_the_layout_fits_the_page(self):
-        self.report()
-        self.check_layout()
-        self.window.resize(800)
-        self.window.run("document.querySelector('#maps button.enlarge').click()")
-        self.check_layout()
 
     def test_a_dem_with_sigma_maps(self):
         dem = self.path("uncertain.h5")

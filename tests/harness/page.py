@@ -1,5 +1,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """A test of HTML reports in a browser: texts, drawings, layout, and that a page requests no other file."""
+import functools
+import shutil
+import tempfile
+import unittest
+
 from harness import Chain, ToolTest, browser
 
 WIDTHS = (1400, 800)
@@ -67,25 +72,33 @@ window.addEventListener("load", () => {
 DRAWN = "return [...document.querySelectorAll('svg, canvas')].map((e) => e.tagName + e.childElementCount + ',' + (e.width?.baseVal?.value ?? e.width))"
 
 
+@functools.cache
+def case_and_window():
+    """The case and the browser of a test program."""
+    chain, window = Chain(), browser.Browser()
+    unittest.addModuleCleanup(chain.remove)
+    unittest.addModuleCleanup(window.close)
+    return chain, window
+
+
 class PageTest(ToolTest):
-    """All tests of a class use one case and one browser."""
+    """All tests of a program use one case and one browser."""
 
     @classmethod
     def setUpClass(cls):
-        cls.chain = Chain()
-        cls.window = browser.Browser()
+        cls.chain, cls.window = case_and_window()
+        cls.requested = set()  # by the page that is open
 
-    @classmethod
-    def tearDownClass(cls):
-        cls.window.close()
-        cls.chain.remove()
+    def widen(self):
+        if self.window.size != (WIDTHS[0], 1000):
+            self.window.resize(WIDTHS[0])
 
     def open(self, name):
         """Opens a page in the test's folder."""
         self.window.driver.get_log("browser")
         self.window.requests()
-        if self.window.size != (WIDTHS[0], 1000):
-            self.window.resize(WIDTHS[0])
+        self.requested.clear()
+        self.widen()
         self.window.open(self.path(name))
 
     def text(self, selector):
@@ -103,15 +116,40 @@ class PageTest(ToolTest):
         """Checks that the browser logged no error and requested the file only."""
         errors = [entry for entry in self.window.driver.get_log("browser") if "GL Driver Message" not in entry["message"]]
         self.assertEqual(errors, [])
-        self.assertEqual({url.split(":")[0] for url in self.window.requests()}, {"file"})
+        self.requested.update(url.split(":")[0] for url in self.window.requests())
+        self.assertEqual(self.requested, {"file"})
         self.assertEqual(self.text("#message"), "")
 
     def check_layout(self):
         for width in WIDTHS:
             self.window.resize(width)
-            layout = self.window.run(LAYOUT)
-            self.assertEqual(layout, {"pairs": [], "scroll": 0, "wide": []}, f"{width} px")
+            self.check_boxes(f"{width} px")
+
+    def check_boxes(self, where):
+        self.assertEqual(self.window.run(LAYOUT), {"pairs": [], "scroll": 0, "wide": []}, where)
 
     def settle(self):
         """Waits for the next frame, with which overlays are drawn."""
         self.window.driver.execute_async_script("requestAnimationFrame(() => requestAnimationFrame(() => arguments[0]()))")
+
+
+class CommonPage(PageTest):
+    """Tests of one page, before a class whose report() makes and opens a page and whose results() returns what was made: that is done once. A test
+    that changes what another one looks at changes it back."""
+
+    @classmethod
+    def setUpClass(cls):
+        super().setUpClass()
+        cls.common = tempfile.mkdtemp(prefix="landfall-")
+        cls.addClassCleanup(shutil.rmtree, cls.common)
+        cls.is_open = False
+
+    def setUp(self):
+        self.folder = self.common
+
+    def report(self, *arguments):
+        if not self.is_open:
+            super().report(*arguments)
+            type(self).is_open = True
+        self.widen()
+        return self.results()
