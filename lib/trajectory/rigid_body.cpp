@@ -2,13 +2,14 @@
 #include "trajectory/rigid_body.h"
 
 #include <Eigen/Eigenvalues>
+#include <algorithm>
 #include <array>
 #include <boost/numeric/odeint/integrate/integrate_adaptive.hpp>
-#include <boost/numeric/odeint/stepper/generation.hpp>
-#include <boost/numeric/odeint/stepper/generation/generation_runge_kutta_fehlberg78.hpp>
+#include <boost/numeric/odeint/stepper/controlled_runge_kutta.hpp>
 #include <boost/numeric/odeint/stepper/runge_kutta_fehlberg78.hpp>
 
 #include "base/error.h"
+#include "base/portable_math.h"
 #include "geometry/vector_check.h"
 
 namespace landfall {
@@ -21,6 +22,22 @@ struct Numbers : std::array<double, 13> {
   Numbers() : std::array<double, 13>{} {}
 };
 using Map = Eigen::Map<const Eigen::Vector3d>;
+
+namespace odeint = boost::numeric::odeint;
+
+/// Odeint's rule for the length of a step, by a power that is the same on every processor.
+struct StepAdjuster : odeint::default_step_adjuster<double, double> {
+  [[nodiscard]] static double decrease_step(double step_s, double error, int order) {
+    return step_s * std::max(0.9 * portable::pow(error, -1.0 / (order - 1)), 0.2);
+  }
+  [[nodiscard]] static double increase_step(double step_s, double error, int order) {
+    if (error >= 0.5) return step_s;
+    return step_s * (0.9 * portable::pow(std::max(portable::pow(5, -order), error), -1.0 / order));
+  }
+};
+using Stepper = odeint::runge_kutta_fehlberg78<Numbers, double, Numbers, double, odeint::array_algebra>;
+using ErrorChecker = odeint::default_error_checker<double, odeint::array_algebra, odeint::default_operations>;
+using ControlledStepper = odeint::controlled_runge_kutta<Stepper, ErrorChecker, StepAdjuster>;
 
 Numbers numbers_of(const RigidBodyState& s) {
   Numbers x;
@@ -73,10 +90,8 @@ RigidBodyState RigidBodyMotion::after(double duration_s, const RigidBodyState& f
     Eigen::Map<Eigen::Vector3d>(dxdt.data() + 10) =
         inverse_inertia_ * (load.torque_nm.v - omega.cross(body_.inertia_kgm2 * omega));
   };
-  namespace odeint = boost::numeric::odeint;
   Numbers x = numbers_of(from);
-  using Stepper = odeint::runge_kutta_fehlberg78<Numbers, double, Numbers, double, odeint::array_algebra>;
-  odeint::integrate_adaptive(odeint::make_controlled<Stepper>(kStepTolerance, kStepTolerance), derivative, x,
+  odeint::integrate_adaptive(ControlledStepper(ErrorChecker(kStepTolerance, kStepTolerance)), derivative, x,
                              0.0, duration_s, duration_s);
   return state_of(x);
 }
