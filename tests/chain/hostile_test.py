@@ -109,8 +109,8 @@ class Hostile(CampaignTest):
                 file.write(text)
         shutil.copy(chain.config("dem-eval"), chain.path("eval.json"))
         for command in ("regrid scan.h5 --terrain terrain.h5 -c regrid.json --uncertainty --navigation-sigma velocity_mps=0.1 -O -o dem.h5",
-                        "monte-carlo source.h5 --terrain terrain.h5 -c mc.json --draws 0:2 -o a.h5 --set draws=3",
-                        "monte-carlo source.h5 --terrain terrain.h5 -c mc.json --draws 2:3 -o b.h5 --set draws=3"):
+                        f"monte-carlo {chain.source} --terrain terrain.h5 -c mc.json --draws 0:2 -o a.h5 --set draws=3",
+                        f"monte-carlo {chain.source} --terrain terrain.h5 -c mc.json --draws 2:3 -o b.h5 --set draws=3"):
             result = run(*command.split(), cwd=chain.folder)
             if result.returncode != 0:
                 raise AssertionError(result.stderr)

@@ -1,6 +1,11 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 # Functions for the setup comments of the pages (tests/docs/page.py).
 
+# Figures are coarse unless the page says how fine, because nobody looks at their pixels.
+for plot in "$LANDFALL_ROOT"/python/commands/plot_*.py; do
+  eval "${plot##*/}() { command ${plot##*/} --dpi 50 \"\$@\"; }"
+done
+
 # Makes a coarse terrain.h5 of flat ground with three cones.
 small_terrain() {
   command terrain-gen -o "${1:-terrain.h5}" --half-width 60 --resolution 0.5 --set 'patterns=[{"type":"ring","count":3,

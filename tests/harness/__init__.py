@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Functions that run the tools and read their files, and the small case that the tests share."""
+import functools
 import json
 import os
 import shutil
@@ -157,22 +158,37 @@ class ToolTest(unittest.TestCase):
 
 
 class Chain:
-    """The files of the small case, made once per test module in a folder that remove() deletes."""
+    """The files of the small case, made once per test module in a folder that remove() deletes; `source` and `draws` when they are first
+    asked for, because most tests need neither."""
 
     def __init__(self, **scan_values):
         self.folder = tempfile.mkdtemp(prefix="landfall-chain-")
-        self.terrain, self.scan, self.dem, self.eval, self.hazards, self.draws, self.metrics, self.source = map(
-            self.path, ["terrain.h5", "scan.h5", "dem.h5", "eval.h5", "hazards.h5", "draws.h5", "metrics.json", "source.h5"])
+        self.terrain, self.scan, self.dem, self.eval, self.hazards, self.metrics = map(
+            self.path, ["terrain.h5", "scan.h5", "dem.h5", "eval.h5", "hazards.h5", "metrics.json"])
         for name, config in CONFIGS.items():
             with open(self.config(name), "w", encoding="utf-8") as file:
                 json.dump(with_values(config, **(scan_values if name == "scan-sim" else {})), file)
-        # The scan with the true range of every pixel, which draws need.
-        complete = [*self.inputs("scan-sim"), "--set", "noise.dropout_frac=0", "--set", "noise.dead_pixel_frac=0", "-o", self.source]
-        for name, arguments in [(name, self.arguments(name)) for name in TOOLS[:2]] + [("scan-sim", complete)] + [
-                (name, self.arguments(name)) for name in TOOLS[2:]]:
-            result = run(name, *arguments)
-            if (result.returncode, result.stdout, result.stderr) != (0, "", ""):
-                raise AssertionError(f"{name}: exit {result.returncode}: {result.stdout}{result.stderr}")
+        for name in TOOLS[:5]:
+            self.make(name, self.arguments(name))
+
+    @staticmethod
+    def make(name, arguments):
+        result = run(name, *arguments)
+        if (result.returncode, result.stdout, result.stderr) != (0, "", ""):
+            raise AssertionError(f"{name}: exit {result.returncode}: {result.stdout}{result.stderr}")
+
+    @functools.cached_property
+    def source(self):
+        """The scan with the true range of every pixel, which draws need."""
+        path = self.path("source.h5")
+        self.make("scan-sim", [*self.inputs("scan-sim"), "--set", "noise.dropout_frac=0", "--set", "noise.dead_pixel_frac=0", "-o", path])
+        return path
+
+    @functools.cached_property
+    def draws(self):
+        path = self.path("draws.h5")
+        self.make("monte-carlo", [*self.inputs("monte-carlo"), "-o", path])
+        return path
 
     def path(self, name):
         return os.path.join(self.folder, name)
@@ -181,14 +197,15 @@ class Chain:
         return self.path(name + ".json")
 
     def output(self, name):
-        return dict(zip(TOOLS, [self.terrain, self.scan, self.dem, self.eval, self.hazards, self.draws]))[name]
+        return getattr(self, dict(zip(TOOLS, ["terrain", "scan", "dem", "eval", "hazards", "draws"]))[name])
 
     def inputs(self, name):
         """Arguments of a tool, except its output."""
+        source = [self.source] if name == "monte-carlo" else []
         return {"terrain-gen": [], "scan-sim": ["--terrain", self.terrain],
                 "regrid": [self.scan, "--terrain", self.terrain],
                 "dem-eval": [self.dem], "hazard-map": [self.dem],
-                "monte-carlo": [self.source, "--terrain", self.terrain]}[name] + ["-c", self.config(name)]
+                "monte-carlo": [*source, "--terrain", self.terrain]}[name] + ["-c", self.config(name)]
 
     def arguments(self, name):
         extra = ["--metrics", self.metrics] if name == "dem-eval" else []
