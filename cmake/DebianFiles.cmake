@@ -20,11 +20,11 @@ foreach(component IN ITEMS tools:landfall lidar:landfall-dev)
   file(GLOB archives ${root}/lib/*.a)
   file(GLOB programs ${root}/bin/* ${root}/lib/landfall/*.so)
   foreach(file IN LISTS archives)
-    execute_process(COMMAND strip --strip-debug --enable-deterministic-archives --remove-section=.comment ${file}
+    execute_process(COMMAND ${CPACK_LANDFALL_STRIP} --strip-debug --enable-deterministic-archives --remove-section=.comment ${file}
                     COMMAND_ERROR_IS_FATAL ANY)
   endforeach()
   foreach(file IN LISTS programs)
-    execute_process(COMMAND strip --strip-unneeded --remove-section=.comment --remove-section=.note ${file}
+    execute_process(COMMAND ${CPACK_LANDFALL_STRIP} --strip-unneeded --remove-section=.comment --remove-section=.note ${file}
                     COMMAND_ERROR_IS_FATAL ANY)
   endforeach()
   # Reproducible whatever the umask: 0755 for folders and programs, 0644 for the rest.

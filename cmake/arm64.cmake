@@ -20,3 +20,7 @@ set(ENV{PKG_CONFIG_LIBDIR} ${LANDFALL_SYSROOT}/usr/lib/aarch64-linux-gnu/pkgconf
 foreach(name hdf5 hdf5_hl)
   set(HDF5_C_LIBRARY_${name} ${LANDFALL_SYSROOT}/usr/lib/aarch64-linux-gnu/hdf5/serial/lib${name}.so CACHE FILEPATH "")
 endforeach()
+# The package's name, and where dpkg-shlibdeps finds libraries.
+set(CPACK_DEBIAN_PACKAGE_ARCHITECTURE arm64)
+set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS_PRIVATE_DIRS
+    ${LANDFALL_SYSROOT}/lib/aarch64-linux-gnu ${LANDFALL_SYSROOT}/usr/lib/aarch64-linux-gnu)
