@@ -69,11 +69,10 @@ bool decode_into(const StoredChunk& stored, const DecodableChunks& chunks, std::
 
 ColumnReader::ColumnReader(const TableReader& table, const std::vector<std::string>& columns)
     : file_(table.file()) {
-  constexpr std::array<hsize_t, 1> kChunk = {kTableChunkRows};
   for (const std::string& name : columns) {
     const std::size_t row_count = table.row_count(name);
     h5::Handle dataset = table.open(name);
-    const std::optional<DecodableChunks> chunks = decodable_chunks(dataset.get(), kChunk);
+    const std::optional<DecodableChunks> chunks = decodable_column(dataset.get(), row_count);
     const ChunkFile file(dataset.get());
     columns_.push_back({table.path_of(name), std::move(dataset), file, row_count, chunks, {}, {}});
   }

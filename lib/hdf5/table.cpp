@@ -43,10 +43,8 @@ void copy_rows(std::span<const T> from, h5::Type to_type, std::byte* to) {
   std::memcpy(to, from.data(), from.size_bytes());
 }
 
-/// The deflate level of a dataset with chunks in a form of TableWriter: 0 without compression.
-std::optional<unsigned> deflate_level(hid_t dataset, const DecodableChunks& chunks) {
-  if (chunks.format.filters == ChunkFilters::none || chunks.format.filters == ChunkFilters::fletcher32)
-    return 0;
+/// The level of the filter deflate, which the dataset has.
+std::optional<int> deflate_level(hid_t dataset) {
   const h5::Handle properties(H5Dget_create_plist(dataset), H5Pclose);
   unsigned level = 0;
   unsigned flags = 0;
@@ -54,16 +52,18 @@ std::optional<unsigned> deflate_level(hid_t dataset, const DecodableChunks& chun
   if (H5Pget_filter_by_id2(properties.get(), H5Z_FILTER_DEFLATE, &flags, &value_count, &level, 0, nullptr,
                            nullptr) < 0)
     return std::nullopt;
-  return level;
+  return static_cast<int>(level);
 }
 
-/// True if two datasets store equal values as equal chunks.
-bool stored_alike(hid_t a, hid_t b) {
-  constexpr std::array<hsize_t, 1> kChunk = {kTableChunkRows};
-  const std::optional<DecodableChunks> in_a = decodable_chunks(a, kChunk);
-  const std::optional<DecodableChunks> in_b = decodable_chunks(b, kChunk);
-  return in_a && in_b && in_a->type == in_b->type && in_a->format.filters == in_b->format.filters &&
-         deflate_level(a, *in_a) == deflate_level(b, *in_b);
+void require_rows(const TableReader& source, const std::string& column, std::size_t found,
+                  std::size_t needed) {
+  if (found != needed)
+    source.fail_reading(
+        column, "it has " + std::to_string(found) + " rows where " + std::to_string(needed) + " are needed");
+}
+
+std::size_t chunk_rows_of(std::size_t rows) {
+  return rows == 0 ? kTableChunkRows : std::min(rows, kTableChunkRows);
 }
 
 void write_chunk(hid_t dataset, std::size_t begin, std::size_t end, std::span<const std::byte> bytes,
@@ -84,30 +84,51 @@ void describe(hid_t dataset, const ColumnSpec& spec) {
 
 }  // namespace
 
+std::optional<DecodableChunks> decodable_column(hid_t dataset, std::size_t rows) {
+  for (const hsize_t chunk : {hsize_t{chunk_rows_of(rows)}, hsize_t{kTableChunkRows}})
+    if (auto chunks = decodable_chunks(dataset, std::span(&chunk, 1))) return chunks;
+  return std::nullopt;
+}
+
 TableWriter::TableWriter(hid_t parent, const std::string& group, std::vector<ColumnSpec> columns,
                          int compression)
     : compression_(compression),
       group_(h5::create_group(parent, group)),
       descriptor_(h5::descriptor(parent)) {
-  for (ColumnSpec& spec : columns) {
-    h5::Handle dataset =
-        h5::create_dataset(group_.get(), spec.name, spec.type,
-                           {.size = {0}, .chunk = {kTableChunkRows}, .growing = true, .level = compression_});
-    describe(dataset.get(), spec);
-    columns_.push_back({std::move(spec), std::move(dataset)});
+  for (ColumnSpec& spec : columns) columns_.push_back({std::move(spec)});
+}
+
+void TableWriter::create_columns(std::size_t chunk_rows) {
+  for (Column& column : columns_) {
+    column.dataset =
+        h5::create_dataset(group_.get(), column.spec.name, column.spec.type,
+                           {.size = {0}, .chunk = {chunk_rows}, .growing = true, .level = compression_});
+    describe(column.dataset.get(), column.spec);
   }
+}
+
+/// Whether a dataset of so many rows holds the chunks that this table would write.
+bool TableWriter::is_stored_alike(hid_t theirs, std::size_t rows, h5::Type type) const {
+  const std::array<hsize_t, 1> chunk = {chunk_rows_of(rows)};
+  const std::optional<DecodableChunks> chunks = decodable_chunks(theirs, chunk);
+  const ChunkFilters filters = compression_ == 0 ? ChunkFilters::deflate : ChunkFilters::shuffle_deflate;
+  return chunks && chunks->type == type && chunks->format.filters == filters &&
+         deflate_level(theirs) == compression_;
 }
 
 bool TableWriter::copy_columns(const TableReader& source, std::span<const char* const> names) {
   source_ = &source;
   source_file_.emplace(source.group());
+  const std::string& first = columns_.front().spec.name;
   bool all = true;
   for (Column& column : columns_) {
     if (std::find(names.begin(), names.end(), column.spec.name) == names.end()) continue;
     h5::Handle theirs = source.open(column.spec.name);
-    if (stored_alike(theirs.get(), column.dataset.get())) {
+    const std::size_t rows = source.row_count(column.spec.name);
+    require_rows(source, column.spec.name, rows, source.has(first) ? source.row_count(first) : rows);
+    if (is_stored_alike(theirs.get(), rows, column.spec.type)) {
       column.copied_from = std::move(theirs);
-      column.source_rows = source.row_count(column.spec.name);
+      column.source_rows = rows;
     } else {
       all = false;
     }
@@ -126,9 +147,7 @@ TableWriter::ChunkPtr TableWriter::empty_chunk() {
   }
   auto chunk = std::make_shared<TableChunk>();
   for (const Column& column : columns_) {
-    const std::size_t size = h5::size_of(column.spec.type);
-    const std::size_t rows = column.copied_from ? 0 : kTableChunkRows;
-    chunk->parts.push_back({std::vector<std::byte>(rows * size), ChunkEncoder(size, compression_), {}, {}});
+    chunk->parts.push_back({{}, ChunkEncoder(h5::size_of(column.spec.type), compression_), {}, {}});
   }
   return chunk;
 }
@@ -155,8 +174,10 @@ void TableWriter::add_rows(std::span<const ColumnRows> rows, std::size_t begin, 
   for (std::size_t c = 0; c < columns_.size(); ++c) {
     if (columns_[c].copied_from) continue;
     const h5::Type type = columns_[c].spec.type;
-    std::byte* const target = filling_->parts[c].rows.data() + filling_->row_count * h5::size_of(type);
-    std::visit([&](auto span) { copy_rows(span.subspan(begin, count), type, target); }, rows[c]);
+    std::vector<std::byte>& bytes = filling_->parts[c].rows;
+    const std::size_t used = filling_->row_count * h5::size_of(type);
+    bytes.resize(std::max(bytes.size(), used + count * h5::size_of(type)));
+    std::visit([&](auto span) { copy_rows(span.subspan(begin, count), type, bytes.data() + used); }, rows[c]);
   }
   filling_->row_count += count;
   row_count_ += count;
@@ -178,6 +199,7 @@ void TableWriter::encode(TableChunk& chunk) const {
 void TableWriter::write(ChunkPtr chunk) {
   {
     const std::lock_guard lock(h5::library_lock());
+    if (chunk->first_row == 0) create_columns(chunk_rows_of(chunk->row_count));
     for (std::size_t c = 0; c < columns_.size(); ++c)
       write_chunk(columns_[c].dataset.get(), chunk->first_row, chunk->first_row + chunk->row_count,
                   chunk->parts[c].stored, columns_[c].spec.name);
@@ -205,20 +227,23 @@ void TableWriter::load_copy(const Column& column, const TableChunk& chunk, Store
 
 void TableWriter::require_whole_copies() const {
   for (const Column& column : columns_) {
-    if (!column.copied_from || column.source_rows == row_count_) continue;
-    source_->fail_reading(column.spec.name, "it has " + std::to_string(column.source_rows) + " rows where " +
-                                                std::to_string(row_count_) + " are needed");
+    if (column.copied_from) require_rows(*source_, column.spec.name, column.source_rows, row_count_);
   }
 }
 
 void TableWriter::finish() {
   require_whole_copies();
+  if (row_count_ == 0) {
+    const std::lock_guard lock(h5::library_lock());
+    create_columns(chunk_rows_of(0));
+  }
   if (!filling_) return;
-  for (std::size_t c = 0; c < columns_.size(); ++c) {  // fill the unused end with zeros instead of old rows
-    std::vector<std::byte>& rows = filling_->parts[c].rows;
-    const std::size_t used = filling_->row_count * h5::size_of(columns_[c].spec.type);
-    if (used < rows.size())
-      std::fill(rows.begin() + static_cast<std::ptrdiff_t>(used), rows.end(), std::byte{0});
+  const std::size_t chunk_rows = chunk_rows_of(row_count_);
+  for (std::size_t c = 0; c < columns_.size(); ++c) {
+    if (columns_[c].copied_from) continue;
+    const std::size_t size = h5::size_of(columns_[c].spec.type);
+    filling_->parts[c].rows.resize(filling_->row_count * size);
+    filling_->parts[c].rows.resize(chunk_rows * size);  // with zeros instead of old rows
   }
   encode(*filling_);
   write(std::exchange(filling_, nullptr));

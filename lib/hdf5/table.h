@@ -17,8 +17,13 @@
 
 namespace landfall {
 
-/// Rows per chunk of a table column.
+/// Rows per chunk of a table column; a shorter table has one chunk, of all its rows.
 inline constexpr std::size_t kTableChunkRows = 65536;
+
+/// How the chunks of a column with so many rows can be decoded without HDF5; nothing for chunks of other
+/// sizes, which other programs may write. Short tables of earlier versions have chunks of kTableChunkRows
+/// too.
+[[nodiscard]] std::optional<DecodableChunks> decodable_column(hid_t dataset, std::size_t rows);
 
 /// A column of a table. `units` and `long_name` become its attributes.
 struct ColumnSpec {
@@ -61,13 +66,14 @@ class TableWriter {
  public:
   using ChunkPtr = std::shared_ptr<TableChunk>;
 
-  /// Creates the group `group` of `parent` with empty columns. `compression`: deflate level, 0..9.
+  /// Creates the group `group` of `parent`; its columns are created when the first chunk is written, or by
+  /// finish(). `compression`: deflate level, 0..9.
   TableWriter(hid_t parent, const std::string& group, std::vector<ColumnSpec> columns, int compression);
 
   /// Copies the named columns from `source` chunk by chunk, as stored; take() ignores their rows, which may
   /// be empty, except those of the first column, which count. For columns that are known to equal those of an
-  /// earlier file. Call before the first rows. `source` must live until finish(), which throws FormatError
-  /// unless `source` has as many rows as this table. A column whose type, chunks or filters differ in
+  /// earlier file. Call before the first rows; throws FormatError if columns of `source` differ in length, as
+  /// finish(), until which it must live, if this table does. A column whose type, chunks or filters differ in
   /// `source` is not copied but written from its rows; returns false if there is such a column.
   bool copy_columns(const TableReader& source, std::span<const char* const> names);
 
@@ -91,12 +97,14 @@ class TableWriter {
  private:
   struct Column {
     ColumnSpec spec;
-    h5::Handle dataset;
+    h5::Handle dataset{};
     h5::Handle copied_from{};  ///< the dataset whose chunks this column takes
     std::size_t source_rows = 0;
   };
   [[nodiscard]] ChunkPtr empty_chunk();
   void add_rows(std::span<const ColumnRows> rows, std::size_t begin, std::size_t count);
+  void create_columns(std::size_t chunk_rows);
+  [[nodiscard]] bool is_stored_alike(hid_t theirs, std::size_t rows, h5::Type type) const;
   void load_copy(const Column& column, const TableChunk& chunk, StoredChunk& copy) const;
   void require_whole_copies() const;
 

@@ -74,7 +74,8 @@ class Blocks {
     const h5::Handle properties(H5Dget_create_plist(dataset_), H5Pclose);
     const bool chunked = H5Pget_layout(properties.get()) == H5D_CHUNKED &&
                          H5Pget_chunk(properties.get(), rank_, block_.data()) == rank_;
-    if (chunked && block_values() >= static_cast<double>(kSmallestChunk)) {
+    const bool is_whole = block_[0] >= size_[0] && block_[1] >= size_[1];
+    if (chunked && (is_whole || block_values() >= static_cast<double>(kSmallestChunk))) {
       chunks_ = decodable_chunks(dataset_, std::span(block_).first(static_cast<std::size_t>(rank_)));
       return;
     }

@@ -77,6 +77,48 @@ TEST(Table, RoundTripAtEveryLevel) {
   }
 }
 
+hsize_t chunk_rows(hid_t dataset) {
+  const h5::Handle properties(H5Dget_create_plist(dataset), H5Pclose);
+  hsize_t rows = 0;
+  EXPECT_EQ(H5Pget_chunk(properties.get(), 1, &rows), 1);
+  return rows;
+}
+
+TEST(Table, AShortOneHasOneChunkOfItsRows) {
+  const TemporaryFolder folder;
+  for (const auto& [count, expected] : {std::pair<std::size_t, std::size_t>{3, 3},
+                                        {0, kTableChunkRows},
+                                        {kTableChunkRows - 1, kTableChunkRows - 1},
+                                        {kTableChunkRows + 1, kTableChunkRows}}) {
+    const Rows rows = make_rows(count);
+    write(folder / "a.h5", rows, 1000, 1);
+    const LandfallFileReader file(folder / "a.h5", {"scan"});
+    const TableReader table(file.root(), "points", file.name());
+    const h5::Handle dataset = table.open("x");
+    EXPECT_EQ(chunk_rows(dataset.get()), expected);
+    EXPECT_TRUE(decodable_column(dataset.get(), count)) << count;
+    std::vector<double> x(count);
+    table.read("x", 0, std::span(x));
+    EXPECT_EQ(x, rows.x);
+  }
+}
+
+TEST(Table, AShortOneOfEarlierVersionsIsDecoded) {
+  const TemporaryFolder folder;
+  const Rows rows = make_rows(5);
+  LandfallFileWriter writer({folder / "a.h5"}, "scan", {.tool = "test"});
+  const h5::Handle group = h5::create_group(writer.root(), "points");
+  const h5::Handle dataset =
+      h5::create_dataset(group.get(), "x", h5::Type::float64,
+                         {.size = {5}, .chunk = {kTableChunkRows}, .growing = true, .level = 1});
+  ASSERT_GE(H5Dwrite(dataset.get(), H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, rows.x.data()), 0);
+  EXPECT_TRUE(decodable_column(dataset.get(), 5));
+  const TableReader table(writer.root(), "points", "a.h5");
+  std::vector<double> x(3);
+  table.read("x", 2, std::span(x));
+  EXPECT_EQ(x, std::vector<double>(rows.x.begin() + 2, rows.x.end()));
+}
+
 TEST(Table, StoresFloatsAsTheyAre) {
   const TemporaryFolder folder;
   const std::vector<float> values = {0.1F, -2.5F};
@@ -108,8 +150,9 @@ bool copy(const std::filesystem::path& path, const TableReader& source, const Ro
   constexpr std::array kCopied = {"x", "n"};
   if (!table.copy_columns(source, kCopied)) return false;
   std::vector<std::vector<TableWriter::ChunkPtr>> taken;
-  for (const auto& [begin, count] : {std::pair<std::size_t, std::size_t>{0, 2 * kTableChunkRows + 1},
-                                     {2 * kTableChunkRows + 1, rows.x.size() - 2 * kTableChunkRows - 1}}) {
+  const std::size_t middle = rows.x.size() * 2 / 3;
+  for (const auto& [begin, count] :
+       {std::pair<std::size_t, std::size_t>{0, middle}, {middle, rows.x.size() - middle}}) {
     const std::array<ColumnRows, 4> piece = {
         std::span(rows.x).subspan(begin, count), std::span(rows.x).subspan(begin, count),
         std::span<const std::int32_t>(), std::span(rows.f).subspan(begin, count)};
@@ -134,6 +177,17 @@ TEST(Table, CopiedColumnsGiveTheSameFile) {
   EXPECT_EQ(read_file(folder / "a.h5"), read_file(folder / "b.h5"));
   EXPECT_FALSE(copy(folder / "c.h5", source, rows, 2));
   EXPECT_THROW(copy(folder / "c.h5", source, make_rows(3 * kTableChunkRows), 1), FormatError);
+}
+
+TEST(Table, CopiedColumnsOfAShortTableGiveTheSameFile) {
+  const TemporaryFolder folder;
+  const Rows rows = make_rows(17);
+  write(folder / "a.h5", rows, 5, 1);
+  const LandfallFileReader file(folder / "a.h5", {"scan"});
+  const TableReader source(file.root(), "points", file.name());
+  EXPECT_TRUE(copy(folder / "b.h5", source, rows, 1));
+  EXPECT_EQ(read_file(folder / "a.h5"), read_file(folder / "b.h5"));
+  EXPECT_THROW(copy(folder / "c.h5", source, make_rows(16), 1), FormatError);
 }
 
 TEST(Table, ItsRowsHaveANamedDimensionWithoutValues) {
