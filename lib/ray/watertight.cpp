@@ -3,13 +3,14 @@
 #include "ray/watertight.h"
 
 #include <algorithm>
-#include <cmath>
 #include <limits>
 
 namespace landfall {
 namespace {
 
 constexpr double kMiss = std::numeric_limits<double>::infinity();
+
+Quad magnitude(Quad x) { return x < 0 ? -x : x; }
 
 }  // namespace
 
@@ -34,14 +35,14 @@ int WatertightRay::side(const Corner& p, const Corner& q) {
   const Real left = p.x * q.y;
   const Real right = p.y * q.x;
   if (left != right) return left > right ? 1 : -1;
-  const Real left_rest = std::fma(p.x, q.y, -left);
-  const Real right_rest = std::fma(p.y, q.x, -right);
+  const Real left_rest = product_rest(p.x, q.y, left);
+  const Real right_rest = product_rest(p.y, q.x, right);
   return int{left_rest > right_rest} - int{left_rest < right_rest};
 }
 
 /// The smallest range >= 0 among the ranges between two depths on the ray.
 double WatertightRay::first_range(Real depth_a, Real depth_b) const {
-  constexpr Real kOnSurface_m = 1e-15L;
+  constexpr double kOnSurface_m = 1e-15;
   const auto [near, far] = std::minmax({depth_a / along_, depth_b / along_});
   if (far < -kOnSurface_m) return kMiss;
   return static_cast<double>(std::max<Real>(near, 0));
@@ -50,7 +51,7 @@ double WatertightRay::first_range(Real depth_a, Real depth_b) const {
 /// Whether the edge from p to q, coplanar with the ray, crosses it, and at which depth. The whole edge may
 /// lie on the ray: its corners are then found as ends of the other two edges.
 bool WatertightRay::edge_crosses(const Corner& p, const Corner& q, Real& depth) {
-  const bool along_x = std::abs(p.x) + std::abs(q.x) >= std::abs(p.y) + std::abs(q.y);
+  const bool along_x = magnitude(p.x) + magnitude(q.x) >= magnitude(p.y) + magnitude(q.y);
   const Real from = along_x ? p.x : p.y;
   const Real to = along_x ? q.x : q.y;
   if (from != 0 && to != 0 && (from < 0) == (to < 0)) return false;
@@ -60,7 +61,7 @@ bool WatertightRay::edge_crosses(const Corner& p, const Corner& q, Real& depth) 
 
 /// The triangle is seen edge-on: the ray lies in its plane and meets it along a segment, or not at all.
 double WatertightRay::edge_on_range(const Triangle& t) const {
-  Real nearest = std::numeric_limits<Real>::infinity();
+  Real nearest = kMiss;
   Real farthest = -nearest;
   for (std::size_t i = 0; i < 3; ++i) {
     Real depth = 0;

@@ -3,6 +3,7 @@
 
 #include <array>
 
+#include "base/quad.h"
 #include "ray/engine.h"
 
 namespace landfall {
@@ -10,12 +11,12 @@ namespace landfall {
 /// Tests one ray against one triangle at a time without leaks. The oracle is built on it, and other engines
 /// use it where their own arithmetic cannot decide.
 ///
-/// The test is that of Woop, Benthin and Wald ("Watertight ray/triangle intersection", JCGT 2013) in long
-/// double: a triangle's corners are sheared so that the ray becomes an axis, and the signs of three 2-D edge
-/// functions decide. Triangles that share a corner see the same sheared corner, and each sign is exact for
-/// the sheared corners (ties are settled with fused multiply-adds), so no ray slips between neighbours. The
-/// shear rounds: a ray that passes a border of the surface within about 1e-17 of its distance may hit or
-/// miss.
+/// The test is that of Woop, Benthin and Wald ("Watertight ray/triangle intersection", JCGT 2013) in
+/// quadruple precision: a triangle's corners are sheared so that the ray becomes an axis, and the signs of
+/// three 2-D edge functions decide. Triangles that share a corner see the same sheared corner, and each sign
+/// is exact for the sheared corners (ties are settled by the products' errors), so no ray slips between
+/// neighbours. The shear rounds: a ray that passes a border of the surface within about 1e-33 of its distance
+/// may hit or miss.
 class WatertightRay {
  public:
   /// The ray must be finite.
@@ -27,7 +28,7 @@ class WatertightRay {
   [[nodiscard]] double range_to(const std::array<Eigen::Vector3d, 3>& corners) const;
 
  private:
-  using Real = long double;
+  using Real = Quad;
   /// A corner in the ray's own coordinates: the ray is the axis x = y = 0, `depth` is monotone along it.
   struct Corner {
     Real x;

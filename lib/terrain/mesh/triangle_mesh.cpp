@@ -8,6 +8,7 @@
 #include <limits>
 #include <utility>
 
+#include "base/quad.h"
 #include "terrain/mesh/orient2d.h"
 
 namespace landfall {
@@ -37,17 +38,17 @@ double highest_of_upright(const Corners& t, const Eigen::Vector2d& point) {
                    highest_on_edge(t[2], t[0], point)});
 }
 
-/// z of the triangle's plane, in long double, relative to the corner nearest as seen from above.
+/// z of the triangle's plane, in quadruple precision, relative to the corner nearest as seen from above.
 double plane_elevation(const Corners& t, const Eigen::Vector2d& point) {
-  using Vector = Eigen::Matrix<long double, 3, 1>;
+  using Vector = Eigen::Matrix<Quad, 3, 1>;
   std::size_t nearest = 0;
   for (std::size_t i = 1; i < 3; ++i)
     if ((t[i].head<2>() - point).squaredNorm() < (t[nearest].head<2>() - point).squaredNorm()) nearest = i;
-  const Vector corner = t[nearest].cast<long double>();
-  const Vector e1 = t[(nearest + 1) % 3].cast<long double>() - corner;
-  const Vector e2 = t[(nearest + 2) % 3].cast<long double>() - corner;
+  const Vector corner = t[nearest].cast<Quad>();
+  const Vector e1 = t[(nearest + 1) % 3].cast<Quad>() - corner;
+  const Vector e2 = t[(nearest + 2) % 3].cast<Quad>() - corner;
   const Vector n = e1.cross(e2);
-  const long double rise = (n.x() * (corner.x() - point.x()) + n.y() * (corner.y() - point.y())) / n.z();
+  const Quad rise = (n.x() * (corner.x() - point.x()) + n.y() * (corner.y() - point.y())) / n.z();
   return static_cast<double>(corner.z() + rise);
 }
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <cassert>
 #include <cmath>
 #include <limits>
@@ -13,6 +14,26 @@
 #include "ray/watertight.h"
 
 namespace landfall {
+
+/// Whether a triangle certainly passes the ray on one side: most do, and quadruple precision is slow.
+inline bool lies_beside(const Ray& ray, const std::array<Eigen::Vector3d, 3>& corners) {
+  constexpr double kMargin = 1e-12;  // much more than the rounding of the offsets
+  Eigen::Index along = 0;
+  ray.direction.v.cwiseAbs().maxCoeff(&along);
+  for (const Eigen::Index across : {(along + 1) % 3, (along + 2) % 3}) {
+    const double slope = ray.direction.v[across] / ray.direction.v[along];
+    int above = 0, below = 0;
+    for (const Eigen::Vector3d& corner : corners) {
+      const Eigen::Vector3d at = corner - ray.origin.v;
+      const double offset = at[across] - slope * at[along];
+      const double margin = kMargin * (std::abs(at[across]) + std::abs(at[along]));
+      above += offset > margin;
+      below += offset < -margin;
+    }
+    if (above == 3 || below == 3) return true;
+  }
+  return false;
+}
 
 /// The oracle of the engines: tests each ray against every triangle of a surface, with WatertightRay. A ray
 /// that is not finite misses. O(triangles) per ray.
@@ -31,8 +52,10 @@ class BruteForceEngine final : public RayEngine {
     if (!ray.origin.v.allFinite() || !ray.direction.v.allFinite()) return kNan;
     const WatertightRay watertight(ray);
     double best = std::numeric_limits<double>::infinity();
-    for (std::size_t id = 0; id < terrain_->triangle_count(); ++id)
-      best = std::min(best, watertight.range_to(terrain_->triangle(id)));
+    for (std::size_t id = 0; id < terrain_->triangle_count(); ++id) {
+      const auto corners = terrain_->triangle(id);
+      if (!lies_beside(ray, corners)) best = std::min(best, watertight.range_to(corners));
+    }
     return std::isinf(best) ? kNan : best;
   }
 

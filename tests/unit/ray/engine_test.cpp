@@ -10,6 +10,7 @@
 #include <numbers>
 #include <thread>
 
+#include "base/quad.h"
 #include "brute_force.h"
 #include "no_opencl.h"
 #include "ray/cgal_engine.h"
@@ -204,6 +205,23 @@ TEST(EngineProgress, RisesToOne) {
   expect_rise();
   (void)make_cgal_engine(terrain, watch);
   expect_rise();
+}
+
+// The doubles nearest to the exact ranges, as fractions of integers give them; 80 bits gave their neighbours.
+TEST(WatertightRay, RangeIsTheSameOnEveryProcessor) {
+  EXPECT_EQ(WatertightRay({{{-0.48, -0.52, 20}}, {{-0.16, -0.1, -1}}})
+                .range_to({{{-7.262, -4.895, -0.62}, {9.548, 4.254, -0.88}, {-4.641, -2.001, 0.65}}}),
+            0x1.44c5362a89841p+4);
+  EXPECT_EQ(WatertightRay({{{0.74, -0.64, 20}}, {{0.05, -0.02, -1}}})
+                .range_to({{{-6.074, -2.839, 0.77}, {8.445, -7.978, -0.98}, {5.272, 6.995, -0.11}}}),
+            0x1.402dec671747fp+4);
+}
+
+TEST(Quad, ErrorOfAProductIsExact) {
+  const Quad step = 0x1p-100;
+  const Quad product = (1 + step) * (1 - step);
+  EXPECT_EQ(static_cast<double>(product), 1);
+  EXPECT_EQ(static_cast<double>(product_rest(1 + step, 1 - step, product)), -0x1p-200);
 }
 
 }  // namespace

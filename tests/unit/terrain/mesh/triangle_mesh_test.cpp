@@ -149,6 +149,20 @@ TEST(TriangleMesh, ElevationIsThatOfAllTriangles) {
   }
 }
 
+// The doubles nearest to the exact elevations, as fractions of integers give them; 80 bits gave their
+// neighbours.
+TEST(TriangleMesh, ElevationIsTheSameOnEveryProcessor) {
+  const auto elevation_of = [](const std::array<Eigen::Vector3d, 3>& t, double x, double y) {
+    return TriangleMesh({{t.begin(), t.end()}, {{0, 1, 2}}}).elevation(x, y);
+  };
+  EXPECT_EQ(
+      elevation_of({{{-0.193, -0.727, 0.847}, {0.266, -0.573, 0.078}, {-0.947, 0.06, -0.894}}}, -0.29, -0.41),
+      -0x1.f1e44b1b24fb5p-13);
+  EXPECT_EQ(
+      elevation_of({{{-0.778, 0.812, 0.663}, {0.252, 0.262, -0.602}, {-0.305, -0.983, -0.134}}}, -0.28, 0.03),
+      -0x1.56c0c6bcc5da9p-6);
+}
+
 TEST(TriangleMesh, NormalIsThatOfTheTriangleOfThePlace) {
   std::mt19937_64 random(3);
   const TriangleMesh mesh(random_mesh(random, 2000));
