@@ -8,7 +8,6 @@
 #include <boost/numeric/odeint/stepper/generation/generation_runge_kutta_fehlberg78.hpp>
 #include <boost/numeric/odeint/stepper/runge_kutta_fehlberg78.hpp>
 
-#include "base/error.h"
 #include "geometry/vector_check.h"
 
 namespace landfall {
