@@ -95,15 +95,19 @@ function(landfall_unity_groups target)
   target_compile_options(${target} PRIVATE $<$<CXX_COMPILER_ID:GNU>:-Wno-subobject-linkage>)
 endfunction()
 
-# landfall_library(module [UNITY [APART b.cpp ...] [ALONE c.cpp ...]] SOURCES a.cpp ... LINKS landfall::geometry ...
-#                  [PRIVATE_LINKS ...] [PRECOMPILED name])
-# A static library landfall::<module> that may include exactly what it links. UNITY: most of its time is that of headers, so
+# landfall_library(module [UNITY [APART b.cpp ...] [ALONE c.cpp ...]] [EXCEPT d.cpp ...] [GENERATED e.cpp ...]
+#                  LINKS landfall::geometry ... [PRIVATE_LINKS ...] [PRECOMPILED name])
+# A static library landfall::<module> that may include exactly what it links, of all units of the folder but EXCEPT, and of those that
+# the build makes. UNITY: most of its time is that of headers, so
 # that LANDFALL_UNITY compiles several of its units together; scripts/check_unity.py finds names that would collide. APART:
 # units that need libraries which the linker of a host simulator (lib/host) has not; they are compiled apart from those that
 # the lidar needs. ALONE: units that include themselves once per instruction set, or a header that no other unit shall see.
 function(landfall_library module)
-  cmake_parse_arguments(arg "UNITY" "PRECOMPILED" "SOURCES;LINKS;PRIVATE_LINKS;APART;ALONE" ${ARGN})
-  add_library(landfall_${module} STATIC ${arg_SOURCES})
+  cmake_parse_arguments(arg "UNITY" "PRECOMPILED" "EXCEPT;GENERATED;LINKS;PRIVATE_LINKS;APART;ALONE" ${ARGN})
+  file(GLOB_RECURSE sources CONFIGURE_DEPENDS RELATIVE ${CMAKE_CURRENT_SOURCE_DIR} *.cpp)
+  list(REMOVE_ITEM sources ${arg_EXCEPT})
+  list(PREPEND sources ${arg_GENERATED})
+  add_library(landfall_${module} STATIC ${sources})
   add_library(landfall::${module} ALIAS landfall_${module})
   target_link_libraries(landfall_${module} PUBLIC landfall_flags ${arg_LINKS} PRIVATE ${arg_PRIVATE_LINKS})
   if(arg_PRECOMPILED)
@@ -111,7 +115,7 @@ function(landfall_library module)
     landfall_uses_precompiled_strings(landfall_${module})
   endif()
   if(arg_UNITY AND LANDFALL_UNITY)
-    landfall_unity_groups(landfall_${module} SOURCES ${arg_SOURCES} APART ${arg_APART} ALONE ${arg_ALONE})
+    landfall_unity_groups(landfall_${module} SOURCES ${sources} APART ${arg_APART} ALONE ${arg_ALONE})
   endif()
 endfunction()
 

@@ -16,6 +16,7 @@ import sys
 
 TARGET = re.compile(r"(?:landfall_library\((?=\w+\s+UNITY\b)|landfall_unity_groups\(|landfall_gtest\()(\w+)(.*?)\)", re.S)
 SETTING = re.compile(r"set\((\w+)([^)]*)\)")
+GLOB = re.compile(r"file\(GLOB (\w+) CONFIGURE_DEPENDS RELATIVE \S+ (\S+)\)\s*list\(REMOVE_ITEM \1 ([^)]*)\)")
 INCLUDE = re.compile(r'^#include "([^"]+)"', re.M)
 TEST = re.compile(r"TEST(?:_F|_P)?\(\s*(\w+),\s*(\w+)\s*\)|INSTANTIATE_TEST_SUITE_P\(\s*(\w+),\s*(\w+),")
 HEADER_CONSTANT = re.compile(r"^inline constexpr \S+ (k\w+)", re.M)
@@ -119,11 +120,16 @@ def violations(root: pathlib.Path):
         text = re.sub(r"#.*", "", list_file.read_text()).replace("${CMAKE_SOURCE_DIR}", str(root.resolve()))
         for name, value in SETTING.findall(text):
             text = text.replace("${" + name + "}", value)
+        for name, pattern, others in GLOB.findall(text):
+            units = {str(unit.relative_to(list_file.parent)) for unit in list_file.parent.glob(pattern)}
+            text = text.replace("${" + name + "}", " ".join(sorted(units - set(others.split()))))
         for library, arguments in TARGET.findall(text):
             sources = re.search(r"SOURCES\b(.*?)(\bLINKS|$)", arguments, re.S)
             alone = re.search(r"ALONE((?:\s+[^\s)]+\.cpp)+)", arguments)
-            together = [name for name in sources[1].split() if name.endswith(".cpp") and name not in (alone[1].split() if alone else [])]
-            files = [list_file.parent / name for name in together]
+            excepted = re.search(r"EXCEPT((?:\s+[^\s)]+\.cpp)+)", arguments)
+            units = [list_file.parent / name for name in sources[1].split() if name.endswith(".cpp")] if sources else sorted(list_file.parent.rglob("*.cpp"))
+            apart = [list_file.parent / name for found in (alone, excepted) if found for name in found[1].split()]
+            files = [unit for unit in units if unit not in apart]
             yield from collisions(library, files, shared_headers(list_file.parent, files))
 
 

@@ -24,9 +24,7 @@
 #include "campaign/device_gridder.h"
 
 #include <algorithm>
-#include <cmath>
 #include <limits>
-#include <utility>
 
 #include "base/parallel.h"
 #include "base/random.h"

@@ -8,7 +8,6 @@
 #include <utility>
 
 #include "base/error.h"
-#include "evaluation/evaluate.h"
 #include "evaluation/piecewise.h"
 #include "hazards/safety.h"
 

@@ -6,17 +6,16 @@
 #include <limits>
 #include <utility>
 
-#include "base/parallel.h"
 #include "base/portable_math.h"
 #include "evaluation/piecewise.h"
 #include "evaluation/quantile/order_statistics.h"
+#include "raster/by_rows.h"
 
 namespace landfall {
 namespace {
 
 /// The quantile of the summaries over footprints, independent of EvaluationParameters::quantile.
 constexpr double kSummaryQuantile = 0.95;
-constexpr std::size_t kRowsPerPiece = 64;
 
 auto values_of(const Grid<double>& grid) {
   return [values = grid.values()](std::size_t i) { return values[i]; };
@@ -37,12 +36,11 @@ double p95(const ValueLook& look, std::size_t bins, const F& magnitude_at) {
 
 Grid<double> error_of(Axis axis, Grid<double> truth, const Grid<double>& z_est) {
   const GridSpec& spec = truth.spec();
-  parallel_for(static_cast<std::size_t>(spec.rows), kRowsPerPiece, [&](std::size_t begin, std::size_t end) {
-    for (auto row = static_cast<std::int64_t>(begin); row < static_cast<std::int64_t>(end); ++row)
-      for (std::int64_t col = 0; col < spec.cols; ++col)
-        truth.at({row, col}) -= axis == Axis::x   ? spec.x(col)
-                                : axis == Axis::y ? spec.y(row)
-                                                  : z_est.at({row, col});
+  by_rows(spec, [&](std::int64_t row) {
+    for (std::int64_t col = 0; col < spec.cols; ++col)
+      truth.at({row, col}) -= axis == Axis::x   ? spec.x(col)
+                              : axis == Axis::y ? spec.y(row)
+                                                : z_est.at({row, col});
   });
   return truth;
 }

@@ -3,7 +3,6 @@
 #include "evaluation/evaluate.h"
 
 #include <algorithm>
-#include <cmath>
 #include <optional>
 #include <utility>
 #include <vector>

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "evaluation/parameters.h"
 
-#include <cmath>
-
 #include "base/error.h"
 #include "base/parameter_check.h"
 

@@ -8,6 +8,7 @@
 #include <limits>
 
 #include "base/error.h"
+#include "base/joined.h"
 #include "files/grid_file.h"
 
 namespace landfall {
@@ -178,11 +179,8 @@ void check_layers(const DemRequest& request) {
   for (const std::string& name : request.layers) {
     const auto layer =
         std::find_if(layers.begin(), layers.end(), [&](const Layer& known) { return known.name == name; });
-    if (layer == layers.end()) {
-      std::string list;
-      for (const std::string& known : dem_layer_names()) list += (list.empty() ? "" : ", ") + known;
-      throw UsageError("--layers: '" + name + "' is not a layer; known layers: " + list);
-    }
+    if (layer == layers.end())
+      throw UsageError("--layers: '" + name + "' is not a layer; known layers: " + joined(dem_layer_names()));
     const std::string option = layer->missing(request);
     if (!option.empty()) throw UsageError("--layers: " + name + " needs " + option);
   }

@@ -11,6 +11,7 @@
 #include <numeric>
 #include <span>
 
+#include "base/joined.h"
 #include "hdf5/table.h"
 
 namespace landfall {
@@ -19,8 +20,6 @@ namespace {
 constexpr const char* kGroup = "features";
 
 std::vector<ColumnSpec> feature_columns() {
-  std::string meanings;
-  for (const std::string& kind : feature_kinds()) meanings += (meanings.empty() ? "" : " ") + kind;
   std::vector<std::int8_t> values(feature_kinds().size());
   std::iota(values.begin(), values.end(), std::int8_t{0});
   const h5::Type real = h5::Type::float64;
@@ -30,7 +29,7 @@ std::vector<ColumnSpec> feature_columns() {
           {"diameter", real, "m", "greatest extent along the ground"},
           {"height", real, "m", "height above the ground, negative for depths"},
           {"yaw", real, "rad", "direction of the greatest extent, counter-clockwise from +x"},
-          {"kind", h5::Type::int8, "1", "kind of the object", values, meanings},
+          {"kind", h5::Type::int8, "1", "kind of the object", values, joined(feature_kinds(), " ")},
           {"pattern", h5::Type::int32, "1", "number of the pattern that the object is of, -1 for none"},
           {"number", h5::Type::int64, "1", "number of the object in its pattern or in the list of features"}};
 }

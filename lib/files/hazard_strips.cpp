@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "base/error.h"
+#include "base/joined.h"
 #include "files/contents.h"
 #include "files/hazard_file.h"
 #include "raster/grid_parts.h"
@@ -13,12 +14,6 @@ namespace landfall {
 namespace {
 
 constexpr std::int64_t kStripRows = 512;  // a multiple of the rows of a tile
-
-std::string list_of(const std::vector<std::string>& names) {
-  std::string list;
-  for (const std::string& name : names) list += (list.empty() ? "" : ", ") + name;
-  return list;
-}
 
 }  // namespace
 
@@ -34,7 +29,7 @@ void check_strip_layers(const std::vector<std::string>& layers) {
       throw UsageError("--layers: '" + layers[i] + "' is given twice");
     if (!std::ranges::count(strip_layer_names(), layers[i]))
       throw UsageError("--layers: '" + layers[i] + "' is not a layer that can be written alone; these are " +
-                       list_of(strip_layer_names()));
+                       joined(strip_layer_names()));
   }
 }
 

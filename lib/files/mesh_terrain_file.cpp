@@ -2,7 +2,6 @@
 #include "files/mesh_terrain_file.h"
 
 #include <algorithm>
-#include <array>
 #include <cstdint>
 #include <cstring>
 #include <span>

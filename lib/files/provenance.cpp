@@ -7,7 +7,6 @@
 #include "files/provenance.h"
 
 #include <algorithm>
-#include <array>
 #include <fstream>
 #include <utility>
 

@@ -8,9 +8,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
-#include <optional>
 
-#include "base/error.h"
 #include "files/crs.h"
 #include "returns/columns.h"
 #include "simulation/echo_columns.h"

@@ -8,6 +8,7 @@
 #include <type_traits>
 
 #include "base/error.h"
+#include "base/joined.h"
 #include "base/parallel.h"
 #include "files/column_specs.h"
 #include "files/crs.h"
@@ -146,10 +147,9 @@ SinkWork ScanWriter::take(PulseBatch& batch) {
 }
 
 void ScanWriter::refuse_without_return() const {
-  std::string causes;
-  for (const PointStatusInfo& info : kPointStatuses)
-    if (count(info.status) > 0)
-      causes += (causes.empty() ? "" : ", ") + std::to_string(count(info.status)) + info.cause;
+  const std::string causes = joined(kPointStatuses, ", ", [this](const PointStatusInfo& info) {
+    return count(info.status) > 0 ? std::to_string(count(info.status)) + info.cause : "";
+  });
   throw FormatError("the scan has no return: " + causes +
                     (count(PointStatus::miss) > 0 ? "; does the lidar point at the terrain?" : ""));
 }

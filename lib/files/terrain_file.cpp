@@ -2,9 +2,7 @@
 #include "files/terrain_file.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <limits>
 #include <optional>
 #include <span>
 #include <vector>

@@ -10,7 +10,6 @@
 #include "files/text_table.h"
 
 #include <algorithm>
-#include <array>
 #include <fstream>
 #include <map>
 #include <optional>

@@ -10,7 +10,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 
 #include "base/lanes-inl.h"
 #include "hazards/lane_input.h"

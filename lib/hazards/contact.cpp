@@ -1,10 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <limits>
 
-#include "hazards/by_rows.h"
 #include "hazards/lane_input.h"
 #include "hazards/measure_rows.h"
 #include "hazards/reach.h"
@@ -14,6 +12,7 @@
 #include "base/lanes-inl.h"
 #include "hazards/contact_planes-inl.h"
 #include "hazards/contact_roughness-inl.h"
+#include "raster/by_rows.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace landfall::HWY_NAMESPACE {

@@ -9,7 +9,6 @@
 #endif
 
 #include <array>
-#include <cmath>
 #include <vector>
 
 #include "base/lanes-inl.h"

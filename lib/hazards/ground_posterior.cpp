@@ -9,9 +9,9 @@
 #include <utility>
 
 #include "base/random.h"
-#include "hazards/by_rows.h"
 #include "hazards/relief_prior.h"
 #include "hazards/scale_filter.h"
+#include "raster/by_rows.h"
 #include "raster/region.h"
 
 namespace landfall {

@@ -5,10 +5,10 @@
 #include <cmath>
 #include <cstdint>
 
-#include "hazards/by_rows.h"
 #include "hazards/measure_rows.h"
 #include "hazards/measures.h"
 #include "hazards/reach.h"
+#include "raster/by_rows.h"
 #include "raster/window_extremes.h"
 
 namespace landfall {

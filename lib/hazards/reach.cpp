@@ -5,12 +5,10 @@
 #include <cmath>
 #include <cstdlib>
 
-#include "base/parallel.h"
+#include "raster/by_rows.h"
 
 namespace landfall {
 namespace {
-
-constexpr std::size_t kReachRows = 16;
 
 void add(const Footprint& footprint, const BinOffset& centre, std::vector<BinOffset>& offsets) {
   for (std::int64_t row = -footprint.half_bins(); row <= footprint.half_bins(); ++row)
@@ -59,27 +57,23 @@ BinMask Reach::known(const PaddedMap& z, const BinMask& places) const {
   const std::int64_t width = z.cols() + 2 * margin + 1;
   const std::int64_t height = z.rows() + 2 * margin;
   std::vector<std::int32_t, LargeAllocator<std::int32_t>> missing(static_cast<std::size_t>(width * height));
-  parallel_for(static_cast<std::size_t>(height), kReachRows, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; ++i) {
-      const double* const values = z.at(static_cast<std::int64_t>(i) - margin, -margin);
-      std::int32_t* const row = &missing[i * static_cast<std::size_t>(width)];
-      row[0] = 0;
-      for (std::int64_t c = 0; c + 1 < width; ++c) row[c + 1] = row[c] + (std::isfinite(values[c]) ? 0 : 1);
-    }
+  by_rows(height, [&](std::int64_t i) {
+    const double* const values = z.at(i - margin, -margin);
+    std::int32_t* const row = &missing[static_cast<std::size_t>(i * width)];
+    row[0] = 0;
+    for (std::int64_t c = 0; c + 1 < width; ++c) row[c + 1] = row[c] + (std::isfinite(values[c]) ? 0 : 1);
   });
   BinMask known(places.spec());
-  parallel_for(static_cast<std::size_t>(z.rows()), kReachRows, [&](std::size_t begin, std::size_t end) {
-    for (auto row = static_cast<std::int64_t>(begin); row < static_cast<std::int64_t>(end); ++row) {
-      const std::span<std::int8_t> target = known.row(row);
-      if (std::ranges::none_of(places.row(row), [](std::int8_t place) { return place != 0; })) continue;
-      std::ranges::copy(places.row(row), target.begin());
-      for (const Span& span : spans_) {
-        const std::int32_t* const counts =
-            &missing[static_cast<std::size_t>((row + span.row + margin) * width + margin)];
-        for (std::size_t c = 0; c < target.size(); ++c) {
-          const std::int32_t* const at = counts + c;
-          target[c] &= at[span.last + 1] == at[span.first] ? std::int8_t{1} : std::int8_t{0};
-        }
+  by_rows(z.rows(), [&](std::int64_t row) {
+    const std::span<std::int8_t> target = known.row(row);
+    if (std::ranges::none_of(places.row(row), [](std::int8_t place) { return place != 0; })) return;
+    std::ranges::copy(places.row(row), target.begin());
+    for (const Span& span : spans_) {
+      const std::int32_t* const counts =
+          &missing[static_cast<std::size_t>((row + span.row + margin) * width + margin)];
+      for (std::size_t c = 0; c < target.size(); ++c) {
+        const std::int32_t* const at = counts + c;
+        target[c] &= at[span.last + 1] == at[span.first] ? std::int8_t{1} : std::int8_t{0};
       }
     }
   });

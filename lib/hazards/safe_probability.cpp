@@ -10,9 +10,9 @@
 #include <utility>
 
 #include "base/portable_math.h"
-#include "hazards/by_rows.h"
 #include "hazards/ground_posterior.h"
 #include "hazards/reach.h"
+#include "raster/by_rows.h"
 #include "raster/window_extremes.h"
 
 namespace landfall {

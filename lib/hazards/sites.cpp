@@ -4,20 +4,18 @@
 
 #include <algorithm>
 #include <cmath>
-#include <functional>
 #include <limits>
 #include <optional>
 #include <span>
 #include <utility>
 
-#include "base/parallel.h"
 #include "base/portable_math.h"
+#include "raster/by_rows.h"
 #include "raster/distance_transform.h"
 
 namespace landfall {
 namespace {
 
-constexpr std::size_t kSiteRows = 16;
 constexpr double kTolerance_m = 1e-9;
 constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
 
@@ -32,12 +30,6 @@ std::vector<double> kernel(double sigma_m, double resolution_m) {
   }
   for (double& weight : weights) weight /= sum;
   return weights;
-}
-
-void by_site_rows(const GridSpec& spec, const std::function<void(std::int64_t)>& work) {
-  parallel_for(static_cast<std::size_t>(spec.rows), kSiteRows, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t row = begin; row < end; ++row) work(static_cast<std::int64_t>(row));
-  });
 }
 
 /// Adds weight times what lies `offset` bins before and behind each value.
@@ -68,14 +60,14 @@ Grid<float> touchdown_probability(const Grid<float>& p, double sigma_m, const Bi
   const std::vector<double> weights =
       sigma_m > 0 ? kernel(sigma_m, spec.resolution_m) : std::vector<double>{1};
   Grid<double> along_x(spec);
-  by_site_rows(spec, [&](std::int64_t row) {
+  by_rows(spec, [&](std::int64_t row) {
     std::vector<double> values;
     for (const float value : p.row(row)) values.push_back(std::isnan(value) ? 0 : static_cast<double>(value));
     for (std::size_t k = 0; k < weights.size(); ++k)
       add_neighbours(values, static_cast<std::int64_t>(k), weights[k], along_x.row(row));
   });
   Grid<float> result(spec, kNan);
-  by_site_rows(spec, [&](std::int64_t row) {
+  by_rows(spec, [&](std::int64_t row) {
     std::vector<double> sums(static_cast<std::size_t>(spec.cols));
     const auto add = [&](std::int64_t from, double weight) {
       if (from < 0 || from >= spec.rows) return;
@@ -101,7 +93,7 @@ Grid<float> landing_cost(const Grid<float>& p_touchdown, const SiteParameters& p
   const GridSpec& spec = p_touchdown.spec();
   Grid<float> cost(spec, kNan);
   const ReachableArea area = reachable_area(parameters);
-  by_site_rows(spec, [&](std::int64_t row) {
+  by_rows(spec, [&](std::int64_t row) {
     for (std::int64_t col = 0; col < spec.cols; ++col) {
       if (!area.contains({spec.x(col), spec.y(row)})) continue;
       const double distance = distance_to_origin(spec, {row, col});

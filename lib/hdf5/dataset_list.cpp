@@ -2,7 +2,6 @@
 #include "hdf5/dataset_list.h"
 
 #include <algorithm>
-#include <array>
 #include <optional>
 #include <sstream>
 #include <utility>

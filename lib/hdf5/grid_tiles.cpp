@@ -11,7 +11,6 @@
 #include <atomic>
 #include <cstring>
 #include <span>
-#include <utility>
 #include <vector>
 
 #include "base/error.h"

@@ -14,7 +14,6 @@
 #include <fcntl.h>
 
 #include <algorithm>
-#include <cmath>
 #include <limits>
 
 #include "base/error.h"

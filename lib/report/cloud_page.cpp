@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "report/cloud_page.h"
 
-#include <algorithm>
-
 #include "base/number_text.h"
 #include "report/escape.h"
 #include "report/heading.h"

@@ -2,7 +2,6 @@
 #include "report/hazard_data.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <numbers>
 #include <optional>

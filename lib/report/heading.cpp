@@ -5,7 +5,10 @@
 #include <array>
 #include <cmath>
 #include <cstdio>
+#include <span>
 #include <vector>
+
+#include "base/joined.h"
 
 namespace landfall::html_report {
 namespace {
@@ -38,14 +41,6 @@ std::string length(double metres) {
 std::string words(std::string name) {
   std::ranges::replace(name, '_', ' ');
   return name;
-}
-
-std::string joined(const std::vector<std::string>& parts, const std::string& between,
-                   const std::string& last) {
-  std::string text;
-  for (std::size_t k = 0; k < parts.size(); ++k)
-    text += (k == 0 ? "" : k + 1 == parts.size() ? last : between) + parts[k];
-  return text;
 }
 
 void add_new(std::vector<std::string>& parts, const std::string& part) {
@@ -86,8 +81,9 @@ std::string site_of(const nlohmann::json& terrain) {
   std::vector<std::string> parts = ground_of(at(terrain, "/base"));
   const std::vector<std::string> objects = objects_of(terrain);
   parts.insert(parts.end(), objects.begin(), objects.end());
-  if (parts.size() < 2) return parts.empty() ? "" : parts[0];
-  return parts[0] + " with " + joined({parts.begin() + 1, parts.end()}, ", ", " and ");
+  if (parts.size() < 2) return joined(parts);
+  const std::string first = joined(std::span(parts).subspan(1, parts.size() - 2));
+  return parts[0] + " with " + first + (first.empty() ? "" : " and ") + parts.back();
 }
 
 std::string terrain_in_numbers(const nlohmann::json& terrain) {
@@ -123,7 +119,7 @@ std::string title_of(const nlohmann::json& steps, const std::string& otherwise) 
   if (source.is_string()) parts.push_back(source.get<std::string>());
   const nlohmann::json scanner = at(config_of(steps, "scan-sim"), "/scanner/type");
   if (scanner.is_string()) parts.push_back(words(scanner) + " scanner");
-  return parts.empty() ? otherwise : joined(parts, ", ", ", ");
+  return parts.empty() ? otherwise : joined(parts);
 }
 
 std::string origin_of(const nlohmann::json& steps) {
@@ -137,7 +133,7 @@ std::string origin_of(const nlohmann::json& steps) {
     parts.push_back("imported from " + source.get<std::string>() + " (" + format.get<std::string>() + ")");
   const nlohmann::json bin = at(config_of(steps, "regrid"), "/resolution_m");
   if (bin.is_number()) parts.push_back("bins of " + length(bin));
-  return joined(parts, "; ", "; ");
+  return joined(parts, "; ");
 }
 
 }  // namespace landfall::html_report

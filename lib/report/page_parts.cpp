@@ -3,6 +3,7 @@
 
 #include <stdexcept>
 
+#include "base/joined.h"
 #include "report/embedded_pages.h"
 #include "report/escape.h"
 #include "report/heading.h"
@@ -15,10 +16,9 @@ std::string pretty(const nlohmann::json& value) {
 }
 
 std::string inputs_html(const nlohmann::json& step) {
-  std::string text;
-  for (const nlohmann::json& input : member(step, "inputs"))
-    text += (text.empty() ? "" : "<br>") + text_of(input, "role") + " <code>" + text_of(input, "file_id") +
-            "</code>";
+  const std::string text = joined(member(step, "inputs"), "<br>", [](const nlohmann::json& input) {
+    return text_of(input, "role") + " <code>" + text_of(input, "file_id") + "</code>";
+  });
   return text.empty() ? "\u2013" : text;
 }
 

@@ -3,7 +3,6 @@
 #include "report/quantised.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 
 #include "hdf5/chunk_codec.h"

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <limits>
 
-#include "base/parallel.h"
+#include "raster/by_rows.h"
 
 namespace landfall::html_report {
 namespace {
@@ -58,11 +58,10 @@ ReducedMap reduce(const Grid<T>& layer, std::int64_t factor, Rule rule) {
   const GridSpec& spec = layer.spec();
   ReducedMap map{factor, (spec.rows + factor - 1) / factor, (spec.cols + factor - 1) / factor, {}};
   map.cells.resize(static_cast<std::size_t>(map.rows * map.cols));
-  parallel_for(static_cast<std::size_t>(map.rows), 8, [&](std::size_t begin, std::size_t end) {
-    for (auto row = static_cast<std::int64_t>(begin); row < static_cast<std::int64_t>(end); ++row)
-      for (std::int64_t col = 0; col < map.cols; ++col)
-        map.cells[static_cast<std::size_t>(row * map.cols + col)] =
-            of_block(layer, {row * factor, col * factor}, factor, rule);
+  by_rows(map.rows, [&](std::int64_t row) {
+    for (std::int64_t col = 0; col < map.cols; ++col)
+      map.cells[static_cast<std::size_t>(row * map.cols + col)] =
+          of_block(layer, {row * factor, col * factor}, factor, rule);
   });
   return map;
 }

@@ -7,7 +7,6 @@
 #include <cstdio>
 #include <stdexcept>
 #include <string_view>
-#include <utility>
 
 #include "dictionary/layers.h"
 #include "picture/color_map.h"

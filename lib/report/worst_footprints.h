@@ -6,8 +6,6 @@
 #include <string>
 #include <vector>
 
-#include "evaluation/evaluate.h"
-
 namespace landfall::html_report {
 
 /// value / limit. If the limit is 0: infinity, or 0 if the value is 0 too. NaN for NaN.

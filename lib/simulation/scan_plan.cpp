@@ -2,7 +2,6 @@
 #include "simulation/scan_plan.h"
 
 #include <cassert>
-#include <cmath>
 #include <limits>
 #include <utility>
 

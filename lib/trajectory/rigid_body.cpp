@@ -8,7 +8,6 @@
 #include <boost/numeric/odeint/stepper/controlled_runge_kutta.hpp>
 #include <boost/numeric/odeint/stepper/runge_kutta_fehlberg78.hpp>
 
-#include "base/error.h"
 #include "base/portable_math.h"
 #include "geometry/vector_check.h"
 

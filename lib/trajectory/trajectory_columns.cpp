@@ -7,6 +7,7 @@
 #include <numbers>
 #include <string>
 
+#include "base/joined.h"
 #include "geometry/rotation.h"
 
 namespace landfall {
@@ -19,11 +20,7 @@ const Names kRollPitchYaw = {"roll_deg", "pitch_deg", "yaw_deg"};
 const Names kRodrigues = {"mrp_1", "mrp_2", "mrp_3"};
 const Names kVelocity = {"vx_mps", "vy_mps", "vz_mps"};
 
-std::string list_of(const Names& names) {
-  std::string text = names.front();
-  for (std::size_t i = 1; i < names.size(); ++i) text += "," + names[i];
-  return text;
-}
+std::string list_of(const Names& names) { return joined(names, ","); }
 
 /// Whether the table has all of these columns. Refuses a table that has only some of them.
 bool has_all(const NumberTable& table, const Names& names) {

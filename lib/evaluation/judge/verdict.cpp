@@ -2,7 +2,6 @@
 #include "evaluation/judge/verdict.h"
 
 #include <algorithm>
-#include <cmath>
 #include <utility>
 #include <vector>
 
