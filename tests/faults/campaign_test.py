@@ -138,7 +138,7 @@ class Killed(CampaignFaultsTest):
 
 class Interrupted(CampaignFaultsTest):
     def interrupt(self, number, wait, **environment):
-        """Sends a signal after a wait of its own; returns how many draws were kept."""
+        """Sends a signal after a wait of its own; returns how many draws were kept, None if the run ended first."""
         process = self.start(**environment)
         try:
             wait(process)
@@ -146,6 +146,9 @@ class Interrupted(CampaignFaultsTest):
             code, message = self.finish(process)
         finally:
             process.kill()
+        if code == 0:
+            os.remove(self.out())
+            return None
         self.assertEqual(code, -number, message)
         self.assertIn("monte-carlo: interrupted, no output was written\n", message)
         kept = re.search(rf"(\d+) of {DRAWS} draws are kept; run the same command again to continue", message)
@@ -163,7 +166,8 @@ class Interrupted(CampaignFaultsTest):
             def wait(process):
                 self.wait_for_the_draws(process)
                 time.sleep(self.random.uniform(0.1, 0.3) * seconds)
-            kept = self.interrupt(number, wait, FAULT_SPEED="1")
+            tries = (self.interrupt(number, wait, FAULT_SPEED="1") for _ in range(50))  # on a busy machine some come too early or too late
+            kept = next(filter(None, tries), 0)
             self.assertGreater(kept, 0, f"seed {SEED}")
             self.assertEqual(self.finish_undisturbed(whole), kept)
 
