@@ -22,10 +22,10 @@ returns per bin, 10 % dropouts), and limit30 (base with a slope limit of 30 deg)
 Each tenth shows the share less the mean of p, with its standard error over sites: SE^2 = S/(S-1) sum_s (Y_s - P_s - d n_s)^2 / (sum n)^2, Y_s
 the safe places, P_s the sum of p, n_s the places of site s. Tenths of fewer than 1,000 places or 8 sites are left out. The Brier scores are those
 of p, and of the decision by the limits at the places that are known. A second table does the same for p_touchdown, whose truth is the
-share of touchdowns that meet a place that is truly safe and not unknown in the map; its last column has the sites that hazard-map ranked: their number, mean p_safe and the share
-truly safe. With --before, the hazard-map of another release judges the same DEMs, and a third table
-has the Brier scores of both. Results are kept in the folder, and a stopped bench resumes: 20 sites of one family in all cells take about
-6 minutes of two cores.
+share of touchdowns that meet a place that is truly safe and not unknown in the map; its last column has the sites that hazard-map ranked:
+their number, mean p_safe and the share truly safe. With --before, the hazard-map of another release judges the same DEMs, and a third
+table has the Brier scores of both. Results are kept in the folder, and a stopped bench resumes: 20 sites of one family in all cells take
+about 6 minutes of two cores.
 """
 import argparse
 import json

@@ -9,6 +9,7 @@
 #include <array>
 #include <sstream>
 
+#include "base/joined.h"
 #include "cli/option_view.h"
 #include "cli/tool.h"
 #include "config/schema.h"
@@ -79,18 +80,10 @@ std::string name_line(const Tool& tool) {
 std::string bold(const std::string& text) { return "\\fB" + roff(text) + "\\fR"; }
 std::string italic(const std::string& text) { return "\\fI" + roff(text) + "\\fR"; }
 
-std::string joined(const std::vector<std::string>& words, const std::string& between) {
-  std::string text;
-  for (const std::string& word : words) text += (text.empty() ? "" : between) + word;
-  return text;
-}
-
 std::string option_lines(const OptionView& option) {
-  std::string names;
-  for (const std::string& name : option.names) names += (names.empty() ? "" : ", ") + bold(name);
-  std::string text = ".TP\n" + names;
+  std::string text = ".TP\n" + joined(option.names, ", ", bold);
   if (!option.type.empty()) text += " " + italic(option.type);
-  if (!option.values.empty()) text += " " + roff("{" + joined(option.values, ", ") + "}");
+  if (!option.values.empty()) text += " " + roff("{" + joined(option.values) + "}");
   text += "\n" + roff(option.description) + (option.description.ends_with('.') ? "" : ".");
   if (!option.default_value.empty()) text += " Default: " + roff(option.default_value) + ".";
   return text + "\n";
@@ -119,7 +112,7 @@ std::string facts(const SchemaKey& key) {
   std::string text = key.type;
   if (!key.unit.empty()) text += ", " + key.unit;
   if (!key.bounds.empty()) text += ", " + key.bounds;
-  if (!key.values.empty()) text = "one of " + joined(key.values, ", ");
+  if (!key.values.empty()) text = "one of " + joined(key.values);
   if (!key.default_value.empty()) text += "; default " + key.default_value;
   return text;
 }
