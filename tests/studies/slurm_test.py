@@ -5,12 +5,16 @@ import json
 import os
 import shutil
 import subprocess
+import sys
 import tempfile
 import time
 import unittest
 
 from case import BASE, BIN, LIMITS, RESOLUTIONS, ROOT, SIGMAS, StudyTest, read, study
-from harness import EVAL, REGRID, Chain, run
+from harness import EVAL, LONGEST_S, REGRID, Chain, run
+
+sys.path.insert(0, os.path.join(ROOT, "tests", "faults"))
+import calls  # pylint: disable=wrong-import-position
 
 PATH = os.environ["PATH"] + ":/usr/sbin:/sbin"
 HAS_SLURM = all(shutil.which(name, path=PATH) for name in ("slurmctld", "slurmd", "munged", "sbatch"))
@@ -77,10 +81,7 @@ class OnSlurm(StudyTest):
         command = self.make_command("study-results", "-j4", "RUNNER=studies/runners/slurm-batch", runs="batch")
         with open(self.path("batch.log"), "w", encoding="utf-8") as log:
             make = subprocess.Popen(command, stdout=log, stderr=log, env=self.environment())
-        end = time.monotonic() + 60
-        while self.jobs_of("n1") == "" or not self.common_files_are_made("batch"):
-            self.assertLess(time.monotonic(), end, "no job on n1")
-            time.sleep(0.05)
+        self.wait_for(lambda: self.jobs_of("n1") and self.common_files_are_made("batch"), "no job on n1")
         lost = self.jobs_of("n1")
         result = slurm_local("lose", "n1", "--dir", self.slurm)
         self.assertEqual(result.returncode, 0, result.stderr)
@@ -110,16 +111,20 @@ class OnSlurm(StudyTest):
         self.assertEqual(self.batch_jobs(), "")
         self.assertEqual(os.listdir(self.folder), [])
 
+    # Part 2 stops itself the first time, in the midst of its draws; its clock runs fast, so that it writes states before.
     CAMPAIGN = """#!/bin/sh
-#SBATCH --array=0-3 --requeue --open-mode=append -o part%a.log
+#SBATCH --array=0-3 --requeue --exclude=n1 --open-mode=append -o part%a.log
+[ "$SLURM_ARRAY_TASK_ID" != 2 ] || [ "$SLURM_RESTART_COUNT" ] ||
+  export LD_PRELOAD="$PWD/failing_calls.so" FAULT_UNDER="$PWD" FAULT_CALLS=write FAULT_AT=500 FAULT_ACTION=-19 FAULT_SPEED=300
 A=$((SLURM_ARRAY_TASK_ID * 60)); B=$((A + 60))
 monte-carlo scan.h5 --terrain terrain.h5 -c mc.json -v -t 1 --draws $A:$B -o part$SLURM_ARRAY_TASK_ID.h5
 """
 
     def test_a_campaign_as_an_array(self):
-        """The parts of a campaign, one of which begins again after its node is lost, merged to the undivided campaign."""
+        """The parts of a campaign, one of which resumes after its node is lost, merged to the undivided campaign."""
         chain = Chain(noise__dropout_frac=0, noise__dead_pixel_frac=0)
         self.addCleanup(chain.remove)
+        calls.build_library(self.folder)
         for name in ("scan.h5", "terrain.h5"):
             shutil.move(chain.path(name), self.path(name))
         for name, text in (("parts.sh", self.CAMPAIGN),
@@ -130,35 +135,29 @@ monte-carlo scan.h5 --terrain terrain.h5 -c mc.json -v -t 1 --draws $A:$B -o par
         environment = {**self.environment(), "PATH": BIN + ":" + os.environ["PATH"]}
         job = subprocess.run(["sbatch", "--parsable", "parts.sh"], cwd=self.folder, env=environment, capture_output=True, text=True,
                              check=True).stdout.strip()
-        lost = self.lose_the_node_of_a_part()
-        end = time.monotonic() + 300
-        while not all(os.path.exists(self.path(f"part{i}.h5")) for i in range(4)):
-            self.assertLess(time.monotonic(), end, f"not all parts are made: {sorted(os.listdir(self.folder))}")
-            time.sleep(0.5)
+        self.wait_for(lambda: os.path.exists(self.path(".part2.h5.state")), "part 2 writes no state")
+        node = subprocess.run(["squeue", "-h", "-j", f"{job}_2", "-o", "%N"], capture_output=True, text=True, env=self.environment(),
+                              check=True).stdout.strip()
+        self.assertEqual(slurm_local("lose", node, "--dir", self.slurm).returncode, 0)
+
+        def all_parts_are_made():
             # Slurm waits two minutes before it starts a task again.
-            subprocess.run(["scontrol", "update", f"JobId={job}_{lost}", "StartTime=now"], capture_output=True, env=self.environment(),
-                           check=False)
-        self.assertEqual(read(self.path(f"part{lost}.log")).count(b"monte-carlo: writes "), 2)
+            subprocess.run(["scontrol", "update", f"JobId={job}_2", "StartTime=now"], capture_output=True, env=self.environment(), check=False)
+            return all(os.path.exists(self.path(f"part{i}.h5")) for i in range(4))
+
+        self.wait_for(all_parts_are_made, "not all parts are made", pause_s=0.5)
+        self.assertRegex(read(self.path("part2.log")), rb"resumes after [1-9]\d* draws")
         whole = ["scan.h5", "--terrain", "terrain.h5", "-c", "mc.json", "-o", "whole.h5"]
         for arguments in (["merge", *(f"part{i}.h5" for i in range(4)), "-o", "merged.h5"], whole):
             result = run("monte-carlo", *arguments, cwd=self.folder)
             self.assertEqual(result.returncode, 0, result.stderr)
         self.assertEqual(read(self.path("merged.h5")), read(self.path("whole.h5")))
 
-    def lose_the_node_of_a_part(self):
-        """Kills a node while its part is being drawn; returns the number of that part."""
-        end = time.monotonic() + 60
-        while True:
-            self.assertLess(time.monotonic(), end, "no part is being drawn")
-            jobs = subprocess.run(["squeue", "-h", "-r", "-t", "running", "-o", "%K %N"], capture_output=True, text=True,
-                                  env=self.environment(), check=True).stdout.split()
-            for part, node in zip(jobs[::2], jobs[1::2]):
-                log = self.path(f"part{part}.log")
-                if node != "n1" and os.path.exists(log) and b"read took" in read(log):  # n1 is lost to the other test
-                    self.assertEqual(slurm_local("lose", node, "--dir", self.slurm).returncode, 0)
-                    self.assertFalse(os.path.exists(self.path(f"part{part}.h5")))
-                    return part
-            time.sleep(0.02)
+    def wait_for(self, condition, message, pause_s=0.05):
+        end = time.monotonic() + LONGEST_S
+        while not condition():
+            self.assertLess(time.monotonic(), end, f"{message}: {sorted(os.listdir(self.folder))}")
+            time.sleep(pause_s)
 
     def batch_jobs(self):
         """The numbers of the batch runner's jobs that are running or pending."""
