@@ -58,18 +58,13 @@ void bind(CLI::App& app, Options& o) {
   app.add_flag("--table", o.table, "Print the table of requirements; default on a terminal");
 }
 
-/// On a terminal the table is printed without --table.
-bool is_table_default(const cli::CommonOptions& common) {
-  return isatty(STDOUT_FILENO) != 0 && !common.quiet && !common.json_summary;
-}
-
 void check(const cli::CommonOptions& common, const Options& o) {
   if (o.dem.empty()) throw UsageError("a DEM to judge is required");
   if (o.metrics_only && !common.view_path.empty())
     throw UsageError("--view shows a layer, which --metrics-only does not write");
   if (o.table && common.json_summary) throw UsageError("--table and --json both write to standard output");
   const bool has_output = !o.metrics.empty() || !o.report.empty() || !common.output_path.empty();
-  if (!o.metrics_only && !o.table && !has_output && !is_table_default(common))
+  if (!o.metrics_only && !has_output && !common.shows_table(o.table))
     throw UsageError("nothing to write; give -o, --metrics, --report, --table or --metrics-only");
   if (o.metrics == "-") throw UsageError("--metrics needs a file; --metrics-only alone prints the metrics");
   if (!o.title.empty() && o.report.empty()) throw UsageError("--title needs --report");
@@ -91,7 +86,7 @@ void print(const cli::CommonOptions& common, const Options& o, const Metrics& me
   const bool has_file = !o.metrics.empty() || !o.report.empty() || !common.output_path.empty();
   if (o.metrics_only && !has_file && !common.json_summary && !o.table && isatty(STDOUT_FILENO) == 0)
     std::cout << metrics_json(metrics).dump(2) << '\n';
-  else if (o.table || is_table_default(common))
+  else if (common.shows_table(o.table))
     std::cout << cli::verdict_table(metrics, limits);
 }
 

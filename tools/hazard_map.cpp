@@ -1,7 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // hazard-map: finds safe places to land on a DEM or terrain.
-#include <unistd.h>
-
 #include <CLI/CLI.hpp>
 #include <iostream>
 #include <optional>
@@ -74,17 +72,12 @@ void bind(CLI::App& app, Options& o) {
                "every requirement of the configuration");
 }
 
-/// On a terminal the table is printed without --table.
-bool is_table_default(const cli::CommonOptions& common) {
-  return isatty(STDOUT_FILENO) != 0 && !common.quiet && !common.json_summary;
-}
-
 void check_output(const cli::CommonOptions& common, const Options& o) {
   if (common.output_path.empty() && !common.view_path.empty())
     throw UsageError("--view shows the output and needs -o");
   const bool has_output =
       !common.output_path.empty() || !o.sites.empty() || !o.score.empty() || !o.report.empty();
-  if (!has_output && !o.table && !o.require_safe && !is_table_default(common))
+  if (!has_output && !o.require_safe && !common.shows_table(o.table))
     throw UsageError("nothing to write; give -o, --sites, --score, --report or --table");
 }
 
@@ -125,8 +118,7 @@ void place(cli::Session& session, const std::string& name, HazardMap& map, const
 ExitCode conclude(cli::Session& session, const Options& o, const HazardMap& map,
                   const HazardParameters& parameters) {
   const OwnVerdicts own = own_verdicts(map, parameters);
-  if (o.table || is_table_default(session.options()))
-    std::cout << cli::hazard_table(map) << cli::own_table(own);
+  if (session.options().shows_table(o.table)) std::cout << cli::hazard_table(map) << cli::own_table(own);
   std::optional<double> required;
   if (o.require_safe) required = parameters.sites.min_p;
   return cli::report_hazards(session, o.map, map, own, required);

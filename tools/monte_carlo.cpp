@@ -1,7 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // monte-carlo: draws a scan or its errors many times, and counts how often its DEM passes.
-#include <unistd.h>
-
 #include <algorithm>
 #include <iostream>
 #include <memory>
@@ -68,8 +66,7 @@ void write_report(OutputPath& file, const std::string& title, const Draws& draws
 ExitCode conclude(cli::Session& session, const cli::CampaignOptions& o,
                   const nlohmann::ordered_json& verdict) {
   session.count("verdict", verdict);
-  if (o.table || (isatty(STDOUT_FILENO) != 0 && !session.options().quiet && !session.options().json_summary))
-    std::cout << cli::draws_table(verdict);
+  if (session.options().shows_table(o.table)) std::cout << cli::draws_table(verdict);
   const nlohmann::ordered_json& all = verdict.at("rates").back();
   const bool passed =
       verdict.contains("sprt") ? verdict.at("sprt") == "accepted" : all.at("passed") == all.at("draws");

@@ -1,9 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "cli/comparison_text.h"
 
-#include <algorithm>
-#include <vector>
-
 #include "base/number_text.h"
 #include "base/shown_text.h"
 #include "cli/place_text.h"

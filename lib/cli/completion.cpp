@@ -8,6 +8,7 @@
 #include <map>
 #include <set>
 
+#include "base/joined.h"
 #include "cli/option_view.h"
 #include "cli/tool.h"
 #include "config/schema.h"
@@ -104,14 +105,12 @@ std::string extension_of(const OptionView& option) {
 }
 
 std::string option_case(const OptionView& option) {
-  std::string pattern;
-  for (const std::string& name : option.names) pattern += (pattern.empty() ? "" : "|") + name;
   std::string action = ":";
   if (!option.values.empty())
     action = match(option.values);
   else if (option.type.substr(0, 4) == "FILE")
     action = "_landfall_files \"$current\" " + quoted(extension_of(option));
-  return "    " + pattern + ") " + action + " ;;\n";
+  return "    " + joined(option.names, "|") + ") " + action + " ;;\n";
 }
 
 }  // namespace

@@ -5,7 +5,6 @@
 
 #include "base/error.h"
 #include "config/resolved_config.h"
-#include "config/schema.h"
 
 namespace landfall::cli {
 namespace {

@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "base/error.h"
+#include "base/joined.h"
 #include "base/number_text.h"
 #include "base/shown_text.h"
 #include "cli/config_changes.h"
@@ -114,10 +115,8 @@ std::string extent(const OrderedJson& d) {
 
 /// "name count, name count".
 std::string counts(const OrderedJson& by_name) {
-  std::string text;
-  for (const auto& [name, count] : by_name.items())
-    text += (text.empty() ? "" : ", ") + name + " " + integer(count);
-  return text;
+  return joined(by_name.items(), ", ",
+                [](const auto& item) { return item.key() + " " + integer(item.value()); });
 }
 
 /// Points that landfall did not make.

@@ -15,7 +15,6 @@
 #include "base/parallel.h"
 #include "base/shown_text.h"
 #include "base/utf8.h"
-#include "cli/config_changes.h"
 #include "cli/progress_bar.h"
 #include "cli/run_log.h"
 #include "cli/tool.h"
@@ -81,6 +80,10 @@ std::int64_t peak_memory_bytes() {
 }
 
 }  // namespace
+
+bool CommonOptions::shows_table(bool is_asked) const {
+  return is_asked || (isatty(STDOUT_FILENO) != 0 && !quiet && !json_summary);
+}
 
 Session::Session(const Tool& tool, const CommonOptions& options, RunLog& log)
     : tool_(tool.name),

@@ -10,7 +10,6 @@
 #include <utility>
 #include <vector>
 
-#include "base/error.h"
 #include "base/progress.h"
 #include "files/landfall_file.h"
 
@@ -38,6 +37,9 @@ struct CommonOptions {
   bool print_man = false;
   bool print_completion = false;
   int compression = 1;
+
+  /// Whether a tool prints its table: where it is asked for, and on a terminal.
+  [[nodiscard]] bool shows_table(bool is_asked) const;
 };
 
 struct Tool;

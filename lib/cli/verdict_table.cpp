@@ -5,6 +5,7 @@
 #include <optional>
 #include <vector>
 
+#include "base/joined.h"
 #include "base/number_text.h"
 #include "cli/print.h"
 #include "evaluation/verdict_text.h"
@@ -60,9 +61,7 @@ std::string region_text(const RegionMetrics& region) {
 std::string listed(std::vector<std::string> names, const OwnVerdicts& own) {
   for (const OwnVerdict& verdict : own.all)
     if (!verdict.pass) names.push_back(verdict.requirement.name);
-  std::string text;
-  for (const std::string& name : names) text += (text.empty() ? "" : ", ") + name;
-  return text;
+  return joined(names);
 }
 
 std::string row(const VerdictText& text) {

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "config/chain_config.h"
 
-#include "base/error.h"
 #include "config/dem_config.h"
 #include "config/hazard_config.h"
 #include "config/resolved_config.h"

@@ -16,7 +16,6 @@
 #include "config/dem_config.h"
 #include "config/hazard_config.h"
 #include "config/key_effects.h"
-#include "config/presets.h"
 #include "config/resolved_config.h"
 #include "config/scan_config.h"
 #include "config/schema.h"

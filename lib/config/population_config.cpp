@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "config/population_config.h"
 
-#include <stdexcept>
-
 #include "base/error.h"
 #include "config/feature_config.h"
 #include "config/json_values.h"

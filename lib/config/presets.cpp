@@ -5,6 +5,7 @@
 
 #include "base/abbreviated.h"
 #include "base/error.h"
+#include "base/joined.h"
 #include "config/embedded_presets.h"
 #include "config/schema.h"
 #include "config/stage_sections.h"
@@ -27,12 +28,10 @@ JsonSource read_preset(const std::string& name, const std::string& schema) {
     if (found == name && !name.empty()) return parse_json(preset.text, std::string(kPrefix) + name);
     if (!found.empty()) known.push_back(found);
   }
-  std::string list;
-  for (const std::string& word : known) list += (list.empty() ? "" : ", ") + word;
   const std::string near = nearest_word(name, known);
   throw UsageError(std::string(kPrefix) + abbreviated(name) + ": there is no such preset; " +
-                   (list.empty()   ? "this tool has none"
-                    : near.empty() ? "known: " + list
+                   (known.empty()  ? "this tool has none"
+                    : near.empty() ? "known: " + joined(known)
                                    : "did you mean " + std::string(kPrefix) + near + "?"));
 }
 

@@ -15,6 +15,7 @@
 
 #include "base/abbreviated.h"
 #include "base/error.h"
+#include "base/joined.h"
 #include "config/embedded_schemas.h"
 #include "config/schema_keys.h"
 
@@ -44,9 +45,7 @@ std::size_t edit_distance(const std::string& a, const std::string& b) {
 std::string shown(const Json& value) { return abbreviated(value.dump()); }
 
 std::string listed(const Json& values) {
-  std::string text;
-  for (const Json& value : values) text += (text.empty() ? "" : ", ") + value.dump();
-  return text;
+  return joined(values, ", ", [](const Json& value) { return value.dump(); });
 }
 
 std::string type_name(const Json& value) {

@@ -8,6 +8,7 @@
 #include <map>
 #include <utility>
 
+#include "base/joined.h"
 #include "base/key_unit.h"
 #include "config/schema.h"
 
@@ -68,9 +69,7 @@ class Walk {
     for (const Json& option : options)
       if (std::string type = type_of(option); std::find(types.begin(), types.end(), type) == types.end())
         types.push_back(std::move(type));
-    std::string text;
-    for (const std::string& type : types) text += (text.empty() ? "" : " or ") + type;
-    return text;
+    return joined(types, " or ");
   }
 
   void properties(const Json& schema, const std::string& path, const std::string& choice) {

@@ -2,7 +2,6 @@
 // Decisions: D117
 #include "config/terrain_config.h"
 
-#include <cmath>
 #include <limits>
 
 #include "base/parameter_check.h"

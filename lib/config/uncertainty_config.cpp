@@ -9,7 +9,6 @@
 #include <functional>
 #include <iterator>
 #include <optional>
-#include <utility>
 
 #include "base/abbreviated.h"
 #include "base/error.h"

@@ -5,6 +5,7 @@
 #include <span>
 #include <string>
 
+#include "base/joined.h"
 #include "base/number_text.h"
 #include "base/parallel.h"
 
@@ -38,10 +39,8 @@ void append_bins(const std::vector<NamedLayer>& layers, std::size_t every, std::
 
 void write_points_csv(const PointReader& points, const PointReader::Pass& pass, ByteSink& sink,
                       const ProgressCallback& progress) {
-  std::string headings;
-  for (const std::string& name : pass.columns)
-    headings += (headings.empty() ? "" : ",") + name_with_unit(points.column(name));
-  sink.write(headings + "\n");
+  const auto heading = [&](const std::string& name) { return name_with_unit(points.column(name)); };
+  sink.write(joined(pass.columns, ",", heading) + "\n");
   // A float32 was read as a double of the same value; the text is the shortest for the float32.
   std::vector<bool> single;
   for (const std::string& name : pass.columns)

@@ -6,7 +6,6 @@
 #include "base/progress.h"
 #include "exports/grid_layers.h"
 #include "exports/point_reader.h"
-#include "files/contents.h"
 #include "output/byte_sink.h"
 
 namespace landfall {

@@ -13,6 +13,7 @@
 
 #include "base/error.h"
 #include "base/file_extension.h"
+#include "base/joined.h"
 #include "base/number_text.h"
 #include "exports/csv.h"
 #include "exports/grid_layers.h"
@@ -236,8 +237,7 @@ void export_geotiff(const ExportOptions& o, const OutputOptions& output, const s
 }
 
 void export_picture(const ExportOptions& o, const OutputOptions& output, const ProgressCallback& progress) {
-  std::string names;
-  for (const std::string& name : o.layers) names += (names.empty() ? "" : ",") + name;
+  const std::string names = joined(o.layers, ",");
   if (o.layers.size() > 1 || names == "all")
     throw UsageError("a .png shows one layer; --layers names " + names);
   write_png(output, quick_look(o.input, names, progress));

@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "base/error.h"
+#include "base/joined.h"
 
 namespace landfall {
 namespace {
@@ -29,12 +30,6 @@ std::vector<const char*> main_layers(const std::string& kind) {
 }
 
 }  // namespace
-
-std::string listed(const std::vector<ContentInfo>& contents) {
-  std::string names;
-  for (const ContentInfo& content : contents) names += (names.empty() ? "" : ", ") + content.name;
-  return names;
-}
 
 GridSource::GridSource(const std::filesystem::path& path)
     : file_(require_grid(
@@ -62,7 +57,8 @@ std::vector<ContentInfo> GridSource::choose(const std::vector<std::string>& name
     const auto is_it = [&name](const ContentInfo& layer) { return layer.name == name; };
     const auto found = std::find_if(layers_.begin(), layers_.end(), is_it);
     if (found == layers_.end())
-      throw UsageError(file_.name() + ": no layer '" + name + "'; it has " + listed(layers_));
+      throw UsageError(file_.name() + ": no layer '" + name + "'; it has " +
+                       joined(layers_, ", ", &ContentInfo::name));
     if (std::any_of(chosen.begin(), chosen.end(), is_it))
       throw UsageError("--layers names " + name + " twice");
     chosen.push_back(*found);

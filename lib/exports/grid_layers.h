@@ -59,7 +59,4 @@ class GridSource {
   std::vector<ContentInfo> layers_;
 };
 
-/// "a, b, c".
-[[nodiscard]] std::string listed(const std::vector<ContentInfo>& contents);
-
 }  // namespace landfall

@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "base/error.h"
+#include "base/joined.h"
 #include "base/parallel.h"
 #include "exports/grid_layers.h"
 #include "files/imported_scan.h"
@@ -105,7 +106,8 @@ bool PointReader::has(const std::string& name) const {
 const ContentInfo& PointReader::column(const std::string& name) const {
   const auto found = std::ranges::find(columns_, name, &ContentInfo::name);
   if (found == columns_.end())
-    throw UsageError(file_.name() + ": no column '" + name + "'; it has " + listed(columns_));
+    throw UsageError(file_.name() + ": no column '" + name + "'; it has " +
+                     joined(columns_, ", ", &ContentInfo::name));
   return *found;
 }
 

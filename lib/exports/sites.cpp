@@ -11,6 +11,7 @@
 #include <utility>
 #include <vector>
 
+#include "base/joined.h"
 #include "base/number_text.h"
 #include "files/contents.h"
 #include "files/grid_file.h"
@@ -26,10 +27,7 @@ constexpr std::size_t kSitesPerPiece = 8192;  // in memory at a time
 void write_sites_csv(const LandfallFileReader& hazards, ByteSink& sink) {
   const TableReader sites(hazards.root(), "sites", hazards.name());
   const std::vector<ContentInfo> columns = site_columns_of(sites);
-  std::string headings;
-  for (const ContentInfo& column : columns)
-    headings += (headings.empty() ? "" : ",") + name_with_unit(column);
-  sink.write(headings + "\n");
+  sink.write(joined(columns, ",", name_with_unit) + "\n");
   const std::size_t rows = columns.empty() ? 0 : sites.row_count(columns.front().name);
   std::vector<std::vector<double>> values(columns.size());
   for (std::size_t first = 0; first < rows; first += kSitesPerPiece) {

@@ -5,7 +5,6 @@
 #include <cmath>
 #include <utility>
 
-#include "base/error.h"
 #include "imports/cloud_formats.h"
 #include "imports/row_reader.h"
 

@@ -7,7 +7,6 @@
 #include <utility>
 
 #include "base/abbreviated.h"
-#include "base/error.h"
 #include "base/parallel.h"
 #include "imports/cloud_formats.h"
 #include "imports/lzf.h"

@@ -4,7 +4,7 @@
 #include <utility>
 
 #include "base/abbreviated.h"
-#include "base/error.h"
+#include "base/joined.h"
 #include "imports/cloud_formats.h"
 #include "imports/row_reader.h"
 #include "meshio/ply_header.h"
@@ -58,11 +58,10 @@ const PlyElement& vertex_of(const CloudBytes& file, const PlyHeader& header) {
 }
 
 std::string ignored_elements(const PlyHeader& header) {
-  std::string names;
-  for (const PlyElement& element : header.elements)
-    if (element.name != "vertex" && element.count > 0)
-      names += (names.empty() ? "" : ", ") + std::to_string(element.count) + " " + shown_word(element.name);
-  return names;
+  return joined(header.elements, ", ", [](const PlyElement& element) {
+    const bool is_ignored = element.name != "vertex" && element.count > 0;
+    return is_ignored ? std::to_string(element.count) + " " + shown_word(element.name) : "";
+  });
 }
 
 }  // namespace

@@ -1,13 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Points as lines of text. Blocks of whole lines are divided into pieces, which are parsed on all threads.
 #include <algorithm>
-#include <array>
 #include <charconv>
 #include <limits>
 #include <utility>
 
 #include "base/abbreviated.h"
-#include "base/error.h"
 #include "base/foreign_content.h"
 #include "base/parallel.h"
 #include "base/parsed_number.h"

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "opencl/cl_verdict.h"
 
-#include <array>
 #include <vector>
 
 namespace landfall {

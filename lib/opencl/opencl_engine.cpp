@@ -19,6 +19,7 @@
 #include <utility>
 
 #include "base/error.h"
+#include "base/joined.h"
 #include "base/plugin_file.h"
 #include "ray/heightfield_engine.h"
 #include "ray/packet_walk.h"
@@ -109,10 +110,8 @@ std::size_t default_device(const std::vector<OpenClDevice>& devices) {
     if (found != devices.end()) return static_cast<std::size_t>(found - devices.begin());
   }
   if (devices.empty()) throw DeviceError("OpenCL: there is no device, or no driver of it is installed");
-  std::string reasons;
-  for (const OpenClDevice& device : devices)
-    reasons += (reasons.empty() ? "" : ", and ") + device.name + " " + device.problem;
-  throw DeviceError("OpenCL: no device can be used: " + reasons);
+  const auto reason = [](const OpenClDevice& device) { return device.name + " " + device.problem; };
+  throw DeviceError("OpenCL: no device can be used: " + joined(devices, ", and ", reason));
 }
 
 std::size_t usable_device(std::optional<std::size_t> chosen) {

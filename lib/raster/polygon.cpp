@@ -6,18 +6,16 @@
 #include <cmath>
 #include <limits>
 #include <string>
-#include <utility>
 
 #include "base/error.h"
 #include "base/number_text.h"
-#include "base/parallel.h"
 #include "base/portable_math.h"
+#include "raster/by_rows.h"
 
 namespace landfall {
 namespace {
 
 constexpr double kBorder_m = 1e-9;
-constexpr std::size_t kRows = 16;
 
 struct Edge {
   Horizontal a, b;
@@ -68,14 +66,12 @@ std::vector<Edge> edges_at(const std::vector<Edge>& edges, double y) {
 void add_bins(const Polygon& polygon, BinMask& mask) {
   const GridSpec& dem = mask.spec();
   const std::vector<Edge> edges = edges_of(polygon);
-  parallel_for(static_cast<std::size_t>(dem.rows), kRows, [&](std::size_t begin, std::size_t end) {
-    for (auto row = static_cast<std::int64_t>(begin); row < static_cast<std::int64_t>(end); ++row) {
-      const std::vector<Edge> near = edges_at(edges, dem.y(row));
-      if (near.empty()) continue;
-      const auto bins = mask.row(row);
-      for (std::size_t col = 0; col < bins.size(); ++col)
-        if (is_inside(near, {dem.x(static_cast<std::int64_t>(col)), dem.y(row)})) bins[col] = 1;
-    }
+  by_rows(dem, [&](std::int64_t row) {
+    const std::vector<Edge> near = edges_at(edges, dem.y(row));
+    if (near.empty()) return;
+    const auto bins = mask.row(row);
+    for (std::size_t col = 0; col < bins.size(); ++col)
+      if (is_inside(near, {dem.x(static_cast<std::int64_t>(col)), dem.y(row)})) bins[col] = 1;
   });
 }
 

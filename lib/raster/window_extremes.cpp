@@ -2,7 +2,6 @@
 #include "raster/window_extremes.h"
 
 #include <algorithm>
-#include <cmath>
 #include <limits>
 #include <vector>
 

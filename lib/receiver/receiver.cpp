@@ -6,7 +6,6 @@
 #include <array>
 #include <cassert>
 #include <cmath>
-#include <numbers>
 
 #include "base/elementary.h"
 #include "base/error.h"

@@ -7,6 +7,7 @@
 #include <string>
 #include <utility>
 
+#include "base/joined.h"
 #include "base/number_text.h"
 #include "config/config_path.h"
 #include "config/uncertainty_config.h"
@@ -33,11 +34,8 @@ UncertaintyInputs uncertainty_inputs(const Scans& scans, DemOutput& output) {
   nlohmann::json& config = output.provenance.config;
   const UncertaintyParameters parameters = uncertainty_parameters(config, output.config_name, origins);
   config["uncertainty"] = uncertainty_json(parameters);
-  std::string left_out;
-  for (const std::string& error : errors_left_out(parameters, origins))
-    left_out += (left_out.empty() ? "" : ", ") + error;
   return at_path("--uncertainty: ", [&] {
-    return UncertaintyInputs{parameters, PoseTrack(poses), left_out};
+    return UncertaintyInputs{parameters, PoseTrack(poses), joined(errors_left_out(parameters, origins))};
   });
 }
 
@@ -85,9 +83,7 @@ std::string returns_used(const Scans& scans) {
     const std::string used = has_receiver ? text_at(config, "/receiver/returns", "first") : "one";
     if (std::ranges::find(all, used) == all.end()) all.push_back(used);
   }
-  std::string text;
-  for (const std::string& used : all) text += (text.empty() ? "" : ", ") + used;
-  return text;
+  return joined(all);
 }
 
 /// The terrain of the true elevations; without one the scene has no surface.

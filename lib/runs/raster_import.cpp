@@ -3,23 +3,20 @@
 
 #include <cmath>
 #include <filesystem>
-#include <limits>
 #include <utility>
 
 #include "base/error.h"
-#include "base/parallel.h"
 #include "files/crs.h"
 #include "files/grid_file.h"
 #include "files/raster_screening.h"
 #include "files/terrain_file.h"
+#include "raster/by_rows.h"
 #include "scene/scene.h"
 #include "terrain/bin_elevations.h"
 #include "terrain/gdal/gdal_loader.h"
 
 namespace landfall {
 namespace {
-
-constexpr std::size_t kRowsPerPiece = 64;
 
 /// The true elevations of the bins, and the words of their layer.
 struct Truth {
@@ -32,14 +29,11 @@ std::string file_name(const std::string& path) { return std::filesystem::path(pa
 Grid<double> values_of(const DemRaster& raster, const RasterGrid& grid) {
   const double scale = grid.dem.vertical_scale.value_or(1);
   auto z = Grid<double>::unset(grid.spec);
-  parallel_for(
-      static_cast<std::size_t>(grid.spec.rows), kRowsPerPiece, [&](std::size_t begin, std::size_t end) {
-        for (auto row = static_cast<std::int64_t>(begin); row < static_cast<std::int64_t>(end); ++row)
-          for (std::int64_t col = 0; col < grid.spec.cols; ++col)
-            z.at({row, col}) =
-                scale * interpolate(raster.samples, Interpolation::nearest,
-                                    raster.mapping.pixel({grid.spec.x(col), grid.spec.y(row)}));
-      });
+  by_rows(grid.spec, [&](std::int64_t row) {
+    for (std::int64_t col = 0; col < grid.spec.cols; ++col)
+      z.at({row, col}) = scale * interpolate(raster.samples, Interpolation::nearest,
+                                             raster.mapping.pixel({grid.spec.x(col), grid.spec.y(row)}));
+  });
   return z;
 }
 

@@ -1,9 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "runs/redraw.h"
 
-#include <algorithm>
 #include <optional>
-#include <utility>
 
 #include "base/abbreviated.h"
 #include "base/error.h"

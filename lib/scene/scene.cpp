@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "scene/scene.h"
 
-#include <optional>
 #include <utility>
 
 #include "base/error.h"

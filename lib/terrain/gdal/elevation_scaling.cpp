@@ -6,7 +6,6 @@
 #include <ogr_spatialref.h>
 
 #include <cmath>
-#include <string_view>
 
 #include "base/abbreviated.h"
 #include "base/error.h"

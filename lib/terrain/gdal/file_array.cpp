@@ -7,7 +7,6 @@
 #include <cmath>
 #include <limits>
 #include <memory>
-#include <string_view>
 
 #include "base/error.h"
 #include "base/number_text.h"

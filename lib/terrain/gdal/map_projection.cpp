@@ -19,7 +19,7 @@
 namespace landfall {
 namespace {
 
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+constexpr double kNoPlace = std::numeric_limits<double>::quiet_NaN();
 
 /// Parameters of a projection itself. With any other one (a datum shift, a prime meridian, other axes) GDAL
 /// must transform, which first searches PROJ's database for some 14 ms.
@@ -83,12 +83,12 @@ class ByProj final : public MapProjection::Transformation {
   [[nodiscard]] MapPoint forward(const LonLat& ground) const override {
     const PJ_COORD point =
         proj_trans(projection_.get(), PJ_FWD, proj_coord(ground.lon_rad, ground.lat_rad, 0, 0));
-    if (!std::isfinite(point.xy.x) || !std::isfinite(point.xy.y)) return {kNan, kNan};
+    if (!std::isfinite(point.xy.x) || !std::isfinite(point.xy.y)) return {kNoPlace, kNoPlace};
     return {point.xy.x, point.xy.y};
   }
   [[nodiscard]] LonLat inverse(const MapPoint& point) const override {
     const PJ_COORD ground = proj_trans(projection_.get(), PJ_INV, proj_coord(point.x, point.y, 0, 0));
-    if (!std::isfinite(ground.lp.lam) || !std::isfinite(ground.lp.phi)) return {kNan, kNan};
+    if (!std::isfinite(ground.lp.lam) || !std::isfinite(ground.lp.phi)) return {kNoPlace, kNoPlace};
     return {ground.lp.lam, ground.lp.phi};
   }
 
@@ -124,7 +124,7 @@ class ByGdal final : public MapProjection::Transformation {
     int done = 0;
     if (transformation.TransformWithErrorCodes(1, &x, &y, nullptr, nullptr, &done) == FALSE || done != 0 ||
         !std::isfinite(x) || !std::isfinite(y))
-      return {kNan, kNan};
+      return {kNoPlace, kNoPlace};
     return {x, y};
   }
 

@@ -13,6 +13,7 @@
 #include <utility>
 
 #include "base/error.h"
+#include "base/joined.h"
 #include "terrain/gdal/gdal_crs.h"
 #include "terrain/gdal/gdal_errors.h"
 #include "terrain/gdal/registry.h"
@@ -74,10 +75,7 @@ class Reader {
   }
 
   [[nodiscard]] std::string layer_names() const {
-    std::string names;
-    for (OGRLayer* layer : dataset_->GetLayers())
-      names += (names.empty() ? "" : ", ") + std::string(layer->GetName());
-    return names;
+    return joined(dataset_->GetLayers(), ", ", [](OGRLayer* layer) { return layer->GetName(); });
   }
 
   [[nodiscard]] OGRLayer& chosen_layer() const {

@@ -14,7 +14,6 @@
 // lib/terrain/gdal/file_guard.cpp says which local files it may lead to.
 #include <algorithm>
 #include <cmath>
-#include <optional>
 #include <string>
 #include <utility>
 #include <vector>

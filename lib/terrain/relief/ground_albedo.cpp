@@ -9,15 +9,13 @@
 #include <sstream>
 
 #include "base/error.h"
-#include "base/parallel.h"
 #include "base/parameter_check.h"
 #include "base/portable_math.h"
+#include "raster/by_rows.h"
 #include "terrain/relief/fractal.h"
 
 namespace landfall {
 namespace {
-
-constexpr std::size_t kAlbedoRows = 16;
 
 /// Above the layers of all bases (LargeFractal): patches change no other draw.
 constexpr std::uint64_t kAlbedoDraw = 0xFFFFFFFFU;
@@ -26,9 +24,8 @@ constexpr std::uint64_t kAlbedoDraw = 0xFFFFFFFFU;
 template <class F>
 void for_each_albedo(Grid<float>& layer, const F& set) {
   const GridSpec spec = layer.spec();
-  parallel_for(static_cast<std::size_t>(spec.rows), kAlbedoRows, [&](std::size_t begin, std::size_t end) {
-    for (auto row = static_cast<std::int64_t>(begin); row < static_cast<std::int64_t>(end); ++row)
-      for (std::int64_t col = 0; col < spec.cols; ++col) set(layer.at({row, col}), spec.x(col), spec.y(row));
+  by_rows(spec, [&](std::int64_t row) {
+    for (std::int64_t col = 0; col < spec.cols; ++col) set(layer.at({row, col}), spec.x(col), spec.y(row));
   });
 }
 

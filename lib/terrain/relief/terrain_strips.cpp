@@ -16,8 +16,8 @@
 #include <utility>
 
 #include "base/error.h"
-#include "base/parallel.h"
 #include "base/parameter_check.h"
+#include "raster/by_rows.h"
 #include "terrain/mesh/indexed_triangles.h"
 #include "terrain/relief/fractal.h"
 #include "terrain/relief/terrain_generator.h"
@@ -26,7 +26,6 @@ namespace landfall {
 namespace {
 
 constexpr std::int64_t kMaxNodes = std::int64_t{1} << 30U;  // 8 GiB of elevations
-constexpr std::size_t kStripRows = 16;
 constexpr std::int64_t kBorderRows = 2;
 
 TerrainModel fitting_model(TerrainModel model, const GridSpec& spec) {
@@ -48,13 +47,10 @@ void require_waves(const TerrainModel& model, const GridSpec& spec) {
 template <class F>
 void for_each_node(Grid<double>& z, const ProgressCallback& progress, const F& set) {
   const GridSpec spec = z.spec();
-  parallel_for(
-      static_cast<std::size_t>(spec.rows), kStripRows,
-      [&](std::size_t begin, std::size_t end) {
-        for (auto row = static_cast<std::int64_t>(begin); row < static_cast<std::int64_t>(end); ++row)
-          for (std::int64_t col = 0; col < spec.cols; ++col) set(z.at({row, col}), spec.x(col), spec.y(row));
-      },
-      progress);
+  const auto set_row = [&](std::int64_t row) {
+    for (std::int64_t col = 0; col < spec.cols; ++col) set(z.at({row, col}), spec.x(col), spec.y(row));
+  };
+  by_rows(spec, set_row, progress);
 }
 
 /// The elevation of the raster that becomes 0.
@@ -99,17 +95,12 @@ bool add_raster(Grid<double>& z, const DemRaster& raster, const DemBase& dem, do
 std::optional<BinIndex> first_absurd_node(const Grid<double>& z, const ProgressCallback& progress) {
   const auto is_absurd = [](double z_m) { return std::abs(z_m) > kLargestCoordinate_m; };
   std::atomic<std::int64_t> first_row = z.spec().rows;
-  parallel_for(
-      static_cast<std::size_t>(z.spec().rows), kStripRows,
-      [&](std::size_t begin, std::size_t end) {
-        for (auto row = static_cast<std::int64_t>(begin); row < static_cast<std::int64_t>(end); ++row) {
-          if (std::ranges::none_of(z.row(row), is_absurd)) continue;
-          std::int64_t known = first_row;
-          while (row < known && !first_row.compare_exchange_weak(known, row)) continue;
-          return;
-        }
-      },
-      progress);
+  const auto look = [&](std::int64_t row) {
+    std::int64_t known = first_row;
+    if (row > known || std::ranges::none_of(z.row(row), is_absurd)) return;
+    while (row < known && !first_row.compare_exchange_weak(known, row)) continue;
+  };
+  by_rows(z.spec(), look, progress);
   if (first_row == z.spec().rows) return std::nullopt;
   const auto nodes = z.row(first_row);
   return BinIndex{first_row, std::ranges::find_if(nodes, is_absurd) - nodes.begin()};
