@@ -4,8 +4,8 @@
 
 usage: check_unity.py REPOSITORY
 
-Which units share an object, and in which order, changes with each new file: so any two units of a library, or of a program of unit
-tests, are compared, and each with the constants, types and inline functions of its headers. Functions may share a name where the
+Which units share an object, and in which order, changes with each new file: so any two units of a library, of the tools, or of a
+program of unit tests, are compared, and each with the constants, types and inline functions of its headers. Functions may share a name where the
 numbers of their parameters differ, aliases where they are equal. A name that collides in another way is seen by the compiler of preset
 release alone.
 """
@@ -116,7 +116,7 @@ def shared_headers(folder: pathlib.Path, files):
 
 
 def violations(root: pathlib.Path):
-    for list_file in sorted([*root.glob("lib/*/CMakeLists.txt"), *root.glob("tests/unit/*/CMakeLists.txt")]):
+    for list_file in sorted([*root.glob("lib/*/CMakeLists.txt"), *root.glob("tests/unit/*/CMakeLists.txt"), *root.glob("tools/CMakeLists.txt")]):
         text = re.sub(r"#.*", "", list_file.read_text()).replace("${CMAKE_SOURCE_DIR}", str(root.resolve()))
         for name, value in SETTING.findall(text):
             text = text.replace("${" + name + "}", value)
@@ -127,7 +127,8 @@ def violations(root: pathlib.Path):
             sources = re.search(r"SOURCES\b(.*?)(\bLINKS|$)", arguments, re.S)
             alone = re.search(r"ALONE((?:\s+[^\s)]+\.cpp)+)", arguments)
             excepted = re.search(r"EXCEPT((?:\s+[^\s)]+\.cpp)+)", arguments)
-            units = [list_file.parent / name for name in sources[1].split() if name.endswith(".cpp")] if sources else sorted(list_file.parent.rglob("*.cpp"))
+            named = [list_file.parent / name for name in sources[1].split() if name.endswith(".cpp")] if sources else []
+            units = named or sorted(list_file.parent.rglob("*.cpp"))
             apart = [list_file.parent / name for found in (alone, excepted) if found for name in found[1].split()]
             files = [unit for unit in units if unit not in apart]
             yield from collisions(library, files, shared_headers(list_file.parent, files))

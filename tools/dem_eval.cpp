@@ -19,7 +19,7 @@
 #include "terrain/gdal/gdal_loader.h"
 #include "tools.h"
 
-namespace landfall {
+namespace landfall::dem_eval {
 namespace {
 
 constexpr const char* kExamples = R"(Examples:
@@ -138,7 +138,7 @@ ExitCode run(cli::Session& session, const Options& o) {
 
 }  // namespace
 
-int dem_eval(int argc, const char* const* argv, cli::Invocation* invocation) {
+int start(int argc, const char* const* argv, cli::Invocation* invocation) {
   Options options;
   cli::Tool tool;
   tool.name = "dem-eval";
@@ -155,4 +155,4 @@ int dem_eval(int argc, const char* const* argv, cli::Invocation* invocation) {
   return cli::tool_main(argc, argv, tool, invocation);
 }
 
-}  // namespace landfall
+}  // namespace landfall::dem_eval

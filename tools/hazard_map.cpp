@@ -20,7 +20,7 @@
 #include "terrain/gdal/gdal_loader.h"
 #include "tools.h"
 
-namespace landfall {
+namespace landfall::hazard_map {
 namespace {
 
 constexpr const char* kExamples = R"(Examples:
@@ -196,7 +196,7 @@ ExitCode run(cli::Session& session, const Options& o) {
 
 }  // namespace
 
-int hazard_map(int argc, const char* const* argv, cli::Invocation* invocation) {
+int start(int argc, const char* const* argv, cli::Invocation* invocation) {
   Options options;
   cli::Tool tool;
   tool.name = "hazard-map";
@@ -210,4 +210,4 @@ int hazard_map(int argc, const char* const* argv, cli::Invocation* invocation) {
   return cli::tool_main(argc, argv, tool, invocation);
 }
 
-}  // namespace landfall
+}  // namespace landfall::hazard_map

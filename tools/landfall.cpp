@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// landfall: starts every tool of landfall.
+// landfall: starts every tool of landfall. Called by the name of a tool (a link to this program), it is that
+// tool.
 #include <unistd.h>
 
 #include <algorithm>
@@ -31,16 +32,18 @@ struct Command {
 };
 
 constexpr std::array kCommands = {
-    Command{{"run", "", "Runs the whole chain from one configuration"}, landfall_run},
-    Command{{"terrain-gen", "terrain-gen", "Builds the true terrain of a landing site"}, terrain_gen},
-    Command{{"scan-sim", "scan-sim", "Scans a terrain with a lander's lidar"}, scan_sim},
-    Command{{"regrid", "regrid", "Grids the returns of scans into a DEM"}, regrid},
-    Command{{"dem-eval", "dem-eval", "Judges a DEM against landing requirements"}, dem_eval},
-    Command{{"hazard-map", "hazard-map", "Finds safe places to land on a DEM"}, hazard_map},
-    Command{{"monte-carlo", "monte-carlo", "Draws the errors many times and counts passes"}, monte_carlo},
-    Command{{"info", "landfall-info", "Describes landfall files"}, landfall_info},
-    Command{{"export", "landfall-export", "Converts a landfall file for other programs"}, landfall_export},
-    Command{{"import", "landfall-import", "Imports points or a DEM to judge them"}, landfall_import}};
+    Command{{"run", "", "Runs the whole chain from one configuration"}, landfall_run::start},
+    Command{{"terrain-gen", "terrain-gen", "Builds the true terrain of a landing site"}, terrain_gen::start},
+    Command{{"scan-sim", "scan-sim", "Scans a terrain with a lander's lidar"}, scan_sim::start},
+    Command{{"regrid", "regrid", "Grids the returns of scans into a DEM"}, regrid::start},
+    Command{{"dem-eval", "dem-eval", "Judges a DEM against landing requirements"}, dem_eval::start},
+    Command{{"hazard-map", "hazard-map", "Finds safe places to land on a DEM"}, hazard_map::start},
+    Command{{"monte-carlo", "monte-carlo", "Draws the errors many times and counts passes"},
+            monte_carlo::start},
+    Command{{"info", "landfall-info", "Describes landfall files"}, landfall_info::start},
+    Command{{"export", "landfall-export", "Converts a landfall file for other programs"},
+            landfall_export::start},
+    Command{{"import", "landfall-import", "Imports points or a DEM to judge them"}, landfall_import::start}};
 
 constexpr cli::CommandEntry kStudy = {"study", "", "Runs a parameter study: landfall study FILE [-j N]"};
 constexpr cli::CommandEntry kHelp = {"help", "", "Lists the commands; with a command, its options"};
@@ -137,7 +140,7 @@ int print_completion() {
   std::string own;
   {
     const cli::CapturedOutput output;
-    code = landfall_run(2, argv.data(), nullptr);
+    code = landfall_run::start(2, argv.data(), nullptr);
     own = output.text();
   }
   std::cout << cli::umbrella_completion(entries(), own) << std::flush;
@@ -193,4 +196,10 @@ int start(const std::vector<std::string>& words) {
 }  // namespace
 }  // namespace landfall
 
-int main(int argc, char** argv) { return landfall::start({argv + 1, argv + argc}); }
+int main(int argc, char** argv) {
+  const std::string name = argc > 0 ? std::filesystem::path(argv[0]).filename().string() : "landfall";
+  const auto* const tool = std::ranges::find_if(
+      landfall::kCommands, [&](const landfall::Command& command) { return command.entry.tool == name; });
+  if (tool != landfall::kCommands.end()) return tool->function(argc, argv, nullptr);
+  return landfall::start({argv + 1, argv + argc});
+}

@@ -8,7 +8,7 @@
 #include "runs/cloud_output.h"
 #include "tools.h"
 
-namespace landfall {
+namespace landfall::landfall_export {
 namespace {
 
 constexpr const char* kExamples = R"(Examples:
@@ -84,7 +84,7 @@ ExitCode run(cli::Session& session, const ExportOptions& o) {
 
 }  // namespace
 
-int landfall_export(int argc, const char* const* argv, cli::Invocation* invocation) {
+int start(int argc, const char* const* argv, cli::Invocation* invocation) {
   ExportOptions options;
   cli::Tool tool;
   tool.name = "landfall-export";
@@ -96,4 +96,4 @@ int landfall_export(int argc, const char* const* argv, cli::Invocation* invocati
   return cli::tool_main(argc, argv, tool, invocation);
 }
 
-}  // namespace landfall
+}  // namespace landfall::landfall_export

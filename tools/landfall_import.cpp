@@ -17,7 +17,7 @@
 #include "runs/raster_import.h"
 #include "tools.h"
 
-namespace landfall {
+namespace landfall::landfall_import {
 namespace {
 
 constexpr const char* kExamples = R"(Examples:
@@ -172,7 +172,7 @@ ExitCode run(cli::Session& session, const Options& o) {
 
 }  // namespace
 
-int landfall_import(int argc, const char* const* argv, cli::Invocation* invocation) {
+int start(int argc, const char* const* argv, cli::Invocation* invocation) {
   Options options;
   cli::Tool tool;
   tool.name = "landfall-import";
@@ -184,4 +184,4 @@ int landfall_import(int argc, const char* const* argv, cli::Invocation* invocati
   return cli::tool_main(argc, argv, tool, invocation);
 }
 
-}  // namespace landfall
+}  // namespace landfall::landfall_import

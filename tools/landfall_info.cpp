@@ -19,7 +19,7 @@
 #include "files/landfall_file.h"
 #include "tools.h"
 
-namespace landfall {
+namespace landfall::landfall_info {
 namespace {
 
 constexpr const char* kExamples = R"(Examples:
@@ -199,7 +199,7 @@ ExitCode run(cli::Session& session, const Options& o) {
 
 }  // namespace
 
-int landfall_info(int argc, const char* const* argv, cli::Invocation* invocation) {
+int start(int argc, const char* const* argv, cli::Invocation* invocation) {
   Options options;
   cli::Tool tool;
   tool.name = "landfall-info";
@@ -212,4 +212,4 @@ int landfall_info(int argc, const char* const* argv, cli::Invocation* invocation
   return cli::tool_main(argc, argv, tool, invocation);
 }
 
-}  // namespace landfall
+}  // namespace landfall::landfall_info

@@ -17,7 +17,7 @@
 #include "output/output_path.h"
 #include "tools.h"
 
-namespace landfall {
+namespace landfall::landfall_run {
 namespace {
 
 namespace fs = std::filesystem;
@@ -95,11 +95,11 @@ std::vector<std::string> shared_options(const cli::CommonOptions& common) {
 }
 
 ToolFunction* function_of(const std::string& tool) {
-  static const std::map<std::string, ToolFunction*> functions = {{"terrain-gen", terrain_gen},
-                                                                 {"scan-sim", scan_sim},
-                                                                 {"regrid", regrid},
-                                                                 {"dem-eval", dem_eval},
-                                                                 {"hazard-map", hazard_map}};
+  static const std::map<std::string, ToolFunction*> functions = {{"terrain-gen", terrain_gen::start},
+                                                                 {"scan-sim", scan_sim::start},
+                                                                 {"regrid", regrid::start},
+                                                                 {"dem-eval", dem_eval::start},
+                                                                 {"hazard-map", hazard_map::start}};
   return functions.at(tool);
 }
 
@@ -205,7 +205,7 @@ ExitCode run(cli::Session& session, const Options& o) {
 
 }  // namespace
 
-int landfall_run(int argc, const char* const* argv, cli::Invocation* invocation) {
+int start(int argc, const char* const* argv, cli::Invocation* invocation) {
   Options options;
   cli::Tool tool;
   tool.name = "landfall run";
@@ -223,4 +223,4 @@ int landfall_run(int argc, const char* const* argv, cli::Invocation* invocation)
   return cli::tool_main(argc, argv, tool, invocation);
 }
 
-}  // namespace landfall
+}  // namespace landfall::landfall_run

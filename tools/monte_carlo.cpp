@@ -20,7 +20,7 @@
 #include "runs/campaign_run.h"
 #include "tools.h"
 
-namespace landfall {
+namespace landfall::monte_carlo {
 namespace {
 
 constexpr const char* kExamples = R"(Examples:
@@ -136,7 +136,7 @@ ExitCode run(cli::Session& session, const cli::CampaignOptions& o) {
 
 }  // namespace
 
-int monte_carlo(int argc, const char* const* argv, cli::Invocation* invocation) {
+int start(int argc, const char* const* argv, cli::Invocation* invocation) {
   cli::CampaignOptions options;
   cli::Tool tool;
   tool.name = "monte-carlo";
@@ -157,4 +157,4 @@ int monte_carlo(int argc, const char* const* argv, cli::Invocation* invocation) 
   return cli::tool_main(argc, argv, tool, invocation);
 }
 
-}  // namespace landfall
+}  // namespace landfall::monte_carlo

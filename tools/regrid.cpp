@@ -10,7 +10,7 @@
 #include "runs/dem_output.h"
 #include "tools.h"
 
-namespace landfall {
+namespace landfall::regrid {
 namespace {
 
 constexpr const char* kExamples = R"(Examples:
@@ -111,7 +111,7 @@ ExitCode run(cli::Session& session, const Options& o) {
 
 }  // namespace
 
-int regrid(int argc, const char* const* argv, cli::Invocation* invocation) {
+int start(int argc, const char* const* argv, cli::Invocation* invocation) {
   Options options;
   cli::Tool tool;
   tool.name = "regrid";
@@ -129,4 +129,4 @@ int regrid(int argc, const char* const* argv, cli::Invocation* invocation) {
   return cli::tool_main(argc, argv, tool, invocation);
 }
 
-}  // namespace landfall
+}  // namespace landfall::regrid

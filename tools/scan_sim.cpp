@@ -17,7 +17,7 @@
 #include "simulation/scan_pipeline.h"
 #include "tools.h"
 
-namespace landfall {
+namespace landfall::scan_sim {
 namespace {
 
 constexpr const char* kExamples = R"(Examples:
@@ -159,7 +159,7 @@ ExitCode run(cli::Session& session, const Options& o) {
 
 }  // namespace
 
-int scan_sim(int argc, const char* const* argv, cli::Invocation* invocation) {
+int start(int argc, const char* const* argv, cli::Invocation* invocation) {
   Options options;
   cli::Tool tool;
   tool.name = "scan-sim";
@@ -178,4 +178,4 @@ int scan_sim(int argc, const char* const* argv, cli::Invocation* invocation) {
   return cli::tool_main(argc, argv, tool, invocation);
 }
 
-}  // namespace landfall
+}  // namespace landfall::scan_sim

@@ -14,7 +14,7 @@
 #include "terrain/gdal/gdal_loader.h"
 #include "tools.h"
 
-namespace landfall {
+namespace landfall::terrain_gen {
 namespace {
 
 constexpr const char* kExamples = R"(Examples:
@@ -119,7 +119,7 @@ TerrainContent write(cli::Session& session, const Options& o) {
 
 }  // namespace
 
-int terrain_gen(int argc, const char* const* argv, cli::Invocation* invocation) {
+int start(int argc, const char* const* argv, cli::Invocation* invocation) {
   Options options;
   cli::Tool tool;
   tool.name = "terrain-gen";
@@ -142,4 +142,4 @@ int terrain_gen(int argc, const char* const* argv, cli::Invocation* invocation) 
   return cli::tool_main(argc, argv, tool, invocation);
 }
 
-}  // namespace landfall
+}  // namespace landfall::terrain_gen

@@ -7,21 +7,39 @@ namespace cli {
 struct Invocation;
 }
 
-/// A tool as a function: its own program calls it, and so does `landfall`. Returns the exit code.
-/// `invocation` may be null.
+/// A tool as a function: `landfall` calls it. Returns the exit code. `invocation` may be null.
 using ToolFunction = int(int argc, const char* const* argv, cli::Invocation* invocation);
 
-ToolFunction terrain_gen;
-ToolFunction scan_sim;
-ToolFunction regrid;
-ToolFunction dem_eval;
-ToolFunction hazard_map;
-ToolFunction monte_carlo;
-ToolFunction landfall_info;
-ToolFunction landfall_export;
-ToolFunction landfall_import;
-
-/// `landfall run`, which has no program of its own.
-ToolFunction landfall_run;
+// Each in a namespace of its own, because their units are compiled together.
+namespace terrain_gen {
+ToolFunction start;
+}
+namespace scan_sim {
+ToolFunction start;
+}
+namespace regrid {
+ToolFunction start;
+}
+namespace dem_eval {
+ToolFunction start;
+}
+namespace hazard_map {
+ToolFunction start;
+}
+namespace monte_carlo {
+ToolFunction start;
+}
+namespace landfall_info {
+ToolFunction start;
+}
+namespace landfall_export {
+ToolFunction start;
+}
+namespace landfall_import {
+ToolFunction start;
+}
+namespace landfall_run {  // `landfall run`, which has no program of its own
+ToolFunction start;
+}
 
 }  // namespace landfall

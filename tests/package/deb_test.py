@@ -59,6 +59,13 @@ class Deb(unittest.TestCase):
     def path(self, package):
         return glob.glob(os.path.join(self.folder, "first", package + "_*.deb"))[0]
 
+    @staticmethod
+    def tools():
+        """The links to the program `landfall`."""
+        binaries = os.path.join(BUILD, "bin")
+        links = [name for name in os.listdir(binaries) if os.path.islink(os.path.join(binaries, name))]
+        return [name for name in links if os.readlink(os.path.join(binaries, name)) == "landfall"]
+
     def contents(self, package):
         lines = subprocess.run(["dpkg-deb", "-c", self.path(package)], capture_output=True, text=True, check=True).stdout
         return {line.split(maxsplit=5)[5].split(" -> ")[0]: line.split(maxsplit=2)[:2] for line in lines.splitlines()}
@@ -77,8 +84,8 @@ class Deb(unittest.TestCase):
         self.assertFalse({name for name in set(tools) & set(module) if not name.endswith("/")})
         for name, (mode, owner) in (tools | module).items():
             self.assertEqual(owner, "root/root", name)
-            links = {"./usr/lib/python3/dist-packages/landfall": "lrwxrwxrwx"}
-            self.assertIn(mode, [links[name]] if name in links else ["drwxr-xr-x", "-rwxr-xr-x", "-rw-r--r--"], name)
+            links = {"./usr/lib/python3/dist-packages/landfall", *(f"./usr/bin/{tool}" for tool in self.tools())}
+            self.assertIn(mode, ["lrwxrwxrwx"] if name in links else ["drwxr-xr-x", "-rwxr-xr-x", "-rw-r--r--"], name)
 
     def test_python_imports_the_package_and_finds_the_tools(self):
         unpacked = os.path.join(self.folder, "unpacked")
