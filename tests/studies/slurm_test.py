@@ -77,25 +77,38 @@ class OnSlurm(StudyTest):
             for name in ("sensitivity.json", "report.html"):
                 self.assertEqual(read(self.path(runs, "sensitivity", "tiny", name)), read(self.path("local", "sensitivity", "tiny", name)), (runs, name))
 
+    # The first job on n1 that begins after the common files are made, stops itself: it is there until its node is lost.
+    HOLD = """#!/bin/sh
+if [ "$SLURMD_NODENAME" = n1 ] && ls "$COMMON"/* >/dev/null 2>&1 && mkdir "$HELD" 2>/dev/null; then kill -STOP $$; fi
+exec "$@"
+"""
+
     def lose_a_node(self):
-        command = self.make_command("study-results", "-j4", "RUNNER=studies/runners/slurm-batch", runs="batch")
+        hold, held = self.path("hold"), self.path("held")
+        with open(hold, "w", encoding="utf-8") as file:
+            file.write(self.HOLD)
+        os.chmod(hold, 0o755)
+        command = self.make_command("study-results", "-j4", f"RUNNER=studies/runners/slurm-batch {hold}", runs="batch")
         with open(self.path("batch.log"), "w", encoding="utf-8") as log:
-            make = subprocess.Popen(command, stdout=log, stderr=log, env=self.environment())
-        self.wait_for(lambda: self.jobs_of("n1") and self.common_files_are_made("batch"), "no job on n1")
-        lost = self.jobs_of("n1")
-        result = slurm_local("lose", "n1", "--dir", self.slurm)
-        self.assertEqual(result.returncode, 0, result.stderr)
-        code = make.wait(timeout=300)
-        self.assertEqual(code, 0, read(self.path("batch.log")).decode())
-        self.assertIn("n1", lost)
+            make = subprocess.Popen(command, stdout=log, stderr=log, env={**self.environment(), "HELD": held, "COMMON": self.out("truth", runs="batch")})
+        self.wait_for(lambda: os.path.exists(held), "no job on n1")
+        lost = self.squeue("-w", "n1", "-t", "running", "-o", "%i")
+        self.assertNotEqual(lost, "")
+        self.assertEqual(slurm_local("lose", "n1", "--dir", self.slurm).returncode, 0)
 
-    def common_files_are_made(self, runs):
-        """True when the common terrain and truth are made, after which the rest runs in parallel."""
-        return os.path.isdir(self.out("truth", runs=runs)) and self.files("truth", runs=runs)
+        def is_done():
+            self.start_again(lost)
+            return make.poll() is not None
 
-    def jobs_of(self, node):
-        return subprocess.run(["squeue", "-h", "-w", node, "-t", "running", "-o", "%i %N"], capture_output=True, text=True,
-                              env=self.environment(), check=False).stdout.strip()
+        self.wait_for(is_done, "the study does not end", pause_s=0.5)
+        self.assertEqual(make.returncode, 0, read(self.path("batch.log")).decode())
+
+    def squeue(self, *arguments):
+        return subprocess.run(["squeue", "-h", *arguments], capture_output=True, text=True, env=self.environment(), check=False).stdout.strip()
+
+    def start_again(self, job):
+        """Starts a job that lost its node now: Slurm waits two minutes."""
+        subprocess.run(["scontrol", "update", f"JobId={job}", "StartTime=now"], capture_output=True, env=self.environment(), check=False)
 
     def test_ending_the_batch_runner_cancels_its_job(self):
         process = subprocess.Popen([os.path.join(ROOT, "studies", "runners", "slurm-batch"), "sleep", "300"], cwd=self.folder,
@@ -136,13 +149,11 @@ monte-carlo scan.h5 --terrain terrain.h5 -c mc.json -v -t 1 --draws $A:$B -o par
         job = subprocess.run(["sbatch", "--parsable", "parts.sh"], cwd=self.folder, env=environment, capture_output=True, text=True,
                              check=True).stdout.strip()
         self.wait_for(lambda: os.path.exists(self.path(".part2.h5.state")), "part 2 writes no state")
-        node = subprocess.run(["squeue", "-h", "-j", f"{job}_2", "-o", "%N"], capture_output=True, text=True, env=self.environment(),
-                              check=True).stdout.strip()
+        node = self.squeue("-j", f"{job}_2", "-o", "%N")
         self.assertEqual(slurm_local("lose", node, "--dir", self.slurm).returncode, 0)
 
         def all_parts_are_made():
-            # Slurm waits two minutes before it starts a task again.
-            subprocess.run(["scontrol", "update", f"JobId={job}_2", "StartTime=now"], capture_output=True, env=self.environment(), check=False)
+            self.start_again(f"{job}_2")
             return all(os.path.exists(self.path(f"part{i}.h5")) for i in range(4))
 
         self.wait_for(all_parts_are_made, "not all parts are made", pause_s=0.5)
@@ -161,8 +172,7 @@ monte-carlo scan.h5 --terrain terrain.h5 -c mc.json -v -t 1 --draws $A:$B -o par
 
     def batch_jobs(self):
         """The numbers of the batch runner's jobs that are running or pending."""
-        return subprocess.run(["squeue", "-h", "-n", "landfall", "-t", "running,pending", "-o", "%i"], capture_output=True,
-                              text=True, env=self.environment(), check=False).stdout.strip()
+        return self.squeue("-n", "landfall", "-t", "running,pending", "-o", "%i")
 
     def test_the_batch_runner_returns_exit_code_and_messages(self):
         result = subprocess.run([os.path.join(ROOT, "studies", "runners", "slurm-batch"), "bash", "-c", "echo 'out  put'; echo oops >&2; exit 3"],
