@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """How far a study is: what is missing in its folder, and the counts of the present call of make."""
+import collections
 import contextlib
 import fcntl
 import json
@@ -7,6 +8,7 @@ import os
 import time
 from dataclasses import asdict, dataclass, field
 
+from landfall.command import write_text
 from landfall.errors import UsageError
 from landfall.schema import shown
 
@@ -48,6 +50,17 @@ def read_targets(folder):
     """targets.txt: for each of the cases' metrics, scores and verdicts, their log and the files that they are made of."""
     with open(os.path.join(folder, "targets.txt"), encoding="utf-8") as file:
         return [[inner_name(word) for word in line.split()] for line in file]
+
+
+def read_log(path):
+    """(how the recipe of this log ended, "exit CODE ...", its messages); "" where it has not ended."""
+    try:
+        with open(path, encoding="utf-8", errors="replace") as file:
+            lines = file.read().splitlines()
+    except OSError:
+        lines = []
+    end = lines[-1][2:] if lines and lines[-1].startswith("# exit ") else ""
+    return end, [line for line in lines if not line.startswith("# ")]
 
 
 def name_of(folder, identity):
@@ -134,12 +147,10 @@ def locked_session(folder, identity):
         fcntl.flock(lock, fcntl.LOCK_EX)
         session = _read(path)
         if session is None or session.id != identity:
-            session = _begin(folder, identity)
+            todo = dict(collections.Counter(map(kind_of, missing_targets(folder))))
+            session = Session(identity, time.time(), todo)
         yield session
-        temporary = f"{path}.tmp"
-        with open(temporary, "w", encoding="utf-8") as file:
-            json.dump(asdict(session), file)
-        os.replace(temporary, path)
+        write_text(path, json.dumps(asdict(session)), is_synced=False)
 
 
 def _read(path):
@@ -148,10 +159,3 @@ def _read(path):
             return Session(**json.load(file))
     except (OSError, ValueError, TypeError):
         return None
-
-
-def _begin(folder, identity):
-    todo = {}
-    for name in missing_targets(folder):
-        todo[kind_of(name)] = todo.get(kind_of(name), 0) + 1
-    return Session(identity, time.time(), todo)
