@@ -3,17 +3,13 @@
 import json
 import os
 
-from landfall.study.page import cell, document, escaped, head, picture, table
+from landfall.study.page import cell, document, escaped, head, picture, table, text_cell
 from landfall.study.report_study import write_page
 
 
 def write(path, title, description, sections):
     """`sections` are (name, heading, HTML)."""
     write_page(document("answers", title, f"<p>{escaped(description)}</p>", sections), path)
-
-
-def text_cell(text):
-    return f"<td>{escaped(text)}</td>"
 
 
 def image(path, caption):
