@@ -91,16 +91,10 @@ def indices(values, group_count, estimator="martinez"):
             for i in range(group_count)]
 
 
-def usable(table, size):
-    """Which points of the base sample have all numbers in all of their draws."""
-    known = np.all(np.isfinite(table), axis=1)
-    return np.all(known.reshape(-1, size), axis=0)
-
-
 def analyse(problem, of):
     """{"outputs": {name: {"mean", "std", "groups": [{"group", "first", "total"}] or None if it does not vary}}, ...}."""
     table = of(problem.design())
-    kept = usable(table, problem.size)
+    kept = np.isfinite(table).all(axis=1).reshape(-1, problem.size).all(axis=0)  # points that have all numbers in all of their draws
     if np.count_nonzero(kept) < MIN_POINTS:
         why = of.failures[min(of.failures)] if of.failures else "a metric has no value"
         raise DataError(f"{problem.path}: only {np.count_nonzero(kept)} of {problem.size} points have all their numbers, {MIN_POINTS} are needed; {why}")
@@ -174,14 +168,10 @@ def figure_of(problem, answer):
     return figure
 
 
-def parse(arguments):
+def main(arguments):
     parser = command.Parser(prog="sensitivity.py", description="Sobol indices of groups of errors.")
     runs.add_options(parser, "sensitivity file (docs/user/studies/sensitivity.md)")
-    return parser.parse_args(arguments)
-
-
-def main(arguments):
-    options = parse(arguments)
+    options = parser.parse_args(arguments)
     model.openturns()
     prefix = runs.prepare(options)
     problem = Problem(options.file)
