@@ -154,10 +154,12 @@ export class MapPanel {
     return colors;
   }
 
-  /** `colorsOf(value, light)`: the colour of a block in the light of the ground. */
+  /** `colorsOf(value, light)`: the colour of a block in the light of the ground, 1 where no ground is given. */
   colorsInLight(blocks, colorsOf) {
     const colors = new Float32Array(3 * blocks.values.length);
-    const slopes = slopesOf(blocksOf(this.options.relief, blocks.stride)), factor = reliefFactor(slopes);
+    const {relief} = this.options;
+    const slopes = relief ? slopesOf(blocksOf(relief, blocks.stride)) : new Float32Array(2 * blocks.values.length).fill(NaN);
+    const factor = reliefFactor(slopes);
     blocks.values.forEach((value, i) => colors.set(colorsOf(value, Number.isNaN(slopes[2 * i]) ? 1 : lightOf(slopes, i, factor)), 3 * i));
     return colors;
   }
