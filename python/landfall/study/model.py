@@ -208,12 +208,8 @@ def configuration(study, stage, indices, repeated=True):
                 continue
             for key, value in axis.points[index].assignments:
                 if stage_of(key) == stage:
-                    config = _assign_of(study, axis, config, key, value)
+                    try:
+                        config = assign(config, key, value)
+                    except KeyError as error:
+                        raise UsageError(f"{study.path}: axis {axis.name}: {key} = {shown(value)}: {error.args[0]}") from error
     return config
-
-
-def _assign_of(study, axis, config, key, value):
-    try:
-        return assign(config, key, value)
-    except KeyError as error:
-        raise UsageError(f"{study.path}: axis {axis.name}: {key} = {shown(value)}: {error.args[0]}") from error

@@ -162,7 +162,8 @@ def points(tree):
     axes = [axis for axis in tree["axes"] if axis["role"] == "axis"]
     units = {column["name"]: column["unit"] for column in tree["columns"]}
     heads = [head(escaped(titled(axis["label"], axis["unit"])).replace("_", "_<wbr>"), axis["numeric"]) for axis in axes]
-    heads += [head("done", True), *(head(f"{escaped(name)} met", True) for name in ("all requirements", *(name.replace("_", " ") for name in tree["requirements"])))]
+    names = [name.replace("_", " ") for name in ("all requirements", *tree["requirements"])]
+    heads += [head("done", True), *(head(f"{escaped(name)} met", True) for name in names)]
     heads += [head(escaped(titled(metric_label(metric, units[metric]), units[metric])), True) for metric in tree["metrics"]]
     rows = [[*(value_cell(axis, value) for axis, value in zip(axes, point["values"])),
              cell(point["done"], f"{point['done']} of {len(point['cases'])}"), *map(rate_cell, point["rates"]),

@@ -40,7 +40,8 @@ class Study:
         self.row_of = {int(case): row for row, case in enumerate(self.results.columns["case"])}
         self._check_table(path)
         self.tools = read_text(os.path.join(folder, "tools.txt")).splitlines()
-        self.stale = self._count_stale()
+        missing = set(session.missing_targets(folder))
+        self.stale = sum(not missing.isdisjoint(self.files_of(case)) for case in self.row_of)  # cases of the table made by earlier tools
 
     def _check_table(self, path):
         for case, row in self.row_of.items():
@@ -49,11 +50,6 @@ class Study:
                 if case >= len(self.rows) or column is None or not _same(column[row], self.rows[case][index]):
                     raise DataError(f"{path}: case {case}: {axis['name']} differs from cases.json: the study was planned again "
                                     "later; make study-results updates the table")
-
-    def _count_stale(self):
-        """Cases of the table whose results are older than the tools."""
-        missing = set(session.missing_targets(self.folder))
-        return sum(not missing.isdisjoint(self.files_of(case)) for case in self.row_of)
 
     def files_of(self, case):
         return results.results_of(self.cases, self.rows[case])
@@ -158,25 +154,19 @@ class FigureNumbers:
     """percentiles.csv and pass_rates.csv of plot_study.py, by point."""
 
     def __init__(self, study, folder):
-        axis_names = [axis.name for axis in study.results.axes]
+        def key(row):
+            return tuple(row.get(axis.name) for axis in study.results.axes)
         percentiles = _read_csv(folder, "percentiles.csv")
         self.metrics = list(dict.fromkeys(row["metric"] for row in percentiles))
         self.quantile = float(percentiles[0]["percentile"]) / 100 if percentiles else 0.5
-        self.estimates = {(_key(row, axis_names), row["metric"]): [_number(row[name]) for name in ("value", "low_95", "high_95")]
+        self.estimates = {(key(row), row["metric"]): [_number(row[name]) for name in ("value", "low_95", "high_95")]
                           for row in percentiles}
-        self.rates = {(_key(row, axis_names), row["requirement"]):
+        self.rates = {(key(row), row["requirement"]):
                       [int(row["passed"]), int(row["count"]), float(row["low_95"]), float(row["high_95"])]
                       for row in _read_csv(folder, "pass_rates.csv")}
         keys = {tuple(map(str, point.values)) for point in study.results.points}
         if keys != {key for key, _ in self.estimates} or not set(self.metrics) <= study.results.columns.keys():
             raise DataError(f"{folder}: percentiles.csv is not of {study.folder}/results.h5; run plot_study.py again")
-
-
-def _key(row, names):
-    try:
-        return tuple(row[name] for name in names)
-    except KeyError:
-        return ()
 
 
 def _number(text):

@@ -8,10 +8,13 @@ import json
 from dataclasses import dataclass, field, replace
 
 from landfall.command import write_text
+from landfall.scan_keys import scan_schema
+from landfall.schema import default_at
 from landfall.study import names, session, stages
 
 KEEPABLE = ("scan", "dem", "eval", "hazard", "draws")
 MAX_SHARED = 16
+BYTES_PER_RAY = 40  # of a truth: 38.5 with 648,000 rays on rocky ground (2026-11-26)
 
 
 @dataclass(frozen=True)
@@ -76,7 +79,8 @@ class Fragment:
         self.logs = {}  # metrics: the name of their recipe's log
         self.readers = {}  # file in shared/: those who read it
         self.sources = {}  # scan or DEM: the Recipe that it is made by
-        self.grouped = self.shared_scans() > MAX_SHARED and not layout.keep & {"scan", "dem"}
+        shared_scans = sum(len(scan.consumers) > 1 or any(len(dem.consumers) > 1 for dem in scan.consumers) for scan in graph.scan.values())
+        self.grouped = shared_scans > MAX_SHARED and not layout.keep & {"scan", "dem"}
         self.each("terrain", graph.terrain, self.modelling)
         self.each("truth", graph.truth, self.scanning)
         if self.grouped:
@@ -89,10 +93,6 @@ class Fragment:
                 self.judgement(stage)
         for stage in graph.draws.values():
             self.campaign(stage)
-
-    def shared_scans(self):
-        return sum(len(scan.consumers) > 1 or any(len(dem.consumers) > 1 for dem in scan.consumers)
-                   for scan in self.graph.scan.values())
 
     def each(self, kind, made, recipe_of):
         """A rule for the file of each stage that others read, unless their recipes make it."""
@@ -241,8 +241,8 @@ class Fragment:
 
     def results(self):
         """The metrics, scores and verdicts of all cases."""
-        return [self.layout.file(kind, stage) for kind, made in (("metrics", self.graph.eval), ("score", self.graph.hazard), ("verdict", self.graph.draws))
-                for stage in made.values()]
+        kinds = {"metrics": self.graph.eval, "score": self.graph.hazard, "verdict": self.graph.draws}
+        return [self.layout.file(kind, stage) for kind, made in kinds.items() for stage in made.values()]
 
     def text(self, name, keep, bin_folder):
         results = self.results()
@@ -294,3 +294,29 @@ def cases_text(study, graph, layout, limits):
             "limits": limits, "axes": axes_of(study)}
     rows = [json.dumps([*values, *layout.results(results)], ensure_ascii=False) for values, results in graph.cases]
     return json.dumps(head, indent=1, ensure_ascii=False)[:-2] + ',\n "cases": [\n  ' + ",\n  ".join(rows) + "\n ]\n}\n"
+
+
+# Disk space, told before any file is made
+
+
+def rays_of(scan):
+    """The number of rays of a scan's configuration."""
+    def value(*path):
+        return default_at(scan_schema(), scan, path)
+    pulses = int(value("laser", "pulse_rate_hz") * value("laser", "scan_time_s") + 1e-9)
+    return pulses * value("detector", "rows") * value("detector", "columns")
+
+
+def size_text(size):
+    return f"{size / 1e9:.1f} GB" if size >= 1e9 else f"{max(size / 1e6, 1):.0f} MB"
+
+
+def disk_text(graph, keep):
+    """The files that stay on the disk beside terrains and results, in one line."""
+    parts = []
+    if graph.truth:
+        rays = sum(rays_of(json.loads(graph.configs["scan", stage.config_id])) for stage in graph.truth.values())
+        parts.append(f"{names.counted(len(graph.truth), 'truth')}, about {size_text(rays * BYTES_PER_RAY)}, until study-clean")
+    kept = [name for name in KEEPABLE if name in keep]
+    parts.append(f"KEEP={','.join(kept)}" if kept else "no scans and DEMs (KEEP names files to keep)")
+    return "on the disk: " + "; ".join(parts)

@@ -145,17 +145,11 @@ def locked_session(folder, identity):
     path = os.path.join(folder, "session.json")
     with open(os.path.join(folder, "session.lock"), "w", encoding="utf-8") as lock:
         fcntl.flock(lock, fcntl.LOCK_EX)
-        session = _read(path)
+        session = None
+        with contextlib.suppress(OSError, ValueError, TypeError), open(path, encoding="utf-8") as file:
+            session = Session(**json.load(file))
         if session is None or session.id != identity:
             todo = dict(collections.Counter(map(kind_of, missing_targets(folder))))
             session = Session(identity, time.time(), todo)
         yield session
         write_text(path, json.dumps(asdict(session)), is_synced=False)
-
-
-def _read(path):
-    try:
-        with open(path, encoding="utf-8") as file:
-            return Session(**json.load(file))
-    except (OSError, ValueError, TypeError):
-        return None

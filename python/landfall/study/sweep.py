@@ -25,7 +25,7 @@ from landfall import tools
 from landfall.command import Parser, write_text
 from landfall.errors import ToolError, UsageError, printable
 from landfall.schema import read_json, shown
-from landfall.study import disk, model, names, reader, rules, session, stages
+from landfall.study import model, names, reader, rules, session, stages
 from landfall.study.names import counted
 
 MAX_CHECKS_PER_AXIS = 100
@@ -88,7 +88,7 @@ def plan(options):
           f"{counted(len(graph.eval), 'evaluation')}" + (f", {counted(len(graph.hazard), 'hazard map')}" if graph.hazard else "") +
           (f", {counted(len(graph.draws), 'campaign')}" if graph.draws else "") +
           f"; {written} files written")
-    print(disk.text(graph, layout.keep))
+    print(rules.disk_text(graph, layout.keep))
 
 
 def need_lock(folder):
@@ -105,7 +105,9 @@ def write_plan(options, study, graph, fragment, versions):
     files = {f"readers/{os.path.basename(name)}": "\n".join(readers) + "\n" for name, readers in fragment.readers.items()}
     files |= {"tools.txt": versions, "targets.txt": fragment.targets(), "names.txt": rules.names_text(study, graph),
               "cases.json": rules.cases_text(study, graph, fragment.layout, common_limits(options.bin, graph))}
-    rules_text = fragment.text(study.name, options.keep, options.bin) + plan_inputs(study)
+    # The plan depends on its files; a missing one causes a new plan, not an error.
+    inputs = " ".join(os.path.relpath(path) for path in study.files)
+    rules_text = fragment.text(study.name, options.keep, options.bin) + f"$O/study.mk: {inputs}\n{inputs}:\n"
     written = sum(rules.write_if_changed(os.path.join(options.out, name), text) for name, text in files.items())
     written += write_configs(options.out, graph)
     os.sync()
@@ -124,12 +126,6 @@ def write_configs(out, graph):
             os.utime(path, ns=(age, age))
             written += 1
     return written
-
-
-def plan_inputs(study):
-    """Makes the plan depend on its files; a missing one causes a new plan, not an error."""
-    files = " ".join(os.path.relpath(path) for path in study.files)
-    return f"$O/study.mk: {files}\n{files}:\n"
 
 
 def tool_output(folder, tool, *arguments, **options):
