@@ -233,14 +233,10 @@ def draw_accuracy(evaluation):
     for column, axis in enumerate("xyz"):
         p95 = plots.metres(evaluation.metrics.get(f"accuracy/absolute/{axis}/p95_m"))
         draw_footprint_map(axes[0, column], evaluation, f"abs_{axis}", f"absolute {axis} (mean)\n95 % within {p95}")
-        draw_footprint_map(axes[1, column], evaluation, f"rel_{axis}", relative_title(evaluation, axis))
+        count, largest = (evaluation.metrics.get(f"accuracy/relative/{axis}/{key}") for key in ("violation_count", "max_m"))
+        title = f"relative {axis}\n{plots.counted(count, 'violation')}, largest {plots.metres(largest)}"
+        draw_footprint_map(axes[1, column], evaluation, f"rel_{axis}", title)
     return figure
-
-
-def relative_title(evaluation, axis):
-    count = evaluation.metrics.get(f"accuracy/relative/{axis}/violation_count")
-    largest = evaluation.metrics.get(f"accuracy/relative/{axis}/max_m")
-    return f"relative {axis}\n{plots.counted(count, 'violation')}, largest {plots.metres(largest)}"
 
 
 def quantity_of(evaluation, name):

@@ -88,15 +88,11 @@ def draw_elevations(ax, bins, layers):
     draw_curve(ax, bins.at_m, bins.of(layers["z_est"]), color=ESTIMATED, linewidth=1.4, label="estimated elevation z_est")
     ax.set(ylabel="elevation (m)", xlim=(0, bins.length_m))
     ax.grid(True, color="#e0e0e0", linewidth=0.6)
-    ax.set_title(elevation_title(layers, bins))
-    ax.legend(fontsize=maps.NOTE_PT, framealpha=0.9)
-
-
-def elevation_title(layers, bins):
     empty = int(np.isnan(bins.of(layers["z_est"])).sum())
     gaps = f", {empty:,} of them without a return" if empty else ""
     truth = "" if layers["z_true"] is not None else "; this DEM has no truth layer"
-    return f"{plots.bins(bins.at_m.size)} along {bins.length_m:.2f} m{gaps}{truth}"
+    ax.set_title(f"{plots.bins(bins.at_m.size)} along {bins.length_m:.2f} m{gaps}{truth}")
+    ax.legend(fontsize=maps.NOTE_PT, framealpha=0.9)
 
 
 def draw_error(ax, bins, error, limit_m):
