@@ -4,7 +4,7 @@ import json
 import math
 import os
 
-from landfall import command, tools
+from landfall import command
 from landfall.answers import answer_page, runs
 from landfall.study.page import cell, escaped, head, table, text_cell, verdict
 
@@ -15,12 +15,7 @@ def write(problem, answer, folder):
     """design.json, candidates.csv, design.png and report.html."""
     runs.write_json(os.path.join(folder, "design.json"), answer)
     command.write_text(os.path.join(folder, "candidates.csv"), command.csv_text(_rows(problem, answer)))
-    from landfall.plot import plots
-
-    figure = os.path.join(folder, "design.png")
-    plots.save({figure: figure_of(problem, answer)}, 150)
-    version = tools.run_tool(tools.find("monte-carlo"), "--version").stdout
-    answer_page.write(os.path.join(folder, "report.html"), problem.title, problem.tree.get("description", ""), sections(problem, answer, figure, version))
+    answer_page.write(problem, folder, "design", figure_of(problem, answer), lambda *parts: sections(problem, answer, *parts))
 
 
 def _rows(problem, answer):
@@ -82,7 +77,8 @@ def text_of(problem, answer):
     lines += [f"  {name:20} {100 * math.exp(value):6.1f} %{'   active' if name == answer['active'] else ''}"
               for name, value in sorted(winner["margins"].items(), key=lambda item: -item[1])]
     lines += ["", "Neighbours that cost no more:"]
-    lines += [f"  {look['changed']} {value_text(look['values'][look['changed']])}, {100 * look['cost'] / reference:.1f} %: {outcome(look)}" for look in answer["neighbours"]]
+    lines += [f"  {look['changed']} {value_text(look['values'][look['changed']])}, {100 * look['cost'] / reference:.1f} %: {outcome(look)}"
+              for look in answer["neighbours"]]
     return "\n".join(lines)
 
 
@@ -159,8 +155,8 @@ def _raced(answer):
 def _neighbours(answer):
     if not answer["neighbours"]:
         return "<p>No neighbour costs as little.</p>\n"
-    rows = [[text_cell(look["changed"]), text_cell(value_text(look["values"][look["changed"]])), cell(look["cost"], f"{100 * look['cost'] / answer['reference_cost']:.1f}"),
-             text_cell(outcome(look))] for look in answer["neighbours"]]
+    rows = [[text_cell(look["changed"]), text_cell(value_text(look["values"][look["changed"]])),
+             cell(look["cost"], f"{100 * look['cost'] / answer['reference_cost']:.1f}"), text_cell(outcome(look))] for look in answer["neighbours"]]
     return ("<p class=\"note\">Each differs from the winner by one step of one variable and costs no more.</p>\n"
             + table([head("variable"), head("value"), head("cost, % of the base’s", True), head("outcome")], rows))
 

@@ -220,7 +220,8 @@ class Draws:
         with tempfile.TemporaryDirectory(dir=self.runner.scratch, prefix="draws-") as folder:
             if samples is not None:
                 table = os.path.join(folder, "samples.csv")
-                command.write_text(table, command.csv_text([samples[0], *([repr(float(value)) for value in values] for values in samples[1])]), is_synced=False)
+                rows = [samples[0], *([repr(float(value)) for value in values] for values in samples[1])]
+                command.write_text(table, command.csv_text(rows), is_synced=False)
                 arguments = (*arguments, "--samples", table)
             path = os.path.join(folder, "draws.h5")
             self.campaign(draws, path, *arguments)

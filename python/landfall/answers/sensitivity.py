@@ -9,7 +9,7 @@ import os
 import numpy as np
 
 from landfall import command, schema
-from landfall.answers import model, progress, runs
+from landfall.answers import answer_page, model, progress, runs
 from landfall.errors import DataError, UsageError, printable_lines
 
 RANDOM = "random numbers"  # the group of the seed: which noise, dropouts and dead pixels are drawn
@@ -180,11 +180,6 @@ def main(arguments):
     answer = analyse(problem, of)
     runs.write_json(os.path.join(options.out, "sensitivity.json"), answer)
     write_csv(os.path.join(options.out, "sensitivity.csv"), answer)
-    from landfall.answers import answer_page
-    from landfall.plot import plots
-
-    figure = os.path.join(options.out, "sensitivity.png")
-    plots.save({figure: figure_of(problem, answer)}, 150)
-    answer_page.write(os.path.join(options.out, "report.html"), problem.title, problem.tree.get("description", ""),
-                      answer_page.sensitivity_sections(problem, answer, figure, of.runner.version))
+    answer_page.write(problem, options.out, "sensitivity", figure_of(problem, answer),
+                      lambda *parts: answer_page.sensitivity_sections(problem, answer, *parts))
     print(printable_lines(text_of(problem, answer)))
