@@ -3,10 +3,22 @@
 
 #include <string>
 
+#include "evaluation/parameters.h"
+#include "files/draws_file.h"
 #include "files/provenance.h"
-#include "report/draws_data.h"
 
 namespace landfall::html_report {
+
+/// The content of a report on a campaign. All referenced objects must outlive the call.
+struct DrawsReport {
+  const Draws& draws;
+  const nlohmann::ordered_json& verdict;  ///< verdict_json()
+  const EvaluationParameters& parameters;
+  bool traces = false;  ///< each draw traces its rays
+};
+
+inline constexpr std::int64_t kMaxShownDraws =
+    5000;  ///< the first ones, in diagrams and the table of failures
 
 /// The whole report on a campaign: one self-contained HTML file, which needs no other files and no network.
 /// Equal contents give equal bytes. Without a title it has one of the provenance.

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "report/page_parts.h"
 
+#include <array>
+#include <cstdio>
 #include <stdexcept>
 
 #include "base/joined.h"
@@ -64,8 +66,18 @@ std::string text_of(const nlohmann::json& object, const char* key) {
   return html_text(value.is_string() ? value.get<std::string>() : value.dump());
 }
 
-std::string provenance_html(const nlohmann::json& steps) {
+std::string probability_text(double p) {
+  std::array<char, 32> text{};
+  std::snprintf(text.data(), text.size(), "%.4f", p);
+  return text.data();
+}
+
+std::string provenance_html(const nlohmann::json& steps, const std::string& what) {
   std::string text =
+      "<section id=\"provenance-chain\">\n<h2>Configuration and provenance</h2>\n<p class=\"note\">What led "
+      "to " +
+      what +
+      ", oldest first. Equal file_id means equal content.</p>\n"
       "<div class=\"scroll\"><table id=\"provenance\"><thead><tr><th class=\"number\">step</th><th>tool</th>"
       "<th>version</th><th>file_id</th><th>inputs</th></tr></thead><tbody>\n";
   std::string configurations;
@@ -76,7 +88,7 @@ std::string provenance_html(const nlohmann::json& steps) {
             "</code></td><td>" + inputs_html(step) + "</td></tr>\n";
     configurations += configuration_html(step);
   }
-  return text + "</tbody></table></div>\n" + configurations;
+  return text + "</tbody></table></div>\n" + configurations + "\n</section>";
 }
 
 std::string subtitle_html(const nlohmann::json& steps, const std::string& output, const std::string& input,

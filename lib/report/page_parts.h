@@ -15,9 +15,12 @@ namespace landfall::html_report {
 /// The member as escaped text; a dash if there is none.
 [[nodiscard]] std::string text_of(const nlohmann::json& object, const char* key);
 
-/// A table of the steps, which are Provenance::as_step(), and their configurations, collapsed. Steps of
-/// another structure are shown as far as possible.
-[[nodiscard]] std::string provenance_html(const nlohmann::json& steps);
+/// Probabilities near 1 need their last digits: "0.9987".
+[[nodiscard]] std::string probability_text(double p);
+
+/// The section on what led to `what`, "this scan": a table of the steps, which are Provenance::as_step(), and
+/// their configurations, collapsed. Steps of another structure are shown as far as possible.
+[[nodiscard]] std::string provenance_html(const nlohmann::json& steps, const std::string& what);
 
 /// A paragraph: the tool of the last step, its version, the file_id of its `output` and of its input `role`.
 [[nodiscard]] std::string subtitle_html(const nlohmann::json& steps, const std::string& output,

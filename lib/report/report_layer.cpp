@@ -56,11 +56,6 @@ constexpr std::array kStyles = {"elevation", "signed", "magnitude", "probability
                                 "count",     "mask",   "flags",     "classes"};
 constexpr std::array kRules = {"mean", "extreme", "largest", "least", "any_bit"};
 
-template <class Enum, std::size_t n>
-const char* name_in(const std::array<const char*, n>& names, Enum value) {
-  return names.at(static_cast<std::size_t>(value));
-}
-
 /// Throws std::logic_error for a name that is not there.
 template <class Enum, std::size_t n>
 Enum value_in(const std::array<const char*, n>& names, std::string_view name) {
@@ -74,25 +69,12 @@ std::string shown_unit(std::string_view unit) {
   return unit == "1" ? "" : unit == "degree" ? "deg" : std::string(unit);
 }
 
-/// Empty for styles whose marks have their own colours.
+/// Empty for the styles after these, whose marks have their own colours.
 std::string colors_of(Style style) {
-  switch (style) {
-    case Style::elevation:
-      return name_of(Colors::elevation);
-    case Style::signed_error:
-      return name_of(Colors::error);
-    case Style::magnitude:
-    case Style::probability:
-    case Style::chance:
-      return name_of(Colors::magnitude);
-    case Style::count:
-      return name_of(Colors::count);
-    case Style::mask:
-    case Style::flags:
-    case Style::classes:
-      return "";
-  }
-  return "";
+  constexpr std::array kColors = {Colors::elevation, Colors::error,     Colors::magnitude,
+                                  Colors::magnitude, Colors::magnitude, Colors::count};
+  const auto index = static_cast<std::size_t>(style);
+  return index < kColors.size() ? name_of(kColors.at(index)) : "";
 }
 
 Json classes_json(const std::vector<LayerClass>& classes) {
@@ -143,10 +125,10 @@ Json layer_json(const ReportLayer& layer, const std::string& id) {
                {"name", layer.name},
                {"title", layer.title},
                {"unit", layer.unit},
-               {"style", name_in(kStyles, layer.style)},
+               {"style", kStyles.at(static_cast<std::size_t>(layer.style))},
                {"colors", colors_of(layer.style)},
                {"limit", layer.limit ? Json(*layer.limit) : Json(nullptr)},
-               {"rule", name_in(kRules, layer.rule)},
+               {"rule", kRules.at(static_cast<std::size_t>(layer.rule))},
                {"offset", layer.values.offset},
                {"step", layer.values.step},
                {"low", layer.values.low},

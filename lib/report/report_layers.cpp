@@ -73,14 +73,13 @@ void ReportLayers::add_shares(Axis axis, const AxisLayers& layers) {
 
 void ReportLayers::take(const Grid<std::int8_t>& fail) {
   add(described("evaluation", "fail"), fail);
-  using Counts = FailCounts;
   const auto of_piece = [&](std::size_t begin, std::size_t end) {
-    Counts counts{};
+    FailCounts counts{};
     for (std::size_t i = begin; i < end; ++i)
       for (std::size_t bit = 0; bit < counts.size(); ++bit) counts[bit] += fail.values()[i] >> bit & 1;
     return counts;
   };
-  for (const Counts& piece : by_piece(spec_.size(), of_piece))
+  for (const FailCounts& piece : by_piece(spec_.size(), of_piece))
     for (std::size_t bit = 0; bit < piece.size(); ++bit) fail_counts_[bit] += piece[bit];
 }
 

@@ -9,6 +9,7 @@
 #include <cmath>
 #include <cstdlib>
 #include <limits>
+#include <tuple>
 #include <utility>
 
 #include "base/parallel.h"
@@ -39,22 +40,17 @@ std::int64_t best_of_row(std::span<const float> values, std::int64_t row, const 
   return best;
 }
 
-struct Candidate {
-  const char* requirement;
-  char axis;
-  double share;
-};
-
-Candidate worst_of(const WorstFootprint& f, const EvaluationLimits& limits) {
-  const Candidate candidates[] = {
-      {"relative_elevation", 'z', share_of_limit(f.relative_m[2], limits.relative_elevation_m)},
-      {"relative_horizontal", 'x', share_of_limit(f.relative_m[0], limits.relative_horizontal_m)},
-      {"relative_horizontal", 'y', share_of_limit(f.relative_m[1], limits.relative_horizontal_m)},
-      {"absolute_horizontal", 'h', share_of_limit(f.horizontal_m, limits.absolute_horizontal_m)}};
-  Candidate worst = candidates[0];
-  for (const Candidate& candidate : candidates)
-    if (candidate.share > worst.share || std::isnan(worst.share)) worst = candidate;
-  return worst;
+/// Sets the share, its requirement and its axis.
+void find_worst(WorstFootprint& f, const EvaluationLimits& limits) {
+  const std::tuple<double, const char*, char> candidates[] = {
+      {share_of_limit(f.relative_m[2], limits.relative_elevation_m), "relative_elevation", 'z'},
+      {share_of_limit(f.relative_m[0], limits.relative_horizontal_m), "relative_horizontal", 'x'},
+      {share_of_limit(f.relative_m[1], limits.relative_horizontal_m), "relative_horizontal", 'y'},
+      {share_of_limit(f.horizontal_m, limits.absolute_horizontal_m), "absolute_horizontal", 'h'}};
+  std::tie(f.share, f.requirement, f.axis) = candidates[0];
+  for (const auto& candidate : candidates)
+    if (std::get<double>(candidate) > f.share || std::isnan(f.share))
+      std::tie(f.share, f.requirement, f.axis) = candidate;
 }
 
 }  // namespace
@@ -109,15 +105,12 @@ WorstFootprint measure_footprint(BinIndex bin, const GridSpec& dem, const Evalua
     result.relative_m[static_cast<std::size_t>(axis)] = found.relative.at(within);
   }
   result.horizontal_m = portable::hypot(result.absolute_m[0], result.absolute_m[1]);
-  const Candidate worst = worst_of(result, parameters.limits);
-  result.share = worst.share;
-  result.requirement = worst.requirement;
-  result.axis = worst.axis;
+  find_worst(result, parameters.limits);
   result.z_est = std::move(layers.z_est);
-  result.error = worst.axis == 'z'   ? std::move(errors.z)
-                 : worst.axis == 'x' ? std::move(errors.x)
-                 : worst.axis == 'y' ? std::move(errors.y)
-                                     : horizontal_error(std::move(errors.x), errors.y);
+  result.error = result.axis == 'z'   ? std::move(errors.z)
+                 : result.axis == 'x' ? std::move(errors.x)
+                 : result.axis == 'y' ? std::move(errors.y)
+                                      : horizontal_error(std::move(errors.x), errors.y);
   return result;
 }
 

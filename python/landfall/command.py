@@ -8,7 +8,7 @@ import re
 import sys
 import threading
 
-from landfall.errors import Error, UsageError, printable
+from landfall.errors import DataError, Error, UsageError, printable
 
 
 class Parser(argparse.ArgumentParser):
@@ -42,6 +42,19 @@ def run(main):
     except MemoryError:
         print(f"{name}: not enough memory for this run", file=sys.stderr)
         sys.exit(1)
+
+
+def read_bytes(path, hint=""):
+    """The content of a file. Throws DataError that names it, with `hint` at its end."""
+    try:
+        with open(path, "rb") as file:
+            return file.read()
+    except OSError as error:
+        raise DataError(f"{path}: {error.strerror}{hint}") from error
+
+
+def read_text(path, hint=""):
+    return read_bytes(path, hint).decode(errors="replace")
 
 
 def check_outputs(paths, overwrite, makes_folder=False):

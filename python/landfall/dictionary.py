@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The words of requirements, layers and maps that all tools share (schemas/dictionary)."""
+"""The words of requirements, layers, maps and metrics that all tools share (schemas/dictionary)."""
 import functools
 import os
 import re

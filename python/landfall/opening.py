@@ -35,16 +35,14 @@ def open_file(path, group=None, check=True):
     with files.naming(path), contextlib.ExitStack() as on_failure:
         file = on_failure.enter_context(files.open_screened(path, (*GRIDS, *TABLES), check))
         group = group or TABLES.get(files.text(file.attrs["format_name"]))
-        opened = open_table(file, group) if group else _open_grid(path, file, check)
+        if group:
+            opened = open_table(file, group)
+        else:
+            files.package("xarray")
+            from landfall import grids  # here, because it needs xarray
+            opened = grids.open_grid(grids.Source(path, GRIDS, check, file))
         on_failure.pop_all()
         return opened
-
-
-def _open_grid(path, file, check):
-    files.package("xarray")
-    from landfall import grids
-
-    return grids.open_grid(grids.Source(path, GRIDS, check, file))
 
 
 def result_of_run(path, printed, options):

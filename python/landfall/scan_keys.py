@@ -14,12 +14,8 @@ def scan_schema():
     return schema.read_json(os.path.join(tools.SHARE, "schemas", "scan.schema.json"))
 
 
-def _resolved(node):
-    return scan_schema()["definitions"][node["$ref"].rsplit("/", 1)[1]] if "$ref" in node else node
-
-
 def _alternatives(node):
-    owner = _resolved(node)
+    owner = schema.dereferenced(scan_schema(), node)
     return [found for option in owner["oneOf"] for found in _alternatives(option)] if "oneOf" in owner else [owner]
 
 

@@ -58,20 +58,21 @@ def default_at(root, config, path):
         if schema is None:
             return None
         known = isinstance(default, dict) and name in default
-        default = default[name] if known else schema.get("default", _dereferenced(root, schema).get("default"))
+        default = default[name] if known else schema.get("default", dereferenced(root, schema).get("default"))
     return default
 
 
-def _dereferenced(root, schema):
-    return _dereferenced(root, root["definitions"][schema["$ref"].rsplit("/", 1)[1]]) if "$ref" in schema else schema
+def dereferenced(root, schema):
+    """The schema that a "$ref" refers to; another one as it is."""
+    return dereferenced(root, root["definitions"][schema["$ref"].rsplit("/", 1)[1]]) if "$ref" in schema else schema
 
 
 def _chosen(root, schema, value):
     """The alternative of `oneOf` for a value."""
-    owner = _dereferenced(root, schema)
+    owner = dereferenced(root, schema)
     kind = (value or {}).get("type") or (owner.get("default") or {}).get("type") if isinstance(value, (dict, type(None))) else None
     for option in owner.get("oneOf", []):
-        choice = _dereferenced(root, option)
+        choice = dereferenced(root, option)
         if "oneOf" in choice or choice.get("properties", {}).get("type", {}).get("const") == kind:
             return _chosen(root, choice, value) if "oneOf" in choice else choice
     return owner

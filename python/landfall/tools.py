@@ -67,7 +67,7 @@ def run(tool, config, inputs, output, options):
         arguments, standard_input = _configs(config, folder)
         arguments = [*(_path(name, "an input") for name in inputs), *arguments]
         for name, value in options.items():
-            arguments += _option("--" + name.replace("_", "-"), value)
+            arguments += option_words("--" + name.replace("_", "-"), value)
         if output is not None:
             arguments += ["-o", _path(output, "output")]
         try:
@@ -117,7 +117,8 @@ def _config_name(name):
     return name if is_file or name.startswith("preset:") else "preset:" + name
 
 
-def _option(name, value):
+def option_words(name, value):
+    """The words of a command line that give an option this value; none for None and False."""
     if value is None or value is False:
         return []
     if value is True:

@@ -97,14 +97,11 @@ def template(folder, page):
         place = PLACE.search(text)
         if place:
             raise ValueError(f"{page}: {place[0]} in the {name} would be replaced")
-        parts |= {name: text, name + "_source": source_of(text)}
+        # The source of the content security policy that admits the inline script or style with this text, and no other.
+        digest = base64.b64encode(hashlib.sha256(text.encode()).digest()).decode()
+        parts |= {name: text, name + "_source": f"'sha256-{digest}'"}
     sections = part(".html")
     return filled(read(os.path.join(folder, "page.html")), {**parts, **({} if sections is None else {"sections": sections})})
-
-
-def source_of(text):
-    """The source of the content security policy that admits the inline script or style with this text, and no other."""
-    return f"'sha256-{base64.b64encode(hashlib.sha256(text.encode()).digest()).decode()}'"
 
 
 def filled(text, parts):

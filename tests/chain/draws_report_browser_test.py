@@ -8,7 +8,7 @@ import unittest
 import h5py
 import numpy as np
 
-from harness import BIN, EVAL, LONGEST_S, REGRID, browser, read_bytes, with_values
+from harness import BIN, EVAL, LONGEST_S, REGRID, SCAN, TERRAIN, browser, read_bytes, with_values
 from harness.page import CONTRAST, PageTest
 
 SECTIONS = ["requirements", "distributions", "causes", "failures", "maps", "provenance-chain"]
@@ -152,6 +152,16 @@ class DrawsReportTest(PageTest):
         self.assertIn("No key is varied", self.text("#causes"))
         self.check_log_and_requests()
         self.check_layout()
+
+    def test_grounds_that_vary(self):
+        """Without a ground that all draws share, probabilities have their plain colours."""
+        config = {"draws": 3, "metrics": "verdict", "terrain": TERRAIN, "scan": SCAN, "regrid": REGRID, "eval": EVAL,
+                  "vary": {"terrain.features.0.x_m": {"type": "uniform", "low": -3, "high": 3}}}
+        self.succeed("monte-carlo", "-c", self.config(config), "-o", self.path("draws.h5"), "--report", self.path("draws.html"))
+        self.open("draws.html")
+        self.assertEqual(self.window.run("return [...document.querySelectorAll('#maps canvas')].map((c) => c.dataset.layer)"),
+                         [*PROBABILITIES, "e_z_mean", "e_z_std"])
+        self.check_log_and_requests()
 
     def test_what_is_refused(self):
         inputs = [self.path("scan.h5"), "--terrain", self.path("terrain.h5"), "-o", self.path("d.h5")]

@@ -31,7 +31,7 @@ STUDY = {"title": "Range noise", "base": {
 STREAMS = {"stored": (0, zlib.Z_DEFAULT_STRATEGY), "fixed": (9, zlib.Z_FIXED), "dynamic": (9, zlib.Z_DEFAULT_STRATEGY), "literals": (6, zlib.Z_HUFFMAN_ONLY)}
 INFLATE = """
 const bytes = (text) => Uint8Array.from(atob(text), (c) => c.charCodeAt(0));
-const found = inflated(bytes(arguments[0])), expected = bytes(arguments[1]);
+const expected = bytes(arguments[1]), found = inflated(bytes(arguments[0]), expected.length);
 return found.length === expected.length && found.every((value, i) => value === expected[i]);
 """
 IMAGES = """

@@ -9,7 +9,7 @@ import unittest
 from case import BASE, BIN, LIMITS, RESOLUTIONS, SIGMAS, StudyTest, read, study
 
 # pylint: disable=wrong-import-order
-from landfall.study import disk, reader, rules, stages
+from landfall.study import reader, rules, stages
 
 
 class Stages(StudyTest):
@@ -50,9 +50,9 @@ class Stages(StudyTest):
         tree = study({"key": "scan.noise.range_bias_m", "list": [0, 1]}, {"key": "scan.laser.scan_time_s", "list": [20, 40]})
         tree["set"] = {"scan.detector.rows": 16, "scan.detector.columns": 25, "scan.laser.pulse_rate_hz": 1000}
         graph = self.graph(tree)
-        self.assertEqual(disk.text(graph, {"scan"}), "on the disk: 2 truths, about 960 MB, until study-clean; KEEP=scan")
-        self.assertEqual(disk.text(self.graph(study()), set()), "on the disk: no scans and DEMs (KEEP names files to keep)")
-        self.assertEqual(disk.rays_of({}), 40000 * 18 * 18)
+        self.assertEqual(rules.disk_text(graph, {"scan"}), "on the disk: 2 truths, about 960 MB, until study-clean; KEEP=scan")
+        self.assertEqual(rules.disk_text(self.graph(study()), set()), "on the disk: no scans and DEMs (KEEP names files to keep)")
+        self.assertEqual(rules.rays_of({}), 40000 * 18 * 18)
         self.write(tree)
         printed = self.sweep("plan", self.path("tiny.json"), "--out", self.out(), "--bin", BIN).stdout
         self.assertIn("\non the disk: 2 truths, about 960 MB, until study-clean; no scans and DEMs (KEEP names files to keep)\n", printed)

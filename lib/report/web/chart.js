@@ -2,8 +2,7 @@
 
 // Diagrams: curves, bars and points between two axes, linear or logarithmic.
 
-import {htmlElement, svgElement} from "./elements.js";
-import {legendEntry, swatchEntry} from "./legend.js";
+import {htmlElement, legendEntry, svgElement, swatchEntry} from "./elements.js";
 import {ticks} from "./numbers.js";
 import {LINE, TEXT_COLOR} from "./palette.js";
 

@@ -7,10 +7,9 @@ import {choiceTable} from "./cloud_choice.js";
 import {columnOf} from "./cloud_columns.js";
 import {CloudView} from "./cloud_view.js";
 import {horizontalColorBar} from "./colorbar.js";
-import {htmlElement} from "./elements.js";
-import {swatchEntry} from "./legend.js";
+import {buttonElement, choiceElement, htmlElement, swatchEntry} from "./elements.js";
 import {HANDLING} from "./orbit_view.js";
-import {pageSection, startPage} from "./page.js";
+import {startPage} from "./page.js";
 import {report} from "./report_data.js";
 import {onThemeChange} from "./theme.js";
 
@@ -24,22 +23,17 @@ function legendOf(column) {
 
 function controls(view, legend, first) {
   const layers = report.layers.filter(({style}) => style !== "");
-  const select = htmlElement("select", {id: "color"}, ...layers.map(({name, title}) => htmlElement(
-      "option", {value: name, selected: name === first}, title)));
-  select.addEventListener("change", () => {
-    const column = columnOf(select.value);
-    view.show(column);
-    legend.replaceChildren(legendOf(column));
-  });
+  const color = choiceElement("colour", {id: "color"}, layers.map(({name, title}) => [name, title]), (name) => {
+    view.show(columnOf(name));
+    legend.replaceChildren(legendOf(columnOf(name)));
+  }, first);
   const size = htmlElement("input", {type: "range", id: "dots", min: "-1", max: "1", step: "0.05", value: "0"});
   size.addEventListener("input", () => {
     view.dotScale = 10 ** Number(size.value);
     view.draw();
   });
-  const reset = htmlElement("button", {type: "button"}, "reset the view");
-  reset.addEventListener("click", () => view.reset());
-  return htmlElement("div", {class: "controls"}, htmlElement("label", {}, "colour", select),
-                     htmlElement("label", {}, "size of the points", size), reset);
+  return htmlElement("div", {class: "controls"}, color, htmlElement("label", {}, "size of the points", size),
+                     buttonElement("reset the view", () => view.reset()));
 }
 
 function fillCloud(section) {
@@ -61,4 +55,4 @@ function fillCloud(section) {
   onThemeChange(() => view.draw());
 }
 
-startPage(() => {}, () => fillCloud(pageSection("cloud")));
+startPage(() => {}, () => fillCloud(document.getElementById("cloud")));

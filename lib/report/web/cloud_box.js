@@ -2,7 +2,7 @@
 
 // The box outside of which a cloud is hidden: a field for each end of each axis.
 
-import {htmlElement} from "./elements.js";
+import {buttonElement, htmlElement} from "./elements.js";
 
 const AXES = ["x", "y", "z"];
 
@@ -33,8 +33,7 @@ export function boxFields(view) {
       return tell();
     });
   }
-  const whole = htmlElement("button", {type: "button", id: "whole"}, "all points");
-  whole.addEventListener("click", () => show(null));
+  const whole = buttonElement("all points", () => show(null), {id: "whole"});
   const rows = fields.map((pair, axis) => htmlElement("tr", {}, htmlElement("th", {scope: "row"}, AXES[axis]),
                                                       ...pair.map((field) => htmlElement("td", {}, field))));
   const head = htmlElement("tr", {}, ...["box", "from (m)", "to (m)"].map((text) => htmlElement("th", {}, text)));

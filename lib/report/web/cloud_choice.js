@@ -3,7 +3,7 @@
 // The point that was clicked on: its values, and the other returns of its pulse, which are lit.
 
 import {columnOf} from "./cloud_columns.js";
-import {htmlElement} from "./elements.js";
+import {buttonElement, htmlElement} from "./elements.js";
 import {counted} from "./numbers.js";
 import {report} from "./report_data.js";
 import {valueText} from "./scales.js";
@@ -36,11 +36,6 @@ function valueRows(index) {
 /** Creates the table of values; `box` is that of cloud_box.js. */
 export function choiceTable(view, box) {
   const element = htmlElement("div", {class: "readings", id: "choice"}, htmlElement("p", {class: "note"}, HINT));
-  const button = (text, act) => {
-    const made = htmlElement("button", {type: "button"}, text);
-    made.addEventListener("click", act);
-    return made;
-  };
   const showNothing = () => {
     view.light(-1, []);
     element.replaceChildren(htmlElement("p", {class: "note"}, `No point there. ${HINT}`));
@@ -54,7 +49,7 @@ export function choiceTable(view, box) {
     element.replaceChildren(
         htmlElement("table", {id: "chosen"}, htmlElement("tbody", {}, ...valueRows(index))),
         htmlElement("p", {class: "note", id: "siblings"}, siblingText(pulses, siblings)),
-        htmlElement("div", {class: "controls"}, button("turn about it", () => view.centre(index)), button("box around it", around)));
+        htmlElement("div", {class: "controls"}, buttonElement("turn about it", () => view.centre(index)), buttonElement("box around it", around)));
   };
   let clicks = 0;
   view.onClick = (index) => {

@@ -2,36 +2,23 @@
 
 // The columns of a cloud unpacked: 32-bit codes, value = offset + code * step.
 
-import {inflate, unpackCodes} from "./rasters.js";
+import {unpackCodes} from "./rasters.js";
 import {report} from "./report_data.js";
 
 const NO_WIDE_CODE = 0xffffffff;
 
-/** The values of all points; scales.js takes it for a raster. */
-class Column {
-  constructor(layer, codes) {
-    this.layer = layer;
-    this.codes = codes;
-  }
-
-  /** NaN where the point has no value. */
-  value(index) {
-    const code = this.codes[index];
-    return code === NO_WIDE_CODE ? NaN : this.layer.offset + code * this.layer.step;
-  }
-}
-
 /** The halves of the codes, packed apart; null where all are 0. */
 function halfOf(name) {
   const element = document.getElementById("layer-" + name);
-  return element === null ? null : unpackCodes(inflate(element.textContent));
+  return element === null ? null : unpackCodes(element.textContent, report.count);
 }
 
+/** The values of all points, NaN where one has none; scales.js takes it for a raster. */
 function readColumn(layer) {
   const [low, high] = ["low", "high"].map((half) => halfOf(`${layer.name}-${half}`));
   const codes = Uint32Array.from(low);
   if (high !== null) high.forEach((part, i) => { codes[i] += 65536 * part; });
-  return new Column(layer, codes);
+  return {layer, codes, value: (index) => codes[index] === NO_WIDE_CODE ? NaN : layer.offset + codes[index] * layer.step};
 }
 
 const columns = new Map();

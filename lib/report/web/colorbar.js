@@ -3,8 +3,7 @@
 // The legend of a map's colours: what they show and in which unit, the limit, and where they end.
 
 import {cssColor} from "./color_maps.js";
-import {htmlElement, svgElement} from "./elements.js";
-import {swatchEntry} from "./legend.js";
+import {htmlElement, svgElement, swatchEntry} from "./elements.js";
 import {lengthUnit, metresAs, ticks} from "./numbers.js";
 import {TEXT_COLOR} from "./palette.js";
 import {report} from "./report_data.js";

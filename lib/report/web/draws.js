@@ -4,11 +4,11 @@
 
 import {axisOf, Chart} from "./chart.js";
 import {valuesBar} from "./cursor.js";
-import {htmlElement, tableElement} from "./elements.js";
+import {choiceElement, htmlElement, tableElement} from "./elements.js";
 import {MapPanel} from "./map.js";
 import {appendFigures, gridText, loadGroups} from "./map_groups.js";
 import {formatNumber} from "./numbers.js";
-import {pageSection, startPage} from "./page.js";
+import {startPage} from "./page.js";
 import {LINE, TEXT_COLOR} from "./palette.js";
 import {layerNamed, rasterOf} from "./rasters.js";
 import {report} from "./report_data.js";
@@ -171,13 +171,12 @@ function fillCauses(section) {
     section.append(htmlElement("p", {}, report.varied.length === 0 ? "No key is varied: the draws differ in their seeds only." : "No metric differs between the draws."));
     return;
   }
-  const select = htmlElement("select", {id: "metric"}, ...metrics.map(({name}, k) => htmlElement("option", {value: k}, name)));
   const figures = htmlElement("div", {class: "figures"});
-  const show = () => figures.replaceChildren(...report.varied.map((key) => scatterChart(metrics[Number(select.value)], key)));
-  select.addEventListener("change", show);
-  show();
+  const show = (k) => figures.replaceChildren(...report.varied.map((key) => scatterChart(metrics[Number(k)], key)));
+  const choice = choiceElement("metric", {id: "metric"}, metrics.map(({name}, k) => [k, name]), show);
+  show(0);
   section.append(htmlElement("p", {class: "note"}, `A point for each draw.${shownNote()} A rank correlation near 1 or \u22121 means that the key orders the draws.`),
-                 htmlElement("div", {class: "controls screen-only"}, htmlElement("label", {}, "metric", select)), figures);
+                 htmlElement("div", {class: "controls screen-only"}, choice), figures);
 }
 
 // Failed draws
@@ -202,11 +201,6 @@ function failureTable(failed) {
     [String(drawNumber(i)), drawNumber(i)], [report.seeds[i], report.seeds[i]], [missedText(i)],
     ...(report.varied.length > 0 ? [[valuesText(i)]] : [])]);
   return tableElement("failed-draws", columns, rows);
-}
-
-/** The commands that write the configurations of the chain, the same for all draws. */
-function configurationCommands() {
-  return Object.entries(report.stages).map(([stage, config]) => `cat > ${stage}.json <<'END'\n${JSON.stringify(config)}\nEND`).join("\n");
 }
 
 /** The chain's commands of a draw: its seed and its values, in the digits that give back the same bits. */
@@ -281,6 +275,7 @@ function fillFailures(section) {
     section.append(htmlElement("p", {class: "note"}, "The commands of the chain stand in the report of a campaign over one scan."));
     return;
   }
+  const configurations = Object.entries(report.stages).map(([stage, config]) => `cat > ${stage}.json <<'END'\n${JSON.stringify(config)}\nEND`);
   const input = htmlElement("input", {type: "number", id: "draw", min: report.first_draw, max: drawNumber(shownDraws - 1), value: drawNumber(failed[0] ?? 0)});
   const commands = htmlElement("pre", {id: "commands"});
   const show = () => {
@@ -293,7 +288,7 @@ function fillFailures(section) {
                  htmlElement("p", {class: "note"}, report.traces ? "The metrics are the same, bit for bit." :
                      "scan.h5 and terrain.h5 are the inputs of this campaign; the metrics are the same, bit for bit."),
                  htmlElement("details", {}, htmlElement("summary", {}, "once: the configurations of the tools"),
-                             htmlElement("pre", {id: "configurations"}, configurationCommands())),
+                             htmlElement("pre", {id: "configurations"}, configurations.join("\n"))),
                  htmlElement("div", {class: "controls screen-only"}, htmlElement("label", {}, "draw", input)), commands);
 }
 
@@ -322,8 +317,8 @@ async function fillMaps(section) {
 }
 
 startPage(() => {
-  fillDistributions(pageSection("distributions"));
-  fillCauses(pageSection("causes"));
-  fillLandings(pageSection("landings"));
-  fillFailures(pageSection("failures"));
-}, () => fillMaps(pageSection("maps")));
+  fillDistributions(document.getElementById("distributions"));
+  fillCauses(document.getElementById("causes"));
+  fillLandings(document.getElementById("landings"));
+  fillFailures(document.getElementById("failures"));
+}, () => fillMaps(document.getElementById("maps")));

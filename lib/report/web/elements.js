@@ -28,6 +28,35 @@ export function htmlElement(name, attributes = {}, ...children) {
   return withParts(document.createElement(name), attributes, children);
 }
 
+/** An entry of a legend: a line and its name. */
+export function legendEntry(text, color, dash, width = 2.5) {
+  const sample = svgElement("svg", {viewBox: "0 0 30 10", class: "sample"}, svgElement(
+      "line", {x1: 1, x2: 29, y1: 5, y2: 5, stroke: color, "stroke-width": width, "stroke-dasharray": dash}));
+  return htmlElement("span", {}, sample, text);
+}
+
+/** An entry of a legend: a shape of 12 x 12 pixels, by default a square, and its name. */
+export function swatchEntry(text, attributes, shape = "rect") {
+  const size = shape === "rect" ? {width: 12, height: 12} : {cx: 6, cy: 6, r: 4};
+  const sample = svgElement("svg", {viewBox: "0 0 12 12", class: "swatch"}, svgElement(shape, {...size, ...attributes}));
+  return htmlElement("span", {}, sample, text);
+}
+
+/** A button that calls `act` when it is clicked. */
+export function buttonElement(text, act, attributes = {}) {
+  const button = htmlElement("button", {type: "button", ...attributes}, text);
+  button.addEventListener("click", act);
+  return button;
+}
+
+/** A labelled choice among [[value, text]] that calls `act` with the value when it changes. */
+export function choiceElement(label, attributes, options, act, chosen = null) {
+  const select = htmlElement("select", attributes, ...options.map(([value, text]) => htmlElement(
+      "option", {value, selected: value === chosen}, text)));
+  select.addEventListener("change", () => act(select.value));
+  return htmlElement("label", {}, label, select);
+}
+
 /** Creates a table that a click on a heading sorts; each cell is [text or element, value to sort by]. */
 export function tableElement(id, headings, rows) {
   const cell = ([text, value], name) => {

@@ -9,6 +9,12 @@ import {LINE, TEXT_COLOR} from "./palette.js";
 const LEAST_BOUND_M = 1e-6;  // least bound of an axis, so that rounding errors do not fill it
 const AXIS_STYLES = {x: {color: LINE.blue, dash: ""}, y: {color: LINE.vermilion, dash: "6 3"}, z: {color: TEXT_COLOR, dash: "2 2"}};
 
+/** `curves`: [[axis, points]]. */
+function addCurves(chart, prefix, curves) {
+  for (const [axis, points] of curves) chart.curve(points, {...AXIS_STYLES[axis], text: prefix + axis});
+  return chart;
+}
+
 /** Shares up to a value, extended to the right border with share 1, so that a single value gives a line, too. */
 function rising(points, right, factor) {
   return [...points, [Math.max(right, points[points.length - 1][0]), 1]].map(([x, y]) => [x * factor, 100 * y]);
@@ -40,10 +46,7 @@ export function errorChart(axes) {
   const high = 1.08 * Math.max(...curves.map(([, points]) => Math.max(...points.map(([, y]) => y))));
   const chart = new Chart("Errors of the bins", {low: -bound * factor, high: bound * factor, label: `true \u2212 estimated (${unit})`},
                           {low: 0, high: 100 * high, label: "bins in a class (%)"});
-  for (const [axis, points] of curves) {
-    chart.curve(points.map(([x, y]) => [x * factor, 100 * y]), {...AXIS_STYLES[axis], text: `e_${axis}`});
-  }
-  return chart.element;
+  return addCurves(chart, "e_", curves.map(([axis, points]) => [axis, points.map(([x, y]) => [x * factor, 100 * y])])).element;
 }
 
 /** [[middle, share]] of `classes` equally wide classes from -bound to bound. */
@@ -69,10 +72,7 @@ export function absoluteErrorChart(axes) {
   const [unit, factor] = lengthUnit(bound);
   const chart = new Chart("Bins with an error up to ...", {low: 0, high: bound * factor, label: `|error| (${unit})`},
                           {low: 0, high: 100, label: "share of the bins (%)"});
-  for (const [axis, points] of curves) {
-    chart.curve(rising(points, bound, factor), {...AXIS_STYLES[axis], text: `e_${axis}`});
-  }
-  return chart.element;
+  return addCurves(chart, "e_", curves.map(([axis, points]) => [axis, rising(points, bound, factor)])).element;
 }
 
 /** The cumulative shares of |value|. */
@@ -94,9 +94,7 @@ export function relativeChart(axes, limits) {
   const chart = new Chart("Footprints with a relative error up to ...",
                           {low: 0, high: bound * factor, label: `relative error (${unit})`},
                           {low: 0, high: 100, label: "share of the footprints (%)"});
-  for (const [axis, h] of shown) {
-    chart.curve(rising(cumulative(h.relative), bound, factor), {...AXIS_STYLES[axis], text: `rel_${axis}`});
-  }
+  addCurves(chart, "rel_", shown.map(([axis, h]) => [axis, rising(cumulative(h.relative), bound, factor)]));
   const texts = limits.relative_elevation_m === limits.relative_horizontal_m ?
       [["limit", limits.relative_elevation_m]] :
       [["limit of z", limits.relative_elevation_m], ["limit of x and y", limits.relative_horizontal_m]];

@@ -5,12 +5,12 @@
 import {failLegend} from "./colorbar.js";
 import {centimetres, fillHoles, fillWorst} from "./crops.js";
 import {setLine, valuesBar} from "./cursor.js";
-import {htmlElement, tableElement} from "./elements.js";
+import {buttonElement, htmlElement, tableElement} from "./elements.js";
 import {absoluteErrorChart, errorChart, relativeChart, reliabilityChart, shareChart} from "./error_charts.js";
 import {MapPanel} from "./map.js";
 import {appendFigures, gridText, loadGroups, scaleControl} from "./map_groups.js";
 import {counted, formatNumber, metresAs} from "./numbers.js";
-import {pageSection, startPage} from "./page.js";
+import {startPage} from "./page.js";
 import {LINE} from "./palette.js";
 import {firstLine, ProfileView} from "./profile.js";
 import {layerNamed, rasterOf} from "./rasters.js";
@@ -49,10 +49,9 @@ function mapsNote() {
 function blinkButton(panel, rasters) {
   const PERIOD_MS = 700;
   const names = rasters.map(({layer}) => layer.name).join(" / ");
-  const button = htmlElement("button", {type: "button", class: "blink screen-only", "aria-pressed": "false"}, `blink ${names}`);
   const step = () => panel.setRaster(rasters[panel.raster === rasters[0] ? 1 : 0]);
   let timer = null;
-  button.addEventListener("click", () => {
+  const button = buttonElement(`blink ${names}`, () => {
     if (window.matchMedia("(prefers-reduced-motion: reduce)").matches) {
       step();
       return;
@@ -67,15 +66,8 @@ function blinkButton(panel, rasters) {
     }
     button.setAttribute("aria-pressed", String(timer !== null));
     button.textContent = timer === null ? `blink ${names}` : "stop blinking";
-  });
+  }, {class: "blink screen-only", "aria-pressed": "false"});
   return button;
-}
-
-/** The estimated and the true elevation have one scale. */
-function makePeers(rasters) {
-  const elevations = rasters.filter(({layer}) => layer.style === "elevation");
-  for (const raster of elevations) raster.peers = elevations;
-  return elevations;
 }
 
 function profileView(named) {
@@ -87,7 +79,8 @@ function profileView(named) {
 async function fillMaps(section) {
   const {groups, all, named} = await loadGroups();
   const region = await rasterOf(layerNamed("in_region"), report.grid);
-  const elevations = makePeers(all);
+  const elevations = all.filter(({layer}) => layer.style === "elevation");
+  for (const raster of elevations) raster.peers = elevations;  // they have one scale
   section.append(htmlElement("p", {class: "note"}, mapsNote()), valuesBar(all), scaleControl());
   for (const [title, rasters] of groups) {
     appendFigures(section, title, rasters.map((raster) => mapFigure(raster, mapOptions(raster, region, named("invalid")), elevations)));
@@ -148,16 +141,16 @@ function fillUncertainty(section) {
 }
 
 function fillTexts() {
-  fillUncertainty(pageSection("uncertainty"));
-  fillErrors(pageSection("errors"));
-  fillHoles(pageSection("holes"));
-  if (report.metrics.requirements.relative_elevation.pass === null) pageSection("worst").remove();
+  fillUncertainty(document.getElementById("uncertainty"));
+  fillErrors(document.getElementById("errors"));
+  fillHoles(document.getElementById("holes"));
+  if (report.metrics.requirements.relative_elevation.pass === null) document.getElementById("worst").remove();
 }
 
 async function fillDrawings() {
-  await fillMaps(pageSection("maps"));
-  await fillTerrainView(pageSection("view-3d"));
-  if (pageSection("worst")) await fillWorst(pageSection("worst"));
+  await fillMaps(document.getElementById("maps"));
+  await fillTerrainView(document.getElementById("view-3d"));
+  if (document.getElementById("worst")) await fillWorst(document.getElementById("worst"));
 }
 
 startPage(fillTexts, fillDrawings);

@@ -4,19 +4,19 @@
 
 import {Chart} from "./chart.js";
 import {setLine, valuesBar} from "./cursor.js";
-import {htmlElement, outlined, tableElement} from "./elements.js";
-import {swatchEntry} from "./legend.js";
+import {htmlElement, outlined, swatchEntry, tableElement} from "./elements.js";
 import {MapPanel} from "./map.js";
 import {appendFigures, gridText, loadGroups, scaleControl} from "./map_groups.js";
 import {counted, formatNumber, lengthUnit, metresAs} from "./numbers.js";
-import {pageSection, startPage} from "./page.js";
+import {startPage} from "./page.js";
 import {LINE, TEXT_COLOR} from "./palette.js";
 import {mapColumns} from "./places.js";
-import {centimetresOf, poseLegend, siteFigures} from "./pose.js";
+import {poseLegend, siteFigures} from "./pose.js";
 import {firstLine, ProfileView} from "./profile.js";
 import {layerNamed} from "./rasters.js";
 import {report} from "./report_data.js";
 
+const TRUTH = {null: "unknown", true: "safe", false: "hazard \u2717"};  // of true_safe
 const WITH_SITES = ["safe", "outcome", "p_safe", "p_touchdown", "cost"];
 
 function mapsNote() {
@@ -29,12 +29,9 @@ function mapsNote() {
       "is at most four times this; a pointed end of a colour bar means that values lie beyond it.";
 }
 
-function countText(count, all) {
-  return `${count.toLocaleString("en")} (${Number((100 * count / all).toPrecision(3))} %)`;
-}
-
 function classLegend({flags}) {
-  const entries = flags.map(({text, color, count}) => swatchEntry(`${text}: ${countText(count, report.places)}`, {fill: color}));
+  const entries = flags.map(({text, color, count}) => swatchEntry(
+      `${text}: ${count.toLocaleString("en")} (${percentText(count, report.places)})`, {fill: color}));
   return htmlElement("div", {class: "legend flags"}, ...entries);
 }
 
@@ -85,16 +82,12 @@ function siteTable(sites) {
                ["y (m)", ({y_m}) => [formatNumber(y_m, 0.01), y_m]], ["cost", ({cost}) => probability(cost)],
                ["p_touchdown", ({p_touchdown}) => probability(p_touchdown)], ["p_safe", ({p_safe}) => probability(p_safe)],
                ["slope (deg)", ({slope_deg}) => [formatNumber(slope_deg, 0.01), slope_deg]],
-               ["roughness (cm)", ({roughness_m}) => centimetresOf(roughness_m)],
+               ["roughness (cm)", ({roughness_m}) => [formatNumber(100 * roughness_m, 0.1), roughness_m]],
                ["hazard at (m)", ({distance_to_hazard_m: d}) => [formatNumber(d, 0.01), d ?? 1e300]]];
   const columns = all.filter(([text]) => hasP || !text.startsWith("p_"));
   const onMap = mapColumns(sites);
-  const rows = sites.map((site) => [...columns.map(([, cell]) => cell(site)), ...(hasTruth ? [[truthText(site)]] : []), ...onMap.cellsOf(site)]);
+  const rows = sites.map((site) => [...columns.map(([, cell]) => cell(site)), ...(hasTruth ? [[TRUTH[site.true_safe]]] : []), ...onMap.cellsOf(site)]);
   return tableElement("landing-sites", [...columns.map(([text]) => [text, true]), ...(hasTruth ? [["truth", false]] : []), ...onMap.heads], rows);
-}
-
-function truthText({true_safe}) {
-  return true_safe === null ? "unknown" : true_safe ? "safe" : "hazard \u2717";
 }
 
 async function fillSites(section) {
@@ -116,8 +109,8 @@ async function fillSites(section) {
 
 // Score
 
-function percentText(share) {
-  return share === null ? "\u2013" : `${Number((100 * share).toPrecision(3))} %`;
+function percentText(part, whole = 1) {
+  return part === null ? "\u2013" : `${Number((100 * part / whole).toPrecision(3))} %`;
 }
 
 /** The ends of a logarithmic axis in percent; 0 is drawn at its low end. */
@@ -173,7 +166,7 @@ function fillScore(section) {
       htmlElement("p", {}, "No diagram: the true ground has no hazard, or no safe place."));
 }
 
-startPage(() => fillScore(pageSection("score")), async () => {
-  await fillMaps(pageSection("maps"));
-  await fillSites(pageSection("sites"));
+startPage(() => fillScore(document.getElementById("score")), async () => {
+  await fillMaps(document.getElementById("maps"));
+  await fillSites(document.getElementById("sites"));
 });

@@ -36,9 +36,9 @@ class Stream {
   at = HEADER_BYTES;
   length = 0;
 
-  constructor(bytes) {
+  constructor(bytes, size) {
     this.bytes = bytes;
-    this.output = new Uint8Array(4 * bytes.length + 1024);
+    this.output = new Uint8Array(size);
   }
 
   fill(count) {
@@ -64,20 +64,12 @@ class Stream {
     return entry >> 4;
   }
 
-  reserve(count) {
-    if (this.length + count <= this.output.length) return;
-    const larger = new Uint8Array(2 * (this.length + count));
-    larger.set(this.output);
-    this.output = larger;
-  }
-
   /** A block that is not compressed begins at the next byte. */
   copyStored() {
     this.at -= this.held >> 3;
     this.hold = this.held = 0;
     const count = this.bytes[this.at] | this.bytes[this.at + 1] << 8;
     this.at += 4;
-    this.reserve(count);
     this.output.set(this.bytes.subarray(this.at, this.at + count), this.length);
     this.at += count;
     this.length += count;
@@ -106,7 +98,6 @@ class Stream {
     const [literals, distances] = tables;
     for (let symbol = this.symbol(literals); symbol !== END; symbol = this.symbol(literals)) {
       if (symbol < END) {
-        this.reserve(1);
         this.output[this.length++] = symbol;
       } else {
         const count = LENGTHS[symbol - 257] + this.bits(LENGTH_BITS[symbol - 257]), distance = this.symbol(distances);
@@ -117,20 +108,19 @@ class Stream {
 
   /** Appends `count` bytes that begin `back` bytes before the end, and that may reach into themselves. */
   repeat(count, back) {
-    this.reserve(count);
     const {output} = this;
     for (const end = this.length + count; this.length < end; ++this.length) output[this.length] = output[this.length - back];
   }
 }
 
-/** The content of a zlib stream. */
-export function inflated(bytes) {
-  const stream = new Stream(bytes);
+/** The content of a zlib stream, `size` bytes. */
+export function inflated(bytes, size) {
+  const stream = new Stream(bytes, size);
   for (let isLast = 0; !isLast;) {
     isLast = stream.bits(1);
     const kind = stream.bits(2);
     if (kind === 0) stream.copyStored();
     else stream.expand(kind === 1 ? FIXED : stream.readTables());
   }
-  return stream.output.subarray(0, stream.length);
+  return stream.output;
 }

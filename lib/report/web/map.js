@@ -5,18 +5,17 @@
 import {MARK_COLOR, NO_VALUE_COLOR, parseColor} from "./color_maps.js";
 import {clippingText, limitText, verticalColorBar} from "./colorbar.js";
 import {listenToPointer, panels, placeText, pointing} from "./cursor.js";
-import {htmlElement, outlined, svgElement} from "./elements.js";
+import {buttonElement, htmlElement, outlined, svgElement} from "./elements.js";
 import {fitToElement} from "./fit.js";
 import {lengthUnit, metresAs, ticks} from "./numbers.js";
 import {INK, TEXT_COLOR} from "./palette.js";
 import {pixelShares, stretched} from "./pixels.js";
-import {allMarks, blocksOf, fewMarks, loneMarks, MAX_MARKED} from "./rasters.js";
+import {allMarks, blocksOf, loneMarks, MAX_MARKED} from "./rasters.js";
 import {lightOf, reliefColors, reliefFactor, slopesOf} from "./relief.js";
 import {report} from "./report_data.js";
 import {colorOf, flagColor, markColor, scaleOf, valueText} from "./scales.js";
 
 const MAP_MARGIN = {left: 50, right: 92, top: 22, bottom: 40};
-export const LEAST_WIDTH = 160;  // pixels of a panel, below which the page has no layout yet
 let clipCount = 0;
 const GROUND_COLOR = [244, 241, 234];
 const LEAST_LIGHT = 0.85;  // on a probability above 0
@@ -60,13 +59,11 @@ export class MapPanel {
 
   enlargeButton({name, title}) {
     const text = (wide) => `${wide ? "reduce" : "enlarge"} ${name}`;
-    const button = htmlElement("button", {type: "button", class: "enlarge screen-only", "aria-pressed": "false",
-                                          title: title}, text(false));
-    button.addEventListener("click", () => {
+    const button = buttonElement(text(false), () => {
       const wide = this.element.classList.toggle("wide");
       button.setAttribute("aria-pressed", String(wide));
       button.textContent = text(wide);
-    });
+    }, {class: "enlarge screen-only", "aria-pressed": "false", title});
     return button;
   }
 
@@ -85,13 +82,6 @@ export class MapPanel {
   }
 
   isMarks() { return ["mask", "flags", "classes"].includes(this.raster.layer.style); }
-
-  fit() {
-    const width = Math.round(this.plot.clientWidth);
-    if (width < LEAST_WIDTH || width === this.width) return;
-    this.width = width;
-    this.draw();
-  }
 
   /** Computes the layout for the current width and draws. */
   draw() {
@@ -115,7 +105,7 @@ export class MapPanel {
     this.drawFootprint();
     this.drawPoints();
     this.options.draw?.(this);
-    if (!this.isMarks()) this.drawColorBar();
+    if (!this.isMarks()) this.svg.append(...verticalColorBar(this.raster, this.scale, {x: left + plotWidth + 14, top, height: plotHeight}));
     this.overlay = svgElement("g", {class: "overlay"});
     this.svg.append(this.overlay);
     this.drawOverlay();
@@ -164,32 +154,32 @@ export class MapPanel {
     return colors;
   }
 
-  /** Colours of classes in the light of the ground. */
-  classColors(blocks) {
-    const {layer} = this.raster;
+  /** `colorsOf(value, light)`: the colour of a block in the light of the ground, 1 where no ground is given. */
+  colorsInLight(blocks, colorsOf) {
     const colors = new Float32Array(3 * blocks.values.length);
-    const slopes = slopesOf(blocksOf(this.options.relief, blocks.stride)), factor = reliefFactor(slopes);
-    const ofBits = new Map([[0, NO_VALUE_COLOR]]);
-    blocks.values.forEach((bits, i) => {
-      if (!ofBits.has(bits)) ofBits.set(bits, parseColor(flagColor(layer, bits)));
-      const light = Number.isNaN(slopes[2 * i]) ? 1 : lightOf(slopes, i, factor);
-      colors.set(ofBits.get(bits).map((part) => Math.min(255, part * light)), 3 * i);
-    });
+    const {relief} = this.options;
+    const slopes = relief ? slopesOf(blocksOf(relief, blocks.stride)) : new Float32Array(2 * blocks.values.length).fill(NaN);
+    const factor = reliefFactor(slopes);
+    blocks.values.forEach((value, i) => colors.set(colorsOf(value, Number.isNaN(slopes[2 * i]) ? 1 : lightOf(slopes, i, factor)), 3 * i));
     return colors;
   }
 
-  /** Colours of probabilities in the light of the ground, which has its own colour where the probability is 0. Elsewhere the light is
-   * nearly even, so that a colour can be compared with the colour bar. */
+  classColors(blocks) {
+    const ofBits = new Map([[0, NO_VALUE_COLOR]]);
+    return this.colorsInLight(blocks, (bits, light) => {
+      if (!ofBits.has(bits)) ofBits.set(bits, parseColor(flagColor(this.raster.layer, bits)));
+      return ofBits.get(bits).map((part) => Math.min(255, part * light));
+    });
+  }
+
+  /** Colours of probabilities; the ground has its own colour where the probability is 0. Elsewhere the light is nearly even, so that a colour can
+   * be compared with the colour bar. */
   chanceColors(blocks) {
-    const colors = new Float32Array(3 * blocks.values.length);
-    const slopes = slopesOf(blocksOf(this.options.relief, blocks.stride)), factor = reliefFactor(slopes);
-    blocks.values.forEach((value, i) => {
-      const light = Number.isNaN(slopes[2 * i]) ? 1 : lightOf(slopes, i, factor);
+    return this.colorsInLight(blocks, (value, light) => {
       const color = value === 0 ? GROUND_COLOR : colorOf(this.scale, value);
       const shade = value === 0 ? light : Math.min(1, Math.max(LEAST_LIGHT, light));
-      colors.set(color.map((part) => Number.isNaN(value) ? NO_VALUE_COLOR[0] : Math.min(255, part * shade)), 3 * i);
+      return color.map((part) => Number.isNaN(value) ? NO_VALUE_COLOR[0] : Math.min(255, part * shade));
     });
-    return colors;
   }
 
   /** A mask's value is the share of its bins that are set; `isShare`: the colour shows it. */
@@ -205,7 +195,8 @@ export class MapPanel {
    * map would not be visible: [{x, y, value, size}]. Null if less than 1 % of the region and of the map must not be hidden by them. */
   enlargedMarks(stride, ratio) {
     const source = this.isMarks() ? this.raster.marks() : this.options.marks;
-    if (!source || !fewMarks(source, this.options.region)) return null;
+    const {region} = this.options;
+    if (!source || source.marked() >= MAX_MARKED * (region ? region.marked() : source.codes.length)) return null;
     const blocks = blocksOf(source, stride), isClass = source.layer.style === "classes";
     const pixels = this.canvas.width * blocks.cell_m / this.raster.width_m, size = Math.round(3 * ratio);
     if (pixels >= size && !isClass) return [];
@@ -314,11 +305,6 @@ export class MapPanel {
       taken.push(box);
       this.svg.append(svgElement("text", {x: box.left, y: box.bottom - 2, class: "haloed number"}, text));
     }
-  }
-
-  drawColorBar() {
-    const {left, top, width, height} = this.box;
-    this.svg.append(...verticalColorBar(this.raster, this.scale, {x: left + width + 14, top, height}));
   }
 
   /** The position under the pointer, metres; null outside the map. */

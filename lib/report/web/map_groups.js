@@ -3,7 +3,7 @@
 // The maps of a page, in groups with a heading each.
 
 import {panels} from "./cursor.js";
-import {htmlElement} from "./elements.js";
+import {choiceElement, htmlElement} from "./elements.js";
 import {rasterOf} from "./rasters.js";
 import {report} from "./report_data.js";
 import {display} from "./scales.js";
@@ -25,13 +25,11 @@ export function gridText() {
 
 /** The choice of whether the scales of errors reach the limits. */
 export function scaleControl() {
-  const select = htmlElement("select", {id: "scales"}, htmlElement("option", {value: "near"}, "reach near limits"),
-                             htmlElement("option", {value: "all"}, "reach all limits"), htmlElement("option", {value: "none"}, "show the data only"));
-  select.addEventListener("change", () => {
-    display.limits = select.value;
+  const options = [["near", "reach near limits"], ["all", "reach all limits"], ["none", "show the data only"]];
+  return htmlElement("div", {class: "controls screen-only"}, choiceElement("colour scales", {id: "scales"}, options, (limits) => {
+    display.limits = limits;
     for (const panel of panels) panel.rescale();
-  });
-  return htmlElement("div", {class: "controls screen-only"}, htmlElement("label", {}, "colour scales", select));
+  }));
 }
 
 export function appendFigures(section, title, elements) {

@@ -7,36 +7,26 @@ import {fitAll} from "./fit.js";
 import {makeSortable} from "./table.js";
 import {makeThemeButton} from "./theme.js";
 
-export function pageSection(id) {
-  return document.getElementById(id);
-}
-
 function fillContents() {
   const links = [...document.querySelectorAll("main > section")].map((section) => htmlElement(
       "a", {href: `#${section.id}`}, section.querySelector("h2").textContent));
   document.querySelector("nav.contents").prepend(...links);
 }
 
-/** Resolves after the next frame, when all panels have their width. */
-function nextFrame() {
-  return new Promise((resolve) => { requestAnimationFrame(() => requestAnimationFrame(resolve)); });
-}
-
-/** Fills the page: `fillTexts` what needs no map, `fillDrawings`, if there are any, the maps. */
-async function fillPage(fillTexts, fillDrawings) {
-  makeThemeButton(pageSection("theme"));
-  fillTexts();
-  fillContents();
-  for (const table of document.querySelectorAll("main table.sortable")) makeSortable(table);
-  if (fillDrawings) await fillDrawings();
-  fitAll();
-}
-
-export function startPage(fillTexts, fillDrawings = null) {
-  fillPage(fillTexts, fillDrawings).then(nextFrame).then(
-      () => { document.body.dataset.ready = "yes"; },
-      (error) => {
-        pageSection("message").textContent = `Drawing failed: ${error.message}`;
-        throw error;
-      });
+/** Fills the page: `fillTexts` what needs no map, `fillDrawings`, if there are any, the maps. Tells of an error on the page. */
+export async function startPage(fillTexts, fillDrawings = null) {
+  try {
+    makeThemeButton(document.getElementById("theme"));
+    fillTexts();
+    fillContents();
+    for (const table of document.querySelectorAll("main table.sortable")) makeSortable(table);
+    if (fillDrawings) await fillDrawings();
+    fitAll();
+    // After the next frame all panels have their width.
+    await new Promise((resolve) => { requestAnimationFrame(() => requestAnimationFrame(resolve)); });
+    document.body.dataset.ready = "yes";
+  } catch (error) {
+    document.getElementById("message").textContent = `Drawing failed: ${error.message}`;
+    throw error;
+  }
 }

@@ -4,10 +4,9 @@
 // direction of its plane, which is a line there.
 
 import {Axis, drawFrame} from "./chart.js";
-import {htmlElement, outlined, svgElement} from "./elements.js";
+import {htmlElement, legendEntry, outlined, svgElement, swatchEntry} from "./elements.js";
 import {fitToElement} from "./fit.js";
-import {legendEntry, swatchEntry} from "./legend.js";
-import {LEAST_WIDTH, MapPanel} from "./map.js";
+import {MapPanel} from "./map.js";
 import {formatNumber, lengthUnit, metresAs} from "./numbers.js";
 import {LINE, VERMILION} from "./palette.js";
 import {endsOf} from "./profile.js";
@@ -19,20 +18,12 @@ const GROUND = "var(--soft)";
 const PLANE = LINE.blue;
 const DECIDING = LINE.vermilion;
 
-export function centimetresOf(value_m) {
-  return [formatNumber(100 * value_m, 0.1), value_m];
-}
-
 /** The unit vector up the plane, along which the side view looks across; that of leg 0 on a level plane.
  * @returns {[number, number]} */
 function directionOf({east, north, yaw_deg}) {
   const steep = Math.hypot(east, north);
   const yaw = yaw_deg * Math.PI / 180;
   return steep > 1e-9 ? [east / steep, north / steep] : [Math.cos(yaw), Math.sin(yaw)];
-}
-
-function planeAt({east, north, centre_z_m}, dx_m, dy_m) {
-  return centre_z_m + east * dx_m + north * dy_m;
 }
 
 /** Draws pads, legs, the deciding bin and the direction of the side view on a map. */
@@ -87,20 +78,14 @@ class SideView {
     fitToElement(this, this.element);
   }
 
-  fit() {
-    const width = Math.round(this.element.clientWidth);
-    if (width < LEAST_WIDTH || width === this.width) return;
-    this.width = width;
-    this.draw();
-  }
-
   /** Position of a point of the map along the view. */
   along({x_m, y_m}) {
     return (x_m - this.site.x_m) * this.direction[0] + (y_m - this.site.y_m) * this.direction[1];
   }
 
   planeAlong(at_m) {
-    return planeAt(this.pose, at_m * this.direction[0], at_m * this.direction[1]);
+    const {east, north, centre_z_m} = this.pose, [ux, uy] = this.direction;
+    return centre_z_m + east * (at_m * ux) + north * (at_m * uy);
   }
 
   /** Heights of the limits of roughness above the centre of the plane: one, or one on either side of a fitted plane. */

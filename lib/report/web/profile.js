@@ -4,8 +4,7 @@
 
 import {Axis, drawFrame} from "./chart.js";
 import {lineListeners, pointing, setLine} from "./cursor.js";
-import {htmlElement, svgElement} from "./elements.js";
-import {legendEntry} from "./legend.js";
+import {htmlElement, legendEntry, svgElement} from "./elements.js";
 import {formatNumber, lengthUnit, metresAs} from "./numbers.js";
 import {report} from "./report_data.js";
 
@@ -41,29 +40,19 @@ function profileOf(raster, line) {
 
 /** The pieces of a curve between gaps. */
 function piecesOf(points) {
-  const pieces = [];
-  let piece = [];
+  const pieces = [[]];
   for (const point of points) {
-    if (!Number.isNaN(point[1])) {
-      piece.push(point);
-    } else if (piece.length > 0) {
-      pieces.push(piece);
-      piece = [];
-    }
+    if (Number.isNaN(point[1])) pieces.push([]);
+    else pieces[pieces.length - 1].push(point);
   }
-  if (piece.length > 0) pieces.push(piece);
-  return pieces;
+  return pieces.filter((piece) => piece.length > 0);
 }
 
 /** The ends of an axis that holds all values, with some room. */
 export function endsOf(values, least) {
-  let low = Infinity, high = -Infinity;
-  for (const value of values) {
-    if (Number.isNaN(value)) continue;
-    low = Math.min(low, value);
-    high = Math.max(high, value);
-  }
-  if (low > high) return [-least, least];
+  const known = values.filter((value) => !Number.isNaN(value));
+  if (known.length === 0) return [-least, least];
+  const low = Math.min(...known), high = Math.max(...known);
   const room = Math.max(0.06 * (high - low), (least - (high - low)) / 2, 1e-4);
   return [low - room, high + room];
 }

@@ -58,17 +58,9 @@ class Raster {
   }
 }
 
-/** The bytes of a deflate stream in base64. */
-export function inflate(text) {
-  const packed = atob(text);
-  const bytes = new Uint8Array(packed.length);
-  for (let i = 0; i < packed.length; ++i) bytes[i] = packed.charCodeAt(i);
-  return inflated(bytes);
-}
-
 /** Undoes what packed() in lib/report/quantised.h describes. */
-export function unpackCodes(bytes) {
-  const count = bytes.length / 2;
+export function unpackCodes(text, count) {
+  const bytes = inflated(Uint8Array.from(atob(text), (character) => character.charCodeAt(0)), 2 * count);
   const codes = new Uint16Array(count);
   let code = 0;
   for (let i = 0; i < count; ++i) {
@@ -85,7 +77,7 @@ const rasters = new Map();
 export async function rasterOf(layer, grid) {
   if (!rasters.has(layer.id)) {
     const text = document.getElementById("layer-" + layer.id).textContent;
-    rasters.set(layer.id, new Raster(layer, grid, unpackCodes(inflate(text))));
+    rasters.set(layer.id, new Raster(layer, grid, unpackCodes(text, grid.cell_rows * grid.cell_cols)));
   }
   return rasters.get(layer.id);
 }
@@ -146,11 +138,6 @@ export function missingShares(raster, {stride, rows, cols}) {
 }
 
 export const MAX_MARKED = 0.01;  // of the region, and of the map by enlarged marks: more would hide the map
-
-/** Whether a mask covers less than 1 % of the region. */
-export function fewMarks(mask, region) {
-  return mask.marked() < MAX_MARKED * (region ? region.marked() : mask.codes.length);
-}
 
 /** [{row, col, value}] of the marks. */
 export function allMarks({cols, values}) {

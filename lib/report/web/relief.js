@@ -4,8 +4,11 @@
 
 import {NO_VALUE_COLOR} from "./color_maps.js";
 import {blocksOf, missingShares} from "./rasters.js";
-import {MAX_RELIEF, MIN_RELIEF, RMS_SLOPE} from "./scale_rules.js";
 import {colorOf} from "./scales.js";
+
+const RMS_SLOPE = 0.4;  // to which the relief is scaled
+const MIN_RELIEF = 0.25;
+const MAX_RELIEF = 5;
 
 /** The slope between the values before and after a cell; a missing one is ignored. */
 function slopeBetween(before, value, after, cell_m) {

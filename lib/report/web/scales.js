@@ -6,8 +6,10 @@ import {COLOR_MAPS, NO_VALUE_COLOR} from "./color_maps.js";
 import {formatNumber, lengthUnit} from "./numbers.js";
 import {BLUE} from "./palette.js";
 import {report} from "./report_data.js";
-import {LIMIT_INSIDE, MIN_RANGE, OUTLIERS} from "./scale_rules.js";
 
+const OUTLIERS = report.colors.outliers;          // share of the values on either side that lie beyond the ends
+const LIMIT_INSIDE = report.colors.limit_inside;  // a scale reaches at least this times the limit
+const MIN_RANGE = 1e-3;                           // of a scale, so that rounding errors do not appear in colour
 const FROM_LEAST = ["elevation", "quantity"];  // the styles whose colours begin at the least value, not at 0
 const NEAR = 4;  // a limit is near to values if it is at most this times the largest
 

@@ -2,7 +2,7 @@
 
 // One case of a study in full: requirements, configurations, numbers, runs and files.
 
-import {htmlElement, tableElement} from "./elements.js";
+import {buttonElement, htmlElement, tableElement} from "./elements.js";
 import {report} from "./report_data.js";
 import {caseCount, caseName, columnOf, numberText, valueAt, valuesOfCase, verdictMark} from "./study_columns.js";
 import {changed, state} from "./study_rows.js";
@@ -31,16 +31,12 @@ function caseStudy(row) {
   return {title: [report.title, valuesOfCase(row)].filter(Boolean).join(": "), base, ...options};
 }
 
-function save(name, tree) {
-  const address = URL.createObjectURL(new Blob([JSON.stringify(tree, null, 1) + "\n"], {type: "application/json"}));
-  htmlElement("a", {href: address, download: name}).click();
-  setTimeout(() => URL.revokeObjectURL(address), 1000);
-}
-
 function saveButton(label, name, tree) {
-  const button = htmlElement("button", {type: "button", class: "link"}, label);
-  button.addEventListener("click", () => save(name, tree()));
-  return button;
+  return buttonElement(label, () => {
+    const address = URL.createObjectURL(new Blob([JSON.stringify(tree(), null, 1) + "\n"], {type: "application/json"}));
+    htmlElement("a", {href: address, download: name}).click();
+    setTimeout(() => URL.revokeObjectURL(address), 1000);
+  }, {class: "link"});
 }
 
 /** A table of numbers, texts and elements; a column of numbers is aligned to the right. */
@@ -97,9 +93,7 @@ export function openCase(row) {
   if (!(row >= 0 && row < caseCount)) return;
   state.open = row;
   const place = document.getElementById("case-detail");
-  const close = htmlElement("button", {type: "button", id: "close"}, "Close");
-  close.addEventListener("click", () => closeCase(row));
-  place.replaceChildren(...detailOf(row), close);
+  place.replaceChildren(...detailOf(row), buttonElement("Close", () => closeCase(row), {id: "close"}));
   place.hidden = false;
   bringIntoView(row);
   changed();

@@ -3,7 +3,7 @@
 // A plot of one column of a study's cases against another.
 
 import {axisOf, Chart} from "./chart.js";
-import {htmlElement, svgElement} from "./elements.js";
+import {choiceElement, svgElement} from "./elements.js";
 import {LINE} from "./palette.js";
 import {report} from "./report_data.js";
 import {caseName, columnOf, isNumeric, numberText, textOf, titleOf, valueAt, valuesOf} from "./study_columns.js";
@@ -12,10 +12,8 @@ import {state} from "./study_rows.js";
 const PLOT = {width: 900, height: 400, left: 80};
 
 function addChoice(name, columns, first) {
-  const options = columns.map((column) => htmlElement("option", {value: column.name, selected: column === first}, titleOf(column)));
-  const select = htmlElement("select", {name: `plot ${name}`, id: `plot-${name}`}, ...options);
-  select.addEventListener("change", drawPlot);
-  document.getElementById("plot-controls").append(htmlElement("label", {}, name, select));
+  document.getElementById("plot-controls").append(choiceElement(
+      name, {name: `plot ${name}`, id: `plot-${name}`}, columns.map((column) => [column.name, titleOf(column)]), drawPlot, first?.name));
 }
 
 export function choosePlot() {

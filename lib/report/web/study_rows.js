@@ -2,7 +2,7 @@
 
 // The cases that a study's report shows: filters, order, and the case that is open.
 
-import {htmlElement} from "./elements.js";
+import {buttonElement, choiceElement, htmlElement} from "./elements.js";
 import {report} from "./report_data.js";
 import {caseCount, columnOf, isNumeric, textOf, titleOf, valueAt, valuesOf} from "./study_columns.js";
 import {compareKeys} from "./table.js";
@@ -52,14 +52,12 @@ function choices(column) {
 }
 
 function choiceOf(column) {
-  const select = htmlElement("select", {name: column.name}, htmlElement("option", {value: ""}, "any"),
-                             ...choices(column).map(([key, value]) => htmlElement("option", {value: key}, textOf(column, value))));
-  select.addEventListener("change", () => {
-    if (select.value === "") state.filters.delete(column.name);
-    else state.filters.set(column.name, (value) => JSON.stringify(value) === select.value);
+  const options = choices(column).map(([key, value]) => [key, textOf(column, value)]);
+  return choiceElement(titleOf(column), {name: column.name}, [["", "any"], ...options], (chosen) => {
+    if (chosen === "") state.filters.delete(column.name);
+    else state.filters.set(column.name, (value) => JSON.stringify(value) === chosen);
     update();
   });
-  return htmlElement("label", {}, titleOf(column), select);
 }
 
 function boundsOf(column) {
@@ -82,9 +80,7 @@ export function addFilters() {
     const count = choices(column).length;
     if (count > 1) place.append(count <= MAX_CHOICES || !isNumeric(column) ? choiceOf(column) : boundsOf(column));
   }
-  const clear = htmlElement("button", {type: "button", id: "clear"}, "Show all");
-  clear.addEventListener("click", clearFilters);
-  place.append(clear);
+  place.append(buttonElement("Show all", clearFilters, {id: "clear"}));
 }
 
 function clearFilters() {

@@ -2,7 +2,7 @@
 
 // The table of a study's cases, of which only the rows that are seen are built.
 
-import {htmlElement} from "./elements.js";
+import {buttonElement, htmlElement} from "./elements.js";
 import {report} from "./report_data.js";
 import {isNumeric, textOf, titleOf, valueAt, valuesOf, verdictMark} from "./study_columns.js";
 import {state, update} from "./study_rows.js";
@@ -40,8 +40,8 @@ function buildHead() {
 }
 
 function heading(column) {
-  const button = htmlElement("button", {type: "button"}, ...breakable(titleOf(column)));
-  button.addEventListener("click", () => sortBy(column.name));
+  const button = buttonElement("", () => sortBy(column.name));
+  button.append(...breakable(titleOf(column)));
   return htmlElement("th", {scope: "col", class: isNumeric(column) ? "number" : "", title: column.name, "data-column": column.name,
                             "aria-sort": sortedAs(column.name)}, button);
 }

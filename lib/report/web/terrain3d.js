@@ -4,7 +4,7 @@
 
 import {parseColor} from "./color_maps.js";
 import {failLegend, horizontalColorBar} from "./colorbar.js";
-import {htmlElement} from "./elements.js";
+import {buttonElement, choiceElement, htmlElement} from "./elements.js";
 import {HANDLING, OrbitView, pixelsAtUnitDistance} from "./orbit_view.js";
 import {blocksOf, layerNamed, rasterOf} from "./rasters.js";
 import {report} from "./report_data.js";
@@ -99,10 +99,10 @@ class TerrainView extends OrbitView {
   cornerCount; pointCount;
 
   /** Throws if WebGL 2 is missing. */
-  constructor(surface, left_m, bottom_m) {
+  constructor(surface) {
     super("terrain", "The DEM in three dimensions. Arrow keys turn it, plus and minus zoom.", VERTEX_SHADER, FRAGMENT_SHADER);
     this.surface = surface;
-    this.place(left_m, bottom_m);
+    this.place();
     this.upload("elevation", 1, surface.values.map((v) => Number.isNaN(v) ? 0 : v));
     const {corners, points} = surfaceIndices(surface);
     Object.assign(this, {cornerCount: corners.length, pointCount: points.length});
@@ -112,7 +112,7 @@ class TerrainView extends OrbitView {
   }
 
   /** Sets the positions of the vertices relative to the middle of the map. */
-  place(left_m, bottom_m) {
+  place() {
     const {rows, cols, cell_m, values} = this.surface;
     let low = Infinity, high = -Infinity;
     for (const value of values) {
@@ -122,8 +122,7 @@ class TerrainView extends OrbitView {
     const middle_m = low <= high ? (low + high) / 2 : 0;
     this.hull = hullOf(this.surface, middle_m);
     const at = (name) => this.gl.getUniformLocation(this.program, name);
-    const centre = [left_m + cols * cell_m / 2, bottom_m + rows * cell_m / 2];
-    this.gl.uniform2f(at("first"), left_m + cell_m / 2 - centre[0], bottom_m + cell_m / 2 - centre[1]);
+    this.gl.uniform2f(at("first"), (1 - cols) / 2 * cell_m, (1 - rows) / 2 * cell_m);
     this.gl.uniform2f(at("cell"), cell_m, cell_m);
     this.gl.uniform1f(at("middle"), middle_m);
     this.gl.uniform1i(at("columns"), cols);
@@ -164,7 +163,7 @@ export async function fillTerrainView(section) {
   const surface = coarseRaster(elevation);
   let view;
   try {
-    view = new TerrainView(surface, elevation.left_m, elevation.bottom_m);
+    view = new TerrainView(surface);
   } catch (error) {
     return say(`This browser has no WebGL 2, which the 3-D view needs (${error.message}). The maps show the same.`);
   }
@@ -185,10 +184,8 @@ function terrainLegend(raster) {
 
 function terrainControls(view, legend) {
   const layers = report.layers.filter((layer) => layer.style !== "mask");
-  const select = htmlElement("select", {id: "terrain-layer"}, ...layers.map((layer) => htmlElement(
-      "option", {value: layer.name}, layer.title)));
-  select.addEventListener("change", async () => {
-    const raster = await rasterOf(layerNamed(select.value), report.grid);
+  const color = choiceElement("colour", {id: "terrain-layer"}, layers.map(({name, title}) => [name, title]), async (name) => {
+    const raster = await rasterOf(layerNamed(name), report.grid);
     view.show(raster);
     legend.replaceChildren(terrainLegend(raster));
   });
@@ -199,8 +196,6 @@ function terrainControls(view, legend) {
     shown.textContent = Number(view.view.exaggeration.toPrecision(2));
     view.draw();
   });
-  const reset = htmlElement("button", {type: "button"}, "reset the view");
-  reset.addEventListener("click", () => view.reset());
-  return htmlElement("div", {class: "controls"}, htmlElement("label", {}, "colour", select),
-                     htmlElement("label", {}, "heights times", slider, shown), reset);
+  return htmlElement("div", {class: "controls"}, color, htmlElement("label", {}, "heights times", slider, shown),
+                     buttonElement("reset the view", () => view.reset()));
 }

@@ -3,17 +3,20 @@
 import json
 import os
 
-from landfall.study.page import cell, document, escaped, head, picture, table
+from landfall import tools
+from landfall.study.page import cell, document, escaped, head, picture, table, text_cell
 from landfall.study.report_study import write_page
 
 
-def write(path, title, description, sections):
-    """`sections` are (name, heading, HTML)."""
-    write_page(document("answers", title, f"<p>{escaped(description)}</p>", sections), path)
+def write(problem, folder, name, figure, sections_of):
+    """Writes the figure, NAME.png, and report.html. sections_of(path of the figure, version of the tools): [(name, heading, HTML)]."""
+    from landfall.plot import plots  # here, because loading matplotlib takes time
 
-
-def text_cell(text):
-    return f"<td>{escaped(text)}</td>"
+    path = os.path.join(folder, name + ".png")
+    plots.save({path: figure}, 150)
+    sections = sections_of(path, tools.run_tool(tools.find("monte-carlo"), "--version").stdout)
+    description = f"<p>{escaped(problem.tree.get('description', ''))}</p>"
+    write_page(document("answers", problem.title, description, sections), os.path.join(folder, "report.html"))
 
 
 def image(path, caption):

@@ -10,7 +10,7 @@ import numpy as np
 
 from landfall import command, schema, tools
 from landfall.answers import model, runs
-from landfall.errors import DataError, UsageError, printable
+from landfall.errors import DataError, printable
 
 # { DAKOTA_VARS = 3 }, { velocity = 1.5e-01 }; a value may be in quotation marks.
 APREPRO = re.compile(r'\{\s*(\S+)\s*=\s*"?([^"{}]*?)"?\s*\}')
@@ -64,14 +64,7 @@ def _number(path, name, text):
 def read_model(path, folder, workers=1):
     """The model of a file {"base": ..., "inputs": ..., "outputs": ...}."""
     tree = schema.read_json(path)
-    if not isinstance(tree, dict):
-        raise UsageError(f"{path}: /: is not an object")
-    for key in KEYS:
-        if key not in tree:
-            raise UsageError(f"{path}: /: needs the key \"{key}\"")
-    for key in tree:
-        if key not in (*KEYS, "$comment"):
-            raise UsageError(f"{path}: /{key}: unknown key; known: {', '.join(KEYS)}")
+    schema.check(tree, {"type": "object", "required": KEYS, "properties": dict.fromkeys((*KEYS, "$comment"), {}), "additionalProperties": False}, path)
     return model.Model(runs.read_base(tree["base"], os.path.dirname(os.path.abspath(path)), path), tree["inputs"], tree["outputs"], folder, workers)
 
 
@@ -103,11 +96,6 @@ def main(arguments):
         raise DataError(f"{options.parameters}: asks for derivatives, which landfall does not have; use numerical_gradients")
     found = of([values[name] for name in of.inputs])
     text = results_text(of, found, functions)
-    command.write_whole(options.results, lambda path: _write(path, text))
+    command.write_text(options.results, text)
     for why in of.failures.values():
         print(printable(f"landfall-model: {options.parameters}: {why}"), file=os.sys.stderr)
-
-
-def _write(path, text):
-    with open(path, "w", encoding="utf-8") as file:
-        file.write(text)

@@ -131,11 +131,9 @@ class Problem:
     def draws(self, **changes):
         """A configuration of monte-carlo; `seed` goes to the scan."""
         seed = changes.pop("seed")
-        return {"vary": self.vary, "metrics": "full" if self._needs_full() else "verdict", "scan": {"seed": seed}, **changes}
-
-    def _needs_full(self):
-        """Whether a requirement of the user's own is on a number that monte-carlo's verdict alone does not have."""
-        return any(not own["metric"].startswith(("coverage.", "requirements.")) for own in self.base["eval"].get("requirements", []))
+        # Requirements of the user's own on other numbers than these need all of them.
+        needs_full = any(not own["metric"].startswith(("coverage.", "requirements.")) for own in self.base["eval"].get("requirements", []))
+        return {"vary": self.vary, "metrics": "full" if needs_full else "verdict", "scan": {"seed": seed}, **changes}
 
     def passes(self, row):
         """Whether a draw meets the requirement. An accepted place is one that hazard-map --require-safe accepts."""

@@ -4,9 +4,9 @@ import json
 import math
 import os
 
-from landfall import command, tools
+from landfall import command
 from landfall.answers import answer_page, runs
-from landfall.study.page import cell, escaped, head, table, verdict
+from landfall.study.page import cell, escaped, head, table, text_cell, verdict
 
 STAGES = {"geometry": "the geometry of the frames", "plan": "the plan", "error": "a tool", "draw": "one draw"}
 
@@ -15,12 +15,7 @@ def write(problem, answer, folder):
     """design.json, candidates.csv, design.png and report.html."""
     runs.write_json(os.path.join(folder, "design.json"), answer)
     command.write_text(os.path.join(folder, "candidates.csv"), command.csv_text(_rows(problem, answer)))
-    from landfall.plot import plots
-
-    figure = os.path.join(folder, "design.png")
-    plots.save({figure: figure_of(problem, answer)}, 150)
-    version = tools.run_tool(tools.find("monte-carlo"), "--version").stdout
-    answer_page.write(os.path.join(folder, "report.html"), problem.title, problem.tree.get("description", ""), sections(problem, answer, figure, version))
+    answer_page.write(problem, folder, "design", figure_of(problem, answer), lambda *parts: sections(problem, answer, *parts))
 
 
 def _rows(problem, answer):
@@ -33,7 +28,11 @@ def _rows(problem, answer):
 
 
 def values_text(values):
-    return ", ".join(f"{name} {value:.4g}" if isinstance(value, float) else f"{name} {value}" for name, value in values.items())
+    return ", ".join(f"{name} {value_text(value)}" for name, value in values.items())
+
+
+def value_text(value):
+    return f"{value:.4g}" if isinstance(value, float) else str(value)
 
 
 def refused(answer):
@@ -78,13 +77,9 @@ def text_of(problem, answer):
     lines += [f"  {name:20} {100 * math.exp(value):6.1f} %{'   active' if name == answer['active'] else ''}"
               for name, value in sorted(winner["margins"].items(), key=lambda item: -item[1])]
     lines += ["", "Neighbours that cost no more:"]
-    lines += [f"  {look['changed']} {_value(look)}, {100 * look['cost'] / reference:.1f} %: {outcome(look)}" for look in answer["neighbours"]]
+    lines += [f"  {look['changed']} {value_text(look['values'][look['changed']])}, {100 * look['cost'] / reference:.1f} %: {outcome(look)}"
+              for look in answer["neighbours"]]
     return "\n".join(lines)
-
-
-def _value(look):
-    value = look["values"][look["changed"]]
-    return f"{value:.4g}" if isinstance(value, float) else str(value)
 
 
 def figure_of(problem, answer):
@@ -139,7 +134,7 @@ def _answer(answer):
     if winner is None:
         return f"<p>{verdict('fail')} No candidate passes with a probability of {answer['probability']}.</p>\n"
     heads = [head("requirement"), head("value, % of its limit, in the search's draw", True)]
-    rows = [[answer_page.text_cell(name + (" (active)" if name == answer["active"] else "")), cell(value, f"{100 * math.exp(value):.1f}")]
+    rows = [[text_cell(name + (" (active)" if name == answer["active"] else "")), cell(value, f"{100 * math.exp(value):.1f}")]
             for name, value in sorted(winner["margins"].items(), key=lambda item: -item[1])]
     rates = [[cell(number), cell(rate["passed"]), cell(rate["draws"]), cell(rate["wilson_low"], f"{rate['wilson_low']:.4f} to {rate['wilson_high']:.4f}"),
               cell(rate["exact_lower_bound"], f"{rate['exact_lower_bound']:.4f}"), cell(rate["first_seed"], str(rate["first_seed"]))]
@@ -151,8 +146,8 @@ def _answer(answer):
 
 
 def _raced(answer):
-    rows = [[cell(look["cost"], f"{100 * look['cost'] / answer['reference_cost']:.1f}"), answer_page.text_cell(values_text(look["values"])),
-             answer_page.text_cell(outcome(look))] for look in answer["raced"]]
+    rows = [[cell(look["cost"], f"{100 * look['cost'] / answer['reference_cost']:.1f}"), text_cell(values_text(look["values"])),
+             text_cell(outcome(look))] for look in answer["raced"]]
     base = f"<p>Base: {escaped(outcome(answer['base']))}.</p>\n"
     return base + table([head("cost, % of the base’s", True), head("candidate"), head("outcome")], rows)
 
@@ -160,14 +155,14 @@ def _raced(answer):
 def _neighbours(answer):
     if not answer["neighbours"]:
         return "<p>No neighbour costs as little.</p>\n"
-    rows = [[answer_page.text_cell(look["changed"]), answer_page.text_cell(_value(look)), cell(look["cost"], f"{100 * look['cost'] / answer['reference_cost']:.1f}"),
-             answer_page.text_cell(outcome(look))] for look in answer["neighbours"]]
+    rows = [[text_cell(look["changed"]), text_cell(value_text(look["values"][look["changed"]])),
+             cell(look["cost"], f"{100 * look['cost'] / answer['reference_cost']:.1f}"), text_cell(outcome(look))] for look in answer["neighbours"]]
     return ("<p class=\"note\">Each differs from the winner by one step of one variable and costs no more.</p>\n"
             + table([head("variable"), head("value"), head("cost, % of the base’s", True), head("outcome")], rows))
 
 
 def _candidates(problem, answer):
-    rows = [[*(answer_page.text_cell(json.dumps(look["values"][name]) if not isinstance(look["values"][name], float) else f"{look['values'][name]:.4g}")
-               for name in problem.variables), cell(look["cost"], f"{100 * look['cost'] / answer['reference_cost']:.1f}"), answer_page.text_cell(outcome(look))]
+    rows = [[*(text_cell(json.dumps(look["values"][name]) if not isinstance(look["values"][name], float) else f"{look['values'][name]:.4g}")
+               for name in problem.variables), cell(look["cost"], f"{100 * look['cost'] / answer['reference_cost']:.1f}"), text_cell(outcome(look))]
             for look in answer["candidates"]]
     return table([*(head(escaped(name)) for name in problem.variables), head("cost, %", True), head("outcome")], rows)

@@ -64,8 +64,7 @@ class Model:
         if table.shape[1] != len(self.inputs):
             raise UsageError(f"model: {table.shape[1]} values in a row; the inputs are {len(self.inputs)}: {', '.join(self.inputs)}")
         self.failures = {}
-        rows = [self._row(row) for row in table]
-        found = self._run(rows)
+        found = self._run([{key: plain_numbers(float(value)) for keys, value in zip(self.inputs.values(), row) for key in keys} for row in table])
         results = np.full((len(table), len(self.outputs)), np.nan)
         for i, numbers in enumerate(found):
             if "error" in numbers:
@@ -77,14 +76,10 @@ class Model:
             results[i] = [math.nan if numbers[name] is None else numbers[name] for name in self.outputs]
         return results[0] if is_vector else results
 
-    def _row(self, values):
-        """{key: value} of a row."""
-        return {key: plain_numbers(float(value)) for keys, value in zip(self.inputs.values(), values) for key in keys}
-
     def _run(self, rows):
-        """For each row its numbers, or {"error": why there are none}."""
-        tasks = list(self._tasks(rows) if self.traced is None else self._traced_tasks(rows))
-        found = [None] * len(rows)
+        """For each row, {key: value}, its numbers, or {"error": why there are none}."""
+        found = [None if all(map(math.isfinite, row.values())) else {"error": "a value is not a finite number"} for row in rows]
+        tasks = list(self._tasks({number: row for number, row in enumerate(rows) if found[number] is None}))
         if self.progress:
             self.progress.start("draws", len(rows))
         with Workers(self.workers) as threads:
@@ -95,45 +90,32 @@ class Model:
             self.progress.clear()
         return found
 
+    def _drawn(self, rows):
+        """The keys of which the draws of one campaign may have different values."""
+        row = next(iter(rows.values()), {})
+        if self.traced is None:
+            return {key for key in row if runs.is_redrawn(key, self.base["scan"])}
+        whole = runs.TracedDraws(self.runner, self.base, self.traced)
+        return {key for key, value in row.items() if key != SEED and whole.varies(key, value)}
+
     def _tasks(self, rows):
-        """Rows with equal rays and bins share a traced scan, in parts of consecutive seeds; the others go through the chain."""
-        groups = {}
-        for number, row in enumerate(rows):
-            if any(not math.isfinite(value) for value in row.values()):
-                yield _Failed([number], "a value is not a finite number")
-                continue
-            fixed = tuple((key, value) for key, value in row.items() if not runs.is_redrawn(key, self.base["scan"]) and key != SEED)
+        """Rows, by their number, that differ in drawn keys only share a campaign, in parts of consecutive seeds: over one traced scan, unless each
+        draw traces its own rays. Rows that cannot go through the chain."""
+        drawn, groups = self._drawn(rows), {}
+        for number, row in rows.items():
+            fixed = tuple((key, value) for key, value in row.items() if key not in drawn and key != SEED)
             groups.setdefault(fixed, []).append(number)
         for fixed, numbers in groups.items():
             configs = set_values(copy.deepcopy(self.base), dict(fixed))
-            if len(numbers) == 1 or runs.needs_chain(configs["scan"]):
+            if self.traced is None and (len(numbers) == 1 or runs.needs_chain(configs["scan"])):
                 for number in numbers:
                     yield _Chain(self, [number], set_values(copy.deepcopy(self.base), rows[number]))
                 continue
             parts = list(_parts(numbers, [rows[number].get(SEED, configs["scan"]["seed"]) for number in numbers]))
-            scan = runs.Scan(self.runner, configs, len(parts))
+            draws = runs.Scan(self.runner, configs, len(parts)) if self.traced is None else runs.TracedDraws(self.runner, configs, self.traced)
             for part, seed in parts:
-                samples = [{key: value for key, value in rows[number].items() if runs.is_redrawn(key, self.base["scan"])} for number in part]
-                yield _Campaign(self, part, scan, samples, seed)
-
-
-    def _traced_tasks(self, rows):
-        """Parts of consecutive seeds; the keys that monte-carlo does not vary are the same in a part."""
-        groups, whole = {}, runs.TracedDraws(self.runner, self.base, self.traced)
-        varied = {}
-        for number, row in enumerate(rows):
-            if any(not math.isfinite(value) for value in row.values()):
-                yield _Failed([number], "a value is not a finite number")
-                continue
-            for key, value in row.items():
-                if key not in varied:
-                    varied[key] = key != SEED and whole.varies(key, value)
-            fixed = tuple((key, value) for key, value in row.items() if not varied[key] and key != SEED)
-            groups.setdefault(fixed, []).append(number)
-        for fixed, numbers in groups.items():
-            draws = runs.TracedDraws(self.runner, set_values(copy.deepcopy(self.base), dict(fixed)), self.traced)
-            for part, seed in _parts(numbers, [rows[number].get(SEED, draws.configs["scan"]["seed"]) for number in numbers]):
-                yield _Campaign(self, part, draws, [{key: value for key, value in rows[number].items() if varied[key]} for number in part], seed)
+                samples = [{key: value for key, value in rows[number].items() if key in drawn} for number in part]
+                yield _Campaign(self, part, draws, samples, seed)
 
 
 def _parts(numbers, seeds):
@@ -147,14 +129,6 @@ def _parts(numbers, seeds):
             first = seed
         part.append(number)
     yield part, first
-
-
-class _Failed:
-    def __init__(self, numbers, why):
-        self.numbers, self.why = numbers, why
-
-    def __call__(self):
-        return [{"error": self.why}]
 
 
 class _Task:

@@ -23,10 +23,9 @@ import weakref
 from landfall import command, files, scan_keys, schema, tools
 from landfall.errors import DataError, ToolError, UsageError
 from landfall.study import results, stages
-from landfall.study.model import read_config
+from landfall.study.model import read_config, TOOLS
 
-STAGES = ("terrain", "scan", "regrid", "eval", "hazard")
-TOOL_OF = {"terrain": "terrain-gen", "scan": "scan-sim", "regrid": "regrid", "eval": "dem-eval", "hazard": "hazard-map"}
+STAGES = tuple(stage for stage in TOOLS if stage != "draws")
 REFUSALS = (1, 2)  # exit codes of a tool that refuses its input; any other code, such as that of a killed tool, does not blame the input
 PART_DRAWS = 32  # of one run of monte-carlo: what is lost at most where a run is killed
 
@@ -44,7 +43,7 @@ def read_base(tree, folder, name, where="/base"):
 
 def resolved(stage, config):
     """A configuration with all defaults. Throws ToolError with the tool's message if it refuses it."""
-    return json.loads(tools.run_tool(tools.find(TOOL_OF[stage]), "-c", "-", "--print-config", "-q", input=json.dumps(config)).stdout)
+    return json.loads(tools.run_tool(tools.find(TOOLS[stage]), "-c", "-", "--print-config", "-q", input=json.dumps(config)).stdout)
 
 
 def is_redrawn(key, scan):
@@ -221,8 +220,8 @@ class Draws:
         with tempfile.TemporaryDirectory(dir=self.runner.scratch, prefix="draws-") as folder:
             if samples is not None:
                 table = os.path.join(folder, "samples.csv")
-                with open(table, "w", encoding="utf-8") as file:
-                    file.writelines(",".join(row) + "\n" for row in [samples[0], *([repr(float(value)) for value in values] for values in samples[1])])
+                rows = [samples[0], *([repr(float(value)) for value in values] for values in samples[1])]
+                command.write_text(table, command.csv_text(rows), is_synced=False)
                 arguments = (*arguments, "--samples", table)
             path = os.path.join(folder, "draws.h5")
             self.campaign(draws, path, *arguments)

@@ -9,7 +9,7 @@ import os
 import numpy as np
 
 from landfall import command, schema
-from landfall.answers import model, progress, runs
+from landfall.answers import answer_page, model, progress, runs
 from landfall.errors import DataError, UsageError, printable_lines
 
 RANDOM = "random numbers"  # the group of the seed: which noise, dropouts and dead pixels are drawn
@@ -91,16 +91,10 @@ def indices(values, group_count, estimator="martinez"):
             for i in range(group_count)]
 
 
-def usable(table, size):
-    """Which points of the base sample have all numbers in all of their draws."""
-    known = np.all(np.isfinite(table), axis=1)
-    return np.all(known.reshape(-1, size), axis=0)
-
-
 def analyse(problem, of):
     """{"outputs": {name: {"mean", "std", "groups": [{"group", "first", "total"}] or None if it does not vary}}, ...}."""
     table = of(problem.design())
-    kept = usable(table, problem.size)
+    kept = np.isfinite(table).all(axis=1).reshape(-1, problem.size).all(axis=0)  # points that have all numbers in all of their draws
     if np.count_nonzero(kept) < MIN_POINTS:
         why = of.failures[min(of.failures)] if of.failures else "a metric has no value"
         raise DataError(f"{problem.path}: only {np.count_nonzero(kept)} of {problem.size} points have all their numbers, {MIN_POINTS} are needed; {why}")
@@ -174,14 +168,10 @@ def figure_of(problem, answer):
     return figure
 
 
-def parse(arguments):
+def main(arguments):
     parser = command.Parser(prog="sensitivity.py", description="Sobol indices of groups of errors.")
     runs.add_options(parser, "sensitivity file (docs/user/studies/sensitivity.md)")
-    return parser.parse_args(arguments)
-
-
-def main(arguments):
-    options = parse(arguments)
+    options = parser.parse_args(arguments)
     model.openturns()
     prefix = runs.prepare(options)
     problem = Problem(options.file)
@@ -190,11 +180,6 @@ def main(arguments):
     answer = analyse(problem, of)
     runs.write_json(os.path.join(options.out, "sensitivity.json"), answer)
     write_csv(os.path.join(options.out, "sensitivity.csv"), answer)
-    from landfall.answers import answer_page
-    from landfall.plot import plots
-
-    figure = os.path.join(options.out, "sensitivity.png")
-    plots.save({figure: figure_of(problem, answer)}, 150)
-    answer_page.write(os.path.join(options.out, "report.html"), problem.title, problem.tree.get("description", ""),
-                      answer_page.sensitivity_sections(problem, answer, figure, of.runner.version))
+    answer_page.write(problem, options.out, "sensitivity", figure_of(problem, answer),
+                      lambda *parts: answer_page.sensitivity_sections(problem, answer, *parts))
     print(printable_lines(text_of(problem, answer)))

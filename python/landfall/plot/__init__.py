@@ -21,6 +21,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.figure import Figure
 
+from landfall import tools
 from landfall.errors import UsageError
 
 Source = typing.Union[str, "os.PathLike[str]", typing.Any]
@@ -131,15 +132,9 @@ def _style(dpi: int) -> typing.ContextManager[None]:
 
 def _figure(name: str, sources: list[Source], dpi: int, **options: typing.Any) -> Figure:
     module = _module(name)
-    words = [word for key, value in options.items() for word in _words("--" + key.replace("_", "-"), value)]
+    words = [word for key, value in options.items() for word in tools.option_words("--" + key.replace("_", "-"), value)]
     with _style(dpi):
         return _closed(module.figure_of(module.parse([*map(_path, sources), "--dpi", str(dpi), *words])))
-
-
-def _words(option: str, value: typing.Any) -> list[str]:
-    if value is None or value is False:
-        return []
-    return [option] if value is True else [option, ",".join(map(str, value)) if isinstance(value, tuple) else str(value)]
 
 
 def _closed(figure: Figure) -> Figure:
@@ -165,15 +160,11 @@ def _require_unchanged(dataset: typing.Any, path: str) -> None:
         for name, values in dataset.variables.items():
             if name not in original.variables:
                 continue  # a figure has no use for it
-            kept = original.variables[name]
-            if values.shape != kept.shape or not (_is_unread(values) or _equal(values.values, kept.values)):
+            kept, is_real = original.variables[name], values.dtype.kind == "f"
+            if values.shape != kept.shape or not (_is_unread(values) or np.array_equal(values.values, kept.values, equal_nan=is_real)):
                 raise UsageError(f"{name} was changed since {path} was opened, and the figure shows the file; write the change to a file first")
 
 
 def _is_unread(values: typing.Any) -> bool:
     """Whether xarray still reads the values from the file, in their order."""
     return type(getattr(values, "_data", None)).__name__ == "MemoryCachedArray" and not values._in_memory  # pylint: disable=protected-access
-
-
-def _equal(a: typing.Any, b: typing.Any) -> bool:
-    return bool(np.array_equal(a, b, equal_nan=a.dtype.kind == "f"))

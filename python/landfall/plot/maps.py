@@ -157,6 +157,17 @@ def marks_text(name, how, color="magenta"):
     return f"{color}: {name}" + (f", {how}" if how else "")
 
 
+def mark_missing(ax, grid, values, name, inside=None):
+    """Marks bins without a value, of the whole map or of those inside, where they are few; many of them are grey. Returns what shows them."""
+    inside = np.ones(values.shape, bool) if inside is None else inside
+    missing, count = np.isnan(values) & inside, np.count_nonzero(inside)
+    if not missing.any():
+        return ""
+    if np.count_nonzero(missing) >= reduction.MAX_MARKED * count:
+        return marks_text(name, "", "grey")
+    return marks_text(name, draw_marks(ax, grid, missing, MARK, count))
+
+
 def outline_flags(ax, grid, flags, color):
     """A line around blocks with set bins, so that what lies below stays visible. Draws nothing and returns False where lines would
     hide the map."""
@@ -187,11 +198,6 @@ def notice(ax, text):
 def draw_region(ax, radius_m, center_m=(0, 0)):
     """The circle of the mapped region, by default about the intended landing site."""
     ax.add_patch(Circle(center_m, radius_m, fill=False, edgecolor="black", linewidth=1.0, path_effects=OUTLINE))
-
-
-def draw_square_region(ax, half_width_m):
-    """The square of the mapped region about the intended landing site."""
-    draw_rectangle(ax, (-half_width_m, -half_width_m), (2 * half_width_m, 2 * half_width_m))
 
 
 def draw_region_edge(ax, grid, inside):
@@ -255,11 +261,6 @@ def largest_bin(grid, values):
     if magnitude[row, col] < 0:
         row, col = values.shape[0] // 2, values.shape[1] // 2
     return float(grid.x[col]), float(grid.y[row])
-
-
-def bin_at(grid, center):
-    """(row, column) of the bin whose centre is nearest."""
-    return int(np.argmin(np.abs(grid.y - center[1]))), int(np.argmin(np.abs(grid.x - center[0])))
 
 
 def draw_zoom_frame(ax, window):

@@ -3,7 +3,7 @@
 
 import numpy as np
 
-from landfall import command, files
+from landfall import files
 from landfall.errors import DataError
 from landfall.plot import maps, plots, reduction, scales
 
@@ -12,13 +12,8 @@ SIGN = "B - A"
 LAYERS = ["z_est", "z_true", "z_corrected", "z_true_map"]
 
 
-def parse(arguments):
-    parser = command.Parser(prog="plot_compare.py", description=__doc__)
-    parser.add_argument("dem_a", metavar="A.h5")
-    parser.add_argument("dem_b", metavar="B.h5")
-    parser.add_argument("-o", "--output", metavar="PNG", help="output file (default: B-compared.png beside B)")
-    parser.add_argument("--layer", default="z_est", choices=LAYERS, help="elevations to compare; default z_est")
-    return plots.parsed(parser, arguments, "dem_b", "-compared.png")
+parse = plots.parser_of("plot_compare.py", __doc__, {"dem_a": "A", "dem_b": "B"}, lambda parser: parser.add_argument(
+    "--layer", default="z_est", choices=LAYERS, help="elevations to compare; default z_est"), "-compared.png")
 
 
 def read(path, layer):
@@ -74,7 +69,8 @@ def draw_difference(axes, grid, difference):
     maps.draw_zoom_frame(axes[0], window)
 
 
-def draw(grid, a, b, options):
+def figure_of(options):
+    grid, a, b = read_both(options)
     difference = b - a
     title = f"{options.layer} of two DEMs; B - A of {statistics_text(difference)}"
     figure, axes = maps.new_figure((2, 2), (14, 13), title)
@@ -83,11 +79,6 @@ def draw(grid, a, b, options):
     draw_side(axes[0, 1], grid, f"B: {options.dem_b}", b, scale)
     draw_difference(axes[1], grid, difference)
     return figure
-
-
-def figure_of(options):
-    grid, a, b = read_both(options)
-    return draw(grid, a, b, options)
 
 
 main = plots.main_of(parse, figure_of)

@@ -4,7 +4,7 @@ import os
 
 import numpy as np
 
-from landfall import command, files
+from landfall import files
 from landfall.errors import DataError
 from landfall.plot import maps, plots, reduction, scales
 
@@ -13,18 +13,16 @@ SIGN = "true - estimated"
 LIMIT_OF = " of rel_z"
 
 
-def parse(arguments):
-    parser = command.Parser(prog="plot_dem.py", description=__doc__)
-    parser.add_argument("dem", metavar="DEM.h5")
-    parser.add_argument("-o", "--output", metavar="PNG", help="output file (default: DEM-figure.png beside the DEM)")
+def add_options(parser):
     parser.add_argument("--region-radius-m", type=plots.positive_metres, help="default: the largest that fits")
     parser.add_argument("--footprint-m", type=plots.positive_metres, default=1.7, help="default 1.7")
     parser.add_argument("--limit-m", type=plots.positive_metres, default=0.05,
                         help="limit of the relative elevation error, marked on the scale of e_z, default 0.05")
     plots.add_data_only_option(parser)
-    options = plots.parsed(parser, arguments, "dem")
-    options.draw_region = None  # of an evaluation
-    return options
+    parser.set_defaults(draw_region=None)  # of an evaluation
+
+
+parse = plots.parser_of("plot_dem.py", __doc__, {"dem": "DEM"}, add_options)
 
 
 def read(path):
@@ -50,20 +48,10 @@ def draw_elevations(ax, grid, layer, scale, options):
     title, values, heights = layer
     maps.frame_map(ax, grid, title)
     maps.draw_elevations(ax, grid, values, scale, heights)
-    marked = mark_empty(ax, grid, values)
+    marked = maps.mark_missing(ax, grid, values, "bins without a return")
     finish_map(ax, grid, options)
     low, high = scales.extremes(values)
     maps.note(ax, "no value anywhere" if np.isnan(low) else plots.metre_range(low, high), scale.clipping_text(), marked)
-
-
-def mark_empty(ax, grid, values):
-    """Marks bins without a return where they are few; many of them are grey. Returns what shows them."""
-    empty = np.isnan(values)
-    if np.count_nonzero(empty) >= reduction.MAX_MARKED * values.size:
-        return maps.marks_text("bins without a return", "", "grey")
-    if not empty.any():
-        return ""
-    return maps.marks_text("bins without a return", maps.draw_marks(ax, grid, empty, maps.MARK))
 
 
 def zoom(ax, grid, center, options):
@@ -88,7 +76,7 @@ def draw_error(axes, grid, error, options):
     scale = scales.error_scale(error, maps.reduced(axes[0], error), options.limit_m, options.data_only)
     maps.frame_map(axes[0], grid, "error e_z = true - estimated")
     maps.draw_values(axes[0], grid, error, scale, SIGN)
-    marked = mark_empty(axes[0], grid, error)
+    marked = maps.mark_missing(axes[0], grid, error, "bins without a return")
     finish_map(axes[0], grid, options)
     maps.note(axes[0], *scale.notes(LIMIT_OF), maps.blocks_note(axes[0], error.shape), marked)
     window, bins = zoom(axes[1], grid, maps.largest_bin(grid, error), options)

@@ -11,7 +11,7 @@ import os
 import numpy as np
 from matplotlib.colors import LogNorm
 
-from landfall import command, dictionary, files
+from landfall import dictionary, files
 from landfall.errors import DataError
 from landfall.plot import colors, maps, plots, reduction, relief, scales
 
@@ -21,11 +21,7 @@ GROUND = "#f4f1ea"  # where a probability is 0
 CLASSES = 30
 
 
-def parse(arguments):
-    parser = command.Parser(prog="plot_draws.py", description=__doc__)
-    parser.add_argument("draws", metavar="DRAWS.h5")
-    parser.add_argument("-o", "--output", metavar="PNG", help="output file (default: DRAWS-figure.png beside the input)")
-    return plots.parsed(parser, arguments, "draws")
+parse = plots.parser_of("plot_draws.py", __doc__, {"draws": "DRAWS"})
 
 
 class Draws:
@@ -47,9 +43,6 @@ class Draws:
 
     def has_hazards(self):
         return self.layers["p_missed_hazard"] is not None
-
-    def has_prediction(self):
-        return self.layers["z_sigma_abs"] is not None
 
 
 # Maps
@@ -102,10 +95,6 @@ def draw_layer(ax, draws, name, title, scale_of, shrink, rule):
     finish(ax, draws, *scale.notes(), maps.blocks_note(ax, values.shape, rule))
 
 
-def ratio_scale(values, shown):
-    return scales.count_scale(values, shown, "magnitude", least=1.0)
-
-
 def draw_prediction(ax, draws):
     """Number of bins by predicted and observed spread, both logarithmic."""
     predicted, observed = draws.layers["z_sigma_abs"], draws.layers["e_map_std"]
@@ -127,13 +116,17 @@ def draw_prediction(ax, draws):
     maps.note(ax, f"median of observed / predicted {median:.3f}", f"{np.count_nonzero(known):,} bins; darker: more")
 
 
-def draw_chosen(ax, draws):
-    """The best site of each draw over the shaded ground."""
-    grid = draws.grid
-    maps.frame_map(ax, grid, "chosen place of each draw")
+def draw_ground(ax, draws):
+    """The shaded ground in grey."""
     size = maps.block_size(ax, draws.layers["in_region"].shape)
     light = np.nan_to_num(light_of(draws, size), nan=1)
-    maps.draw_image(ax, grid, np.repeat(np.clip(0.95 * light, 0, 1)[..., None], 3, axis=-1), size, gid="ground")
+    maps.draw_image(ax, draws.grid, np.repeat(np.clip(0.95 * light, 0, 1)[..., None], 3, axis=-1), size, gid="ground")
+
+
+def draw_chosen(ax, draws):
+    """The best site of each draw over the shaded ground."""
+    maps.frame_map(ax, draws.grid, "chosen place of each draw")
+    draw_ground(ax, draws)
     x, y, safe = (draws.columns[f"site.{name}"] for name in ("x_m", "y_m", "true_safe"))
     for shown, color, marker, label in ((safe == 1, maps.BLUE, "o", "safe"), (safe == 0, maps.VERMILION, "X", "a hazard")):
         if shown.any():
@@ -213,9 +206,9 @@ def draw(draws):
         draw_chance(axes[0, 1], draws, layers["p_fail_rel_z"], "footprint fails: relative z", share)
         draw_chance(axes[0, 2], draws, np.fmax(layers["p_fail_rel_x"], layers["p_fail_rel_y"]), "footprint fails: relative x or y, the likelier", share)
         draw_layer(axes[1, 0], draws, "e_z_std", "spread of e_z", scales.magnitude_scale, reduction.shrink_most, "largest")
-        if draws.has_prediction():
-            draw_layer(axes[1, 1], draws, "e_map_std_over_sigma", "spread of the map's error, observed / predicted", ratio_scale,
-                       reduction.shrink_mean, "mean")
+        if layers["z_sigma_abs"] is not None:
+            draw_layer(axes[1, 1], draws, "e_map_std_over_sigma", "spread of the map's error, observed / predicted",
+                       lambda values, shown: scales.count_scale(values, shown, "magnitude", least=1.0), reduction.shrink_mean, "mean")
             draw_prediction(axes[1, 2], draws)
         else:
             if layers["e_map_std"] is None:

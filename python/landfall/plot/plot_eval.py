@@ -12,7 +12,7 @@ import os
 import numpy as np
 
 from landfall import command, dictionary, files
-from landfall.plot import maps, plot_dem, plots, reduction, scales, scores
+from landfall.plot import maps, plot_dem, plots, scales, scores
 
 LAYERS = ["e_z", "abs_x", "abs_y", "abs_z", "rel_x", "rel_y", "rel_z", "invalid", "in_region", "fail"]
 ZOOM_WIDTH_M = 6.0
@@ -84,7 +84,7 @@ def draw_region(ax, evaluation):
     if evaluation.radius_m is not None:
         maps.draw_region(ax, evaluation.radius_m, evaluation.center_m)
     elif evaluation.half_width_m is not None:
-        maps.draw_square_region(ax, evaluation.half_width_m)
+        maps.draw_rectangle(ax, (-evaluation.half_width_m,) * 2, (2 * evaluation.half_width_m,) * 2)
     elif evaluation.has("in_region"):
         maps.draw_region_edge(ax, evaluation.grid, evaluation.inside())
 
@@ -118,7 +118,7 @@ def draw_error(evaluation):
     scale = scale_of(axes[0, 0], evaluation, "e_z", within)
     maps.frame_map(axes[0, 0], grid, "e_z")
     maps.draw_values(axes[0, 0], grid, error, scale, SIGN)
-    marked = mark_missing(axes[0, 0], evaluation, error)
+    marked = maps.mark_missing(axes[0, 0], grid, error, "no value", inside)
     finish_map(axes[0, 0], evaluation)
     maps.note(axes[0, 0], f"in the region {scale.range_text()}", *scale.notes(limit_of("e_z"))[1:],
               maps.blocks_note(axes[0, 0], error.shape), marked)
@@ -128,24 +128,13 @@ def draw_error(evaluation):
     return figure
 
 
-def mark_missing(ax, evaluation, values):
-    """Marks bins of the region without a value where they are few; many of them are grey. Returns what shows them."""
-    inside = evaluation.inside()
-    missing = np.isnan(values) & inside
-    if not missing.any():
-        return ""
-    if np.count_nonzero(missing) >= reduction.MAX_MARKED * np.count_nonzero(inside):
-        return maps.marks_text("no value", "", "grey")
-    how = maps.draw_marks(ax, evaluation.grid, missing, maps.MARK, np.count_nonzero(inside))
-    return maps.marks_text("no value", how)
-
-
 def draw_error_zoom(ax, evaluation, within):
     """Every bin about the footprint of largest relative error, less that footprint's mean as in Eq. 12."""
     grid, rel, mean = evaluation.grid, evaluation.layers["rel_z"], evaluation.layers["abs_z"]
     center = maps.largest_bin(grid, rel)
     window, rows, cols = maps.zoom_window(grid, center, ZOOM_WIDTH_M)
-    deviation = within[rows, cols] - float(mean[maps.bin_at(grid, center)])
+    row, col = (int(np.argmin(np.abs(axis - at))) for axis, at in zip((grid.y, grid.x), center[::-1]))
+    deviation = within[rows, cols] - float(mean[row, col])
     maps.frame_map(ax, window, "e_z - mean of the worst footprint")
     scale = scale_of(ax, evaluation, "e_z", deviation)
     maps.draw_values(ax, window, deviation, scale, "e_z - mean")
@@ -183,7 +172,7 @@ def draw_coverage(evaluation):
     title = f"{evaluation.name}: coverage of the region{detail}"
     figure, axes = maps.new_figure((1, 3) if has_maps else (1, 1), (14, 5.7) if has_maps else (7, 5.6), title)
     if has_maps:
-        draw_invalid_map(axes[0, 0], evaluation)
+        draw_mask(axes[0, 0], evaluation, invalid_text(evaluation.metrics), {"invalid": (evaluation.layers["invalid"] != 0, maps.BLUE)})
         draw_hole_map(axes[0, 1], evaluation)
     draw_hole_histogram(axes[0, -1], evaluation.metrics)
     return figure
@@ -205,11 +194,6 @@ def draw_mask(ax, evaluation, title, flags):
 def invalid_text(metrics):
     count, fraction = metrics.get("coverage/invalid_count"), metrics.get("coverage/invalid_frac")
     return f"{plots.counted(count, 'invalid bin')} ({plots.percent(fraction)})"
-
-
-def draw_invalid_map(ax, evaluation):
-    invalid = evaluation.layers["invalid"] != 0
-    draw_mask(ax, evaluation, invalid_text(evaluation.metrics), {"invalid": (invalid, maps.BLUE)})
 
 
 def draw_hole_map(ax, evaluation):
@@ -247,20 +231,12 @@ def draw_accuracy(evaluation):
     title = f"{evaluation.name}: accuracy over the footprint centred on each bin, error = {SIGN}"
     figure, axes = maps.new_figure((2, 3), (15, 10.2), title)
     for column, axis in enumerate("xyz"):
-        draw_footprint_map(axes[0, column], evaluation, f"abs_{axis}", absolute_title(evaluation, axis))
-        draw_footprint_map(axes[1, column], evaluation, f"rel_{axis}", relative_title(evaluation, axis))
+        p95 = plots.metres(evaluation.metrics.get(f"accuracy/absolute/{axis}/p95_m"))
+        draw_footprint_map(axes[0, column], evaluation, f"abs_{axis}", f"absolute {axis} (mean)\n95 % within {p95}")
+        count, largest = (evaluation.metrics.get(f"accuracy/relative/{axis}/{key}") for key in ("violation_count", "max_m"))
+        title = f"relative {axis}\n{plots.counted(count, 'violation')}, largest {plots.metres(largest)}"
+        draw_footprint_map(axes[1, column], evaluation, f"rel_{axis}", title)
     return figure
-
-
-def absolute_title(evaluation, axis):
-    p95 = evaluation.metrics.get(f"accuracy/absolute/{axis}/p95_m")
-    return f"absolute {axis} (mean)\n95 % within {plots.metres(p95)}"
-
-
-def relative_title(evaluation, axis):
-    count = evaluation.metrics.get(f"accuracy/relative/{axis}/violation_count")
-    largest = evaluation.metrics.get(f"accuracy/relative/{axis}/max_m")
-    return f"relative {axis}\n{plots.counted(count, 'violation')}, largest {plots.metres(largest)}"
 
 
 def quantity_of(evaluation, name):
@@ -286,7 +262,7 @@ def draw_footprint_map(ax, evaluation, name, title):
     scale = scale_of(ax, evaluation, name, values)
     maps.frame_map(ax, evaluation.grid, title)
     maps.draw_values(ax, evaluation.grid, values, scale, quantity_of(evaluation, name))
-    missing = mark_missing(ax, evaluation, values) if evaluation.has("in_region") else ""
+    missing = maps.mark_missing(ax, evaluation.grid, values, "no value", evaluation.inside()) if evaluation.has("in_region") else ""
     violations = mark_violations(ax, evaluation, name) if name.startswith("rel") else ""
     finish_map(ax, evaluation)
     maps.note(ax, *scale.notes(limit_of(name)), violations, missing)

@@ -67,34 +67,27 @@ def draw_panel(above, beside, panel, x, y, z):
     end = half * np.array([np.cos(np.radians(panel.cut_deg)), np.sin(np.radians(panel.cut_deg))])
     above.plot([-end[0], end[0]], [-end[1], end[1]], "--", color="crimson", linewidth=0.9)
     above.set_title(panel.feature["type"], fontsize=11, fontweight="bold")
-    above.set_xticks([-half, 0, half])
-    above.set_yticks([-half, 0, half])
+    above.set(xticks=[-half, 0, half], yticks=[-half, 0, half])
     s, height = cut(panel, x, y, z)
     beside.axhline(0, color="0.7", linewidth=0.7)
     beside.plot(s, height, color="crimson", linewidth=1.2)
-    beside.set_xlim(-half, half)
     margin = 0.1 * np.ptp(height)
-    beside.set_ylim(height.min() - margin, height.max() + margin)
-    beside.set_xticks([-half, 0, half])
+    beside.set(xlim=(-half, half), ylim=(height.min() - margin, height.max() + margin), xticks=[-half, 0, half])
     for ax in (above, beside):
         ax.tick_params(labelsize=8)
 
 
-def draw(terrains):
+def figure_of(folder, options):
     figure, axes = plt.subplots(4, 5, figsize=(15, 9.8), layout="constrained", height_ratios=[3, 1.3, 3, 1.3])
-    for number, (panel, x, y, z) in enumerate(terrains):
+    for number, panel in enumerate(PANELS):
         row, col = 2 * (number // 5), number % 5
-        draw_panel(axes[row, col], axes[row + 1, col], panel, x, y, z)
+        draw_panel(axes[row, col], axes[row + 1, col], panel, *terrain(panel, folder, options))
     for row in range(4):
         axes[row, 0].set_ylabel("y, m" if row % 2 == 0 else "height, m", fontsize=9)
     for ax in axes[-1]:
         ax.set_xlabel("along the cut, m", fontsize=9)
     figure.suptitle("The shapes on flat ground, lit from the north-west, and a cut along the dashed line (heights not to the scale of lengths)")
     return figure
-
-
-def figure_of(folder, options):
-    return draw([(panel, *terrain(panel, folder, options)) for panel in PANELS])
 
 
 main = plots.main_of_tools("plot_features.py", __doc__, figure_of)

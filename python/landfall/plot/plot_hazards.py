@@ -9,7 +9,7 @@ from matplotlib.colors import to_rgb
 from matplotlib.lines import Line2D
 from matplotlib.patches import Circle
 
-from landfall import command, dictionary, files
+from landfall import dictionary, files
 from landfall.errors import DataError
 from landfall.plot import maps, plots, reduction, relief, scales
 
@@ -22,13 +22,12 @@ JUDGED = {2: SAFE_COLOR, 3: HAZARD_COLOR}  # what the map said where it was wron
 MARKED = (3, 2)
 
 
-def parse(arguments):
-    parser = command.Parser(prog="plot_hazards.py", description=__doc__)
-    parser.add_argument("hazards", metavar="HAZARDS.h5")
+def add_options(parser):
     parser.add_argument("--dem", metavar="DEM.h5", help="the DEM that was judged: its relief shades the first panel")
-    parser.add_argument("-o", "--output", metavar="PNG", help="output file (default: HAZARDS-figure.png beside the input)")
     plots.add_data_only_option(parser)
-    return plots.parsed(parser, arguments, "hazards")
+
+
+parse = plots.parser_of("plot_hazards.py", __doc__, {"hazards": "HAZARDS"}, add_options)
 
 
 class Hazards:
@@ -92,13 +91,11 @@ def draw_safety(ax, hazards, z):
         if counts[value]:
             text, color = classes[value]
             how[text] = maps.draw_marks(ax, hazards.grid, (values == value) & inside, color, np.count_nonzero(inside), fill_few=True)
-    maps.legend(ax, {class_text(classes[value][0], counts[value], np.count_nonzero(inside)): classes[value][1] for value in classes}, 2)
+    total = np.count_nonzero(inside)
+    maps.legend(ax, {f"{text}: {counts[value]:,} ({plots.percent(counts[value] / total if total else None)})": color
+                     for value, (text, color) in classes.items()}, 2)
     maps.draw_scale_marks(ax)
     maps.note(ax, *(f"{text}: {manner}" for text, manner in how.items() if manner))
-
-
-def class_text(name, count, total):
-    return f"{name}: {count:,} ({plots.percent(count / total if total else None)})"
 
 
 def shaded(grid, image, z, size):
@@ -111,14 +108,10 @@ def shaded(grid, image, z, size):
 # Slope, roughness, probability
 
 
-def limit_scale(shown, values, limit, data_only, base):
-    return dataclasses.replace(scales.magnitude_scale(values, shown, limit, data_only), base=base)
-
-
 def draw_limited(ax, hazards, name, base, limit_key, data_only):
     """A layer with a limit: the largest value of each block, and a line around the places over the limit."""
     values, limit = hazards.layers[name], hazards.config.get(limit_key)
-    scale = limit_scale(maps.reduced(ax, values, reduction.shrink_most), values, limit, data_only, base)
+    scale = dataclasses.replace(scales.magnitude_scale(values, maps.reduced(ax, values, reduction.shrink_most), limit, data_only), base=base)
     frame(ax, hazards, f"{name} under the lander")
     maps.draw_values(ax, hazards.grid, values, scale, name, reduction.shrink_most)
     over = limit is not None and maps.outline_flags(ax, hazards.grid, values > limit, "white")

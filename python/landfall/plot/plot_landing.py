@@ -5,30 +5,14 @@ distance that the lander diverted, and slope and roughness on the true ground ag
 
 import numpy as np
 
-from landfall import command
 from landfall.errors import DataError
 from landfall.plot import maps, plots
-from landfall.plot.plot_draws import Draws, light_of
+from landfall.plot.plot_draws import draw_ground, Draws
 
 ARMS = {"landing": "with the lidar", "blind": "without a lidar"}
 
 
-def parse(arguments):
-    parser = command.Parser(prog="plot_landing.py", description=__doc__)
-    parser.add_argument("draws", metavar="DRAWS.h5")
-    parser.add_argument("-o", "--output", metavar="PNG", help="output file (default: DRAWS-landing.png beside the input)")
-    return plots.parsed(parser, arguments, "draws", "-landing.png")
-
-
-def require_landings(draws):
-    if "landing.safe" not in draws.columns:
-        raise DataError(f"{draws.name}: has no landings; make it with the section landing")
-
-
-def arm_of(draws, arm):
-    """x, y, slope, roughness and whether each landing is safe."""
-    values = [draws.columns[f"{arm}.{name}"] for name in ("x_m", "y_m", "slope_deg", "roughness_m", "safe")]
-    return (*values[:4], values[4] == 1)
+parse = plots.parser_of("plot_landing.py", __doc__, {"draws": "DRAWS"}, ending="-landing.png")
 
 
 def frame(ax, draws):
@@ -41,11 +25,9 @@ def frame(ax, draws):
 
 def draw_touchdowns(ax, draws, arm):
     if draws.grid is not None:
-        size = maps.block_size(ax, draws.layers["in_region"].shape)
-        light = np.nan_to_num(light_of(draws, size), nan=1)
-        maps.draw_image(ax, draws.grid, np.repeat(np.clip(0.95 * light, 0, 1)[..., None], 3, axis=-1), size, gid="ground")
-    x, y, slope, _, safe = arm_of(draws, arm)
-    over_ground = ~np.isnan(slope)
+        draw_ground(ax, draws)
+    x, y, slope, safe = (draws.columns[f"{arm}.{name}"] for name in ("x_m", "y_m", "slope_deg", "safe"))
+    safe, over_ground = safe == 1, ~np.isnan(slope)
     for shown, color, marker, label in ((safe, maps.BLUE, "o", "safe"), (~safe & over_ground, maps.VERMILION, "X", "not safe"),
                                         (~over_ground, "black", "1", "over no ground")):
         if shown.any():
@@ -147,7 +129,8 @@ def draw(draws):
 
 def figure_of(options):
     draws = Draws(options.draws)
-    require_landings(draws)
+    if "landing.safe" not in draws.columns:
+        raise DataError(f"{draws.name}: has no landings; make it with the section landing")
     return draw(draws)
 
 

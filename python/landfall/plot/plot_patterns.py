@@ -65,12 +65,6 @@ def scan(panel, folder, options):
     return x.reshape(-1, panel.pixels ** 2), y.reshape(-1, panel.pixels ** 2)
 
 
-def draw_images(ax, x, y):
-    """The points of every pixel, one colour per image."""
-    colours = np.repeat(np.arange(len(x)), x.shape[1])
-    ax.scatter(x.ravel(), y.ravel(), c=colours, cmap="viridis", s=0.8, linewidths=0, vmax=max(len(x) - 1, 1))
-
-
 def draw_aims(ax, x, y, dots):
     path = np.column_stack([x, y])
     line = LineCollection(np.stack([path[:-1], path[1:]], axis=1), cmap="viridis", linewidths=0.8)
@@ -84,37 +78,30 @@ def draw_panel(ax, panel, x, y):
     ax.add_patch(plt.Rectangle((-HALF_WIDTH_M, -HALF_WIDTH_M), 2 * HALF_WIDTH_M, 2 * HALF_WIDTH_M, fill=False,
                                color="0.75", linewidth=0.8))
     if panel.pixels > 1:
-        draw_images(ax, x, y)
+        image = np.repeat(np.arange(len(x)), x.shape[1])  # of each point, which has a colour
+        ax.scatter(x.ravel(), y.ravel(), c=image, cmap="viridis", s=0.8, linewidths=0, vmax=max(len(x) - 1, 1))
     center_x, center_y = x.mean(axis=1), y.mean(axis=1)
     if len(x) > 1:
         draw_aims(ax, center_x, center_y, len(x) <= 300)
     ax.plot(center_x[0], center_y[0], "o", color="crimson", markersize=5, zorder=4)
     ax.set_title(f"{panel.keys['type']}\n", fontsize=11, fontweight="bold", pad=3)
     ax.text(0.5, 1.03, panel.caption, transform=ax.transAxes, ha="center", fontsize=9)
-    ax.set_xlim(-56, 56)
-    ax.set_ylim(-56, 56)
-    ax.set_aspect("equal")
-    ax.set_xticks([-50, 0, 50])
-    ax.set_yticks([-50, 0, 50])
+    ax.set(xlim=(-56, 56), ylim=(-56, 56), aspect="equal", xticks=[-50, 0, 50], yticks=[-50, 0, 50])
     ax.tick_params(labelsize=8)
 
 
-def draw(scans):
+def figure_of(folder, options):
+    write_star(os.path.join(folder, "star.csv"))
+    plots.run_tool("terrain-gen", folder, "terrain", TERRAIN, options)
     figure, axes = plt.subplots(2, 5, figsize=(15, 7.0), layout="constrained")
-    for ax, (panel, x, y) in zip(axes.flat, scans):
-        draw_panel(ax, panel, x, y)
+    for ax, panel in zip(axes.flat, PANELS):
+        draw_panel(ax, panel, *scan(panel, folder, options))
     for ax in axes[-1]:
         ax.set_xlabel("x, m", fontsize=9)
     for ax in axes[:, 0]:
         ax.set_ylabel("y, m", fontsize=9)
     figure.suptitle("Where the patterns aim: first pulse red, then dark to bright; the grey square is ±50 m")
     return figure
-
-
-def figure_of(folder, options):
-    write_star(os.path.join(folder, "star.csv"))
-    plots.run_tool("terrain-gen", folder, "terrain", TERRAIN, options)
-    return draw([(panel, *scan(panel, folder, options)) for panel in PANELS])
 
 
 main = plots.main_of_tools("plot_patterns.py", __doc__, figure_of)

@@ -5,7 +5,7 @@ import os
 
 import numpy as np
 
-from landfall import command, files
+from landfall import files
 from landfall.errors import DataError
 from landfall.plot import maps, plots, reduction, scales
 
@@ -16,11 +16,7 @@ BUDGET = [("in_region", "frame in the region", "#0072b2"),
 UNCOVERED = maps.MARK
 
 
-def parse(arguments):
-    parser = command.Parser(prog="plot_plan.py", description=__doc__)
-    parser.add_argument("plan", metavar="PLAN.h5")
-    parser.add_argument("-o", "--output", metavar="PNG", help="output file (default: PLAN-figure.png beside the plan)")
-    return plots.parsed(parser, arguments, "plan")
+parse = plots.parser_of("plot_plan.py", __doc__, {"plan": "PLAN"})
 
 
 def read(path):
@@ -74,7 +70,8 @@ def draw_histogram(ax, plan, layers):
     ax.grid(axis="y", alpha=0.3)
 
 
-def draw(grid, layers, plan, options):
+def figure_of(options):
+    grid, layers, plan = read(options.plan)
     coverage, frames = plan["coverage"], plan["frames_per_bin"]
     title = (f"{os.path.basename(options.plan)}: {plots.percent(coverage['uncovered_frac'])} of the region uncovered "
              f"({plots.bins(coverage['uncovered_count'])} in {plots.counted(coverage['hole_count'], 'hole')}), "
@@ -95,11 +92,6 @@ def draw(grid, layers, plan, options):
     if coverage["uncovered_count"]:
         maps.legend(axes[0, 0], {f"uncovered ({how})" if how else "uncovered": UNCOVERED})
     return figure
-
-
-def figure_of(options):
-    grid, layers, plan = read(options.plan)
-    return draw(grid, layers, plan, options)
 
 
 main = plots.main_of(parse, figure_of)

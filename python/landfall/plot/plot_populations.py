@@ -178,18 +178,13 @@ def title_of(sample):
     return f"{sample.number}: {keys['type']}, {law} ({plots.counted(sample.diameters.size, 'object')})"
 
 
-def diameters_of(pattern):
-    low, high = pattern["min_diameter_m"], pattern["max_diameter_m"]
-    steps = max(int(STEPS_PER_DECADE * np.log10(high / low)), 2)
-    return low * (high / low) ** (np.arange(steps) / steps)
-
-
 def draw_sample(ax, sample, style):
     colour, marker = style
     low, high = sample.pattern["min_diameter_m"], sample.pattern["max_diameter_m"]
     curve = np.geomspace(low, high * 0.999, 300)
     ax.plot(curve, sample.model(curve), color=colour, linewidth=1.2, label=title_of(sample))
-    diameters = diameters_of(sample.pattern)
+    steps = max(int(STEPS_PER_DECADE * np.log10(high / low)), 2)
+    diameters = low * (high / low) ** (np.arange(steps) / steps)
     counts, densities = sample.measured(diameters)
     seen = counts > 0
     diameters, counts, densities = diameters[seen], counts[seen], densities[seen]
@@ -201,9 +196,8 @@ def draw_sample(ax, sample, style):
 
 def limit_axes(ax, samples, densities):
     """Limits the axis to values near the measured ones, because a law falls to 0 at its largest diameter."""
-    ax.set_xscale("log")
-    ax.set_yscale("log")
     least = min([d.min() for d in densities if d.size] + [s.model([s.pattern["min_diameter_m"]])[0] for s in samples])
+    ax.set(xscale="log", yscale="log")
     ax.set_ylim(bottom=least / 30)
 
 
@@ -212,8 +206,7 @@ def draw(samples, name):
     styles = [(COLOURS[i % len(COLOURS)], MARKERS[i % len(MARKERS)]) for i in range(len(samples))]
     densities = [draw_sample(ax, sample, style) for sample, style in zip(samples, styles)]
     limit_axes(ax, samples, densities)
-    ax.set_xlabel("diameter D, m")
-    ax.set_ylabel("larger than D, per m²")
+    ax.set(xlabel="diameter D, m", ylabel="larger than D, per m²")
     ax.secondary_yaxis("right", functions=(lambda n: 1e4 * n, lambda n: 1e-4 * n)).set_ylabel("per hectare")
     ax.grid(True, which="major", color="0.85", linewidth=0.8)
     ax.xaxis.set_major_locator(matplotlib.ticker.LogLocator(subs=(1, 2, 5)))

@@ -11,29 +11,26 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from landfall import command
 from landfall.errors import UsageError
 from landfall.plot import maps, plot_dem, plots, reduction, scales
 
 TRUE, ESTIMATED, LIMIT = maps.SKY_BLUE, maps.VERMILION, "#a3478f"  # as in the report
 
 
-def parse(arguments):
-    parser = command.Parser(prog="plot_profile.py", description=__doc__)
-    parser.add_argument("dem", metavar="DEM.h5")
+def add_options(parser):
     parser.add_argument("--from", dest="start", type=plots.place, metavar="X,Y", required=True,
                         help="first end of the line, metres in the frame of the DEM")
     parser.add_argument("--to", dest="end", type=plots.place, metavar="X,Y", required=True, help="other end of the line")
-    parser.add_argument("-o", "--output", metavar="PNG", help="output file (default: DEM-profile.png beside the DEM)")
     parser.add_argument("--limit-m", type=plots.positive_metres, default=0.05,
                         help="limit of the relative elevation error, drawn as lines, default 0.05")
-    options = plots.parsed(parser, arguments, "dem", "-profile.png")
-    if options.start == options.end:
-        raise UsageError("--from and --to are the same point")
-    return options
+
+
+parse = plots.parser_of("plot_profile.py", __doc__, {"dem": "DEM"}, add_options, "-profile.png")
 
 
 def require_inside(options, grid):
+    if options.start == options.end:
+        raise UsageError("--from and --to are the same point")
     for option, point in (("--from", options.start), ("--to", options.end)):
         for name, axis, value in zip("xy", (grid.x, grid.y), point):
             low, high = axis[0] - grid.resolution_m / 2, axis[-1] + grid.resolution_m / 2
@@ -91,15 +88,11 @@ def draw_elevations(ax, bins, layers):
     draw_curve(ax, bins.at_m, bins.of(layers["z_est"]), color=ESTIMATED, linewidth=1.4, label="estimated elevation z_est")
     ax.set(ylabel="elevation (m)", xlim=(0, bins.length_m))
     ax.grid(True, color="#e0e0e0", linewidth=0.6)
-    ax.set_title(elevation_title(layers, bins))
-    ax.legend(fontsize=maps.NOTE_PT, framealpha=0.9)
-
-
-def elevation_title(layers, bins):
     empty = int(np.isnan(bins.of(layers["z_est"])).sum())
     gaps = f", {empty:,} of them without a return" if empty else ""
     truth = "" if layers["z_true"] is not None else "; this DEM has no truth layer"
-    return f"{plots.bins(bins.at_m.size)} along {bins.length_m:.2f} m{gaps}{truth}"
+    ax.set_title(f"{plots.bins(bins.at_m.size)} along {bins.length_m:.2f} m{gaps}{truth}")
+    ax.legend(fontsize=maps.NOTE_PT, framealpha=0.9)
 
 
 def draw_error(ax, bins, error, limit_m):

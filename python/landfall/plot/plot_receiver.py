@@ -72,11 +72,9 @@ def draw_waveforms(ax):
         ax.plot(100 * at, SIGNAL_PE * waveform(ranges, at), color=colour, linestyle=style, label=label)
     ax.axhline(THRESHOLD_PE, color="C3", linewidth=0.8)
     ax.text(19, THRESHOLD_PE + 4, "threshold", color="C3", fontsize=9)
-    ax.set_xlabel("range beyond the pixel's own ray, cm")
-    ax.set_ylabel("signal, photoelectrons")
+    ax.set(xlabel="range beyond the pixel's own ray, cm", ylabel="signal, photoelectrons", ylim=(0, 1.35 * SIGNAL_PE))
     ax.set_title("Waveforms of a pixel", fontsize=11)
     ax.legend(frameon=False, fontsize=9, loc="upper left")
-    ax.set_ylim(0, 1.35 * SIGNAL_PE)
 
 
 def draw_errors(ax, errors):
@@ -84,23 +82,19 @@ def draw_errors(ax, errors):
         style = (0, (4, 4)) if kind == "centroid" else "-"  # it hides no other curve
         ax.plot(SLOPES_DEG, 100 * errors[kind], marker="o", linestyle=style, color=colour, markersize=3, label=label)
     ax.axhline(0, color="0.8", linewidth=0.8, zorder=0)
-    ax.set_xlabel("slope, degrees")
-    ax.set_ylabel("reported minus true range, cm")
+    ax.set(xlabel="slope, degrees", ylabel="reported minus true range, cm")
     ax.set_title("Error of the range on slopes", fontsize=11)
     ax.legend(frameon=False, fontsize=9, loc="center left", bbox_to_anchor=(0.02, 0.72))
 
 
-def draw(errors):
+def figure_of(folder, options):
+    errors = errors_of_slopes(folder, options)
     figure, (left, right) = plt.subplots(1, 2, figsize=(11, 4.4), layout="constrained")
     draw_waveforms(left)
     draw_errors(right, errors)
     figure.suptitle(f"Pixels of {100 * PITCH_RAD * RANGE_M:.1f} cm at {RANGE_M} m, pulse of {1e9 * FWHM_S:g} ns, {SIGNAL_PE} photoelectrons",
                     fontsize=11)
     return figure
-
-
-def figure_of(folder, options):
-    return draw(errors_of_slopes(folder, options))
 
 
 main = plots.main_of_tools("plot_receiver.py", __doc__, figure_of)

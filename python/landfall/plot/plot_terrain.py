@@ -8,7 +8,7 @@ import numpy as np
 from matplotlib.collections import EllipseCollection
 from matplotlib.patches import Patch
 
-from landfall import command, files
+from landfall import files
 from landfall.errors import DataError
 from landfall.plot import colors, maps, plots, reduction, scales
 
@@ -18,15 +18,14 @@ MAX_OBJECTS = 300  # of each kind on the map of the whole site, the largest firs
 KIND_COLORS = ("#d55e00", "#56b4e9", "#009e73", "#e69f00", "#cc79a7", "#0072b2", "#f0e442", "#000000")
 
 
-def parse(arguments):
-    parser = command.Parser(prog="plot_terrain.py", description=__doc__)
-    parser.add_argument("terrain", metavar="TERRAIN.h5")
-    parser.add_argument("-o", "--output", metavar="PNG", help="output file (default: TERRAIN-figure.png beside it)")
+def add_options(parser):
     parser.add_argument("--sun-azimuth-deg", type=finite, default=315, help="clockwise from +y, default 315")
     parser.add_argument("--sun-elevation-deg", type=sun_elevation, default=35, help="0..90, default 35")
     parser.add_argument("--zoom-width-m", type=plots.positive_metres, help="default: a tenth of the site")
     parser.add_argument("--zoom-at", type=plots.place, metavar="X,Y", help="default: the steepest place")
-    return plots.parsed(parser, arguments, "terrain")
+
+
+parse = plots.parser_of("plot_terrain.py", __doc__, {"terrain": "TERRAIN"}, add_options)
 
 
 def finite(text):

@@ -28,13 +28,23 @@ def require_png(path):
         raise UsageError(f"--output {path}: the name must end in .png")
 
 
-def parsed(parser, arguments, source, ending="-figure.png"):
-    """The options of a command that draws a file, the argument `source`. Without --output the PNG is beside the file and called after it."""
-    add_output_options(parser)
-    options = parser.parse_args(arguments)
-    options.output = options.output or os.path.splitext(getattr(options, source))[0] + ending
-    require_png(options.output)
-    return options
+def parser_of(prog, description, sources, add_options=None, ending="-figure.png"):
+    """The function parse(arguments) of a command that draws files: `sources` are its arguments, {name: the file in the help text}; add_options(parser)
+    adds what is its own. Without --output the PNG is beside the last of the files and called after it."""
+    def parse(arguments):
+        parser = command.Parser(prog=prog, description=description)
+        for name, file in sources.items():
+            parser.add_argument(name, metavar=f"{file}.h5")
+        parser.add_argument("-o", "--output", metavar="PNG", help=f"output file (default: {file}{ending} beside it)")
+        if add_options:
+            add_options(parser)
+        add_output_options(parser)
+        options = parser.parse_args(arguments)
+        options.output = options.output or os.path.splitext(getattr(options, name))[0] + ending
+        require_png(options.output)
+        return options
+
+    return parse
 
 
 def dots_per_inch(text):

@@ -57,25 +57,19 @@ def shrink_any(flags, size):
     return blocks(flags, size, False).any(axis=(1, 3))
 
 
+def surroundings(flags, radius):
+    """View of the square of 2 radius + 1 cells about each cell, unset outside the map."""
+    return np.lib.stride_tricks.sliding_window_view(np.pad(flags, radius), (2 * radius + 1, 2 * radius + 1))
+
+
 def enlarge(flags, radius):
     """Grows set cells to squares of 2 radius + 1 cells."""
-    grown = flags.copy()
-    for axis in (0, 1):
-        source = grown.copy()
-        for shift in range(1, radius + 1):
-            ahead = [slice(None)] * 2
-            behind = [slice(None)] * 2
-            ahead[axis], behind[axis] = slice(shift, None), slice(None, -shift)
-            grown[tuple(ahead)] |= source[tuple(behind)]
-            grown[tuple(behind)] |= source[tuple(ahead)]
-    return grown
+    return surroundings(flags, radius).any(axis=(2, 3))
 
 
 def lone(marks):
     """The marks with at most one marked neighbour of eight; larger groups are visible."""
-    padded = np.pad(marks, 1).astype(int)
-    rows = padded[:-2] + padded[1:-1] + padded[2:]
-    return marks & (rows[:, :-2] + rows[:, 1:-1] + rows[:, 2:] <= 2)
+    return marks & (surroundings(marks, 1).sum(axis=(2, 3)) <= 2)
 
 
 def enlarged_marks(flags, size, region_bins):

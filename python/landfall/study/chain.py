@@ -7,10 +7,13 @@ import re
 from dataclasses import dataclass
 
 from landfall.errors import UsageError
-from landfall.study.session import inner_name
+from landfall.study.session import inner_name, read_log
+from landfall.study.stages import UPSTREAM
 
 RULE = re.compile(r"\t\$\(call stage,([a-z]+),([0-9a-f]+),[^)]*\) (.*)")
 KINDS = ("terrain", "truth", "scan", "regrid", "eval", "hazard", "draws")
+# How many files a step reads: they follow its configuration, and its output follows them.
+INPUTS = {"terrain": 0, "scan": 2, "regrid": 2, "eval": 1, "hazard": 2, "draws": 2}
 OPTIONS = ("--corrected", "--uncertainty")
 TAIL_LINES = 20
 
@@ -42,35 +45,19 @@ class Chains:
                 self._add(kind, f"{kind}-{identity}", steps.replace("$O/", "").split(" + "))
         except OSError as error:
             raise UsageError(f"{path}: {error.strerror}") from error
-        except ValueError as error:
+        except (LookupError, ValueError) as error:
             raise UsageError(f"{path}: no plan of a study ({error})") from error
 
     def _add(self, rule, recipe, steps):
-        within = {}  # scan, dem: the latest of the recipe
+        within = {}  # kind: the latest output of the recipe that has no name
         self.steps[recipe] = len(steps)
         for index, step in enumerate(steps):
             name, config, *words = map(inner_name, step.split())
-            if name == "terrain":
-                kind, inputs, output = name, (), words[0]
-            elif name == "scan":
-                terrain, ranges, output = words[:3]
-                kind = "truth" if rule == "truth" else "scan"
-                inputs = (terrain,) if ranges == "-" else (terrain, ranges)
-            elif name == "regrid":
-                scan, terrain, output = words[:3]
-                kind, inputs = name, (within["scan"] if scan == "@" else scan, terrain)
-            elif name == "hazard":
-                dem, terrain, output = words[:3]
-                kind, inputs = name, (within["dem"] if dem == "@" else dem, terrain)
-            elif name == "draws":
-                truth, terrain, output = words[:3]
-                kind, inputs = name, tuple(file for file in (truth, terrain) if file != "-")
-            else:
-                dem, output = words[:2]
-                kind, inputs = name, (within["dem"] if dem == "@" else dem,)
+            inputs = tuple(within[UPSTREAM[name]] if word == "@" else word for word in words[:INPUTS[name]] if word != "-")
+            output = words[INPUTS[name]]
             if output == "@":
-                output = f"{recipe}/{index}"
-                within["scan" if kind == "scan" else "dem"] = output
+                output = within[name] = f"{recipe}/{index}"
+            kind = "truth" if rule == "truth" and name == "scan" else name
             self._of[output] = Run(kind, config, output, recipe, index, inputs, tuple(word for word in words if word in OPTIONS))
 
     def of(self, results):
@@ -95,15 +82,10 @@ class Logs:
     def _read(self, recipe):
         """(exit, tail, summaries) of a recipe; exit is "" where it has not ended."""
         if recipe not in self._known:
-            text = _text(self._path(recipe))
-            lines = text.splitlines()
-            last = lines[-1] if lines and lines[-1].startswith("# exit ") else ""
-            tail = [line for line in lines if not line.startswith("# ")][-TAIL_LINES:]
-            self._known[recipe] = last[2:], tail, _summaries(_text(self._path(recipe)[:-4] + ".json"))
+            path = os.path.join(self._folder, "log", recipe)
+            end, messages = read_log(path + ".log")
+            self._known[recipe] = end, messages[-TAIL_LINES:], _summaries(path + ".json")
         return self._known[recipe]
-
-    def _path(self, recipe):
-        return os.path.join(self._folder, "log", recipe + ".log")
 
     def summary(self, run):
         """The tool's summary; None where it is not known, as of every run of a recipe that failed or was not run."""
@@ -120,22 +102,16 @@ class Logs:
         return None
 
 
-def _text(path):
+def _summaries(path):
+    """The JSON objects of a file, one after another; none if one of them is invalid."""
+    decoder, found = json.JSONDecoder(), []
     try:
         with open(path, encoding="utf-8", errors="replace") as file:
-            return file.read()
-    except OSError:
-        return ""
-
-
-def _summaries(text):
-    """The JSON objects of a text, one after another; none if one of them is invalid."""
-    decoder, found, at = json.JSONDecoder(), [], 0
-    try:
-        while text[at:].strip():
-            at += len(text[at:]) - len(text[at:].lstrip())
-            tree, at = decoder.raw_decode(text, at)
+            text = file.read().lstrip()
+        while text:
+            tree, end = decoder.raw_decode(text)
             found.append(tree)
-    except ValueError:
+            text = text[end:].lstrip()
+    except (OSError, ValueError):
         return []
     return found

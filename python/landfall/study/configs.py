@@ -5,17 +5,14 @@
 import copy
 import re
 
+from landfall.study.model import with_paths
+
 VARIES = "(varies)"
 
 
 def without_folders(value):
     """The value with every "path" cut to the file's name, as in the configuration that landfall's files store."""
-    if isinstance(value, list):
-        return [without_folders(entry) for entry in value]
-    if not isinstance(value, dict):
-        return value
-    return {key: re.sub(r'[^":]*/', "", entry) if key == "path" and isinstance(entry, str) else without_folders(entry)
-            for key, entry in value.items()}
+    return with_paths(value, lambda path: re.sub(r'[^":]*/', "", path))
 
 
 def changes(base, tree, place=()):

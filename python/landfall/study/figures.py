@@ -101,8 +101,7 @@ def draw_distribution(axes, results, metric, scale):
     if limit is not None and values.size:
         axes.axvline(limit * scale.factor, color=LIMIT_COLOR, linestyle="--", label=scale.requirement(metric, limit))
         axes.legend(frameon=False)
-    axes.set_xlabel(scale.title())
-    axes.set_ylabel(f"share of {values.size} repeats")
+    axes.set(xlabel=scale.title(), ylabel=f"share of {values.size} repeats")
 
 
 def series_along(results, x):
@@ -289,8 +288,7 @@ def map_figure(results, metric, pair, quantile):
         frame_region(axes, values.shape, rates)
     axes.set_xticks(*map_ticks(columns, WIDEST_MAP))
     axes.set_yticks(*map_ticks(rows, TALLEST_MAP))
-    axes.set_xlabel(x.title())
-    axes.set_ylabel(y.title())
+    axes.set(xlabel=x.title(), ylabel=y.title())
     notes = [f"{scale.title()}: {number(image.norm.vmin)} everywhere" if is_flat else "", estimate_name(results, quantile).split(",")[0], scale.requirement(metric, limit) if limit is not None else "",
              "framed: every case passes all requirements"]
     axes.set_title(results.title + "\n" + "; ".join(note for note in notes if note), fontsize=9)

@@ -9,7 +9,8 @@ from landfall import tools
 from landfall.errors import UsageError
 from landfall.schema import default_at, read_json, shown, type_of
 
-STAGES = ("terrain", "scan", "regrid", "eval", "hazard", "draws")
+TOOLS = {"terrain": "terrain-gen", "scan": "scan-sim", "regrid": "regrid", "eval": "dem-eval", "hazard": "hazard-map", "draws": "monte-carlo"}
+STAGES = tuple(TOOLS)
 # Stages that a study has only if its base names them.
 OPTIONAL_STAGES = ("hazard", "draws")
 # Keys of a distribution of draws.vary; what stands before one of them is the varied key, whose dots part no folders.
@@ -163,19 +164,21 @@ def plain_numbers(value):
     return value
 
 
-def with_full_paths(value, folder):
-    """The value with every "path" of a file that exists, seen from the folder, made absolute."""
+def with_paths(value, changed):
+    """The value with every "path", a text, as changed() gives it."""
     if isinstance(value, list):
-        return [with_full_paths(entry, folder) for entry in value]
+        return [with_paths(entry, changed) for entry in value]
     if not isinstance(value, dict):
         return value
-    return {key: _full_path(entry, folder) if key == "path" and isinstance(entry, str) else
-            with_full_paths(entry, folder) for key, entry in value.items()}
+    return {key: changed(entry) if key == "path" and isinstance(entry, str) else with_paths(entry, changed) for key, entry in value.items()}
 
 
-def _full_path(path, folder):
-    full = os.path.abspath(os.path.join(folder, path))
-    return full if os.path.isfile(full) else path
+def with_full_paths(value, folder):
+    """The value with every "path" of a file that exists, seen from the folder, made absolute."""
+    def full_path(path):
+        full = os.path.abspath(os.path.join(folder, path))
+        return full if os.path.isfile(full) else path
+    return with_paths(value, full_path)
 
 
 def config_path(name, stage, folder):
@@ -205,12 +208,8 @@ def configuration(study, stage, indices, repeated=True):
                 continue
             for key, value in axis.points[index].assignments:
                 if stage_of(key) == stage:
-                    config = _assign_of(study, axis, config, key, value)
+                    try:
+                        config = assign(config, key, value)
+                    except KeyError as error:
+                        raise UsageError(f"{study.path}: axis {axis.name}: {key} = {shown(value)}: {error.args[0]}") from error
     return config
-
-
-def _assign_of(study, axis, config, key, value):
-    try:
-        return assign(config, key, value)
-    except KeyError as error:
-        raise UsageError(f"{study.path}: axis {axis.name}: {key} = {shown(value)}: {error.args[0]}") from error

@@ -70,17 +70,10 @@ class CaseNames:
 
     def _is_product(self, cases):
         """Whether the cases are all combinations of some values of each dimension."""
-        count = 1
-        for members in self._dimensions().values():
-            count *= len({tuple(self._rows[case][index] for index in members) for case in cases})
-        return count == len(cases)
-
-    def _dimensions(self):
-        """{dimension: its axes}; axes of a zip share one."""
-        found = {}
+        dimensions = {}  # axes of a zip share one
         for index in self._named:
-            found.setdefault(self._axes[index].get("dimension", f"axis {index}"), []).append(index)
-        return found
+            dimensions.setdefault(self._axes[index].get("dimension", f"axis {index}"), []).append(index)
+        return len(cases) == math.prod(len({tuple(self._rows[case][index] for index in members) for case in cases}) for members in dimensions.values())
 
     def _part(self, index, values):
         """ "LABEL VALUE UNIT"."""

@@ -6,8 +6,9 @@ import json
 import os
 
 from landfall import tools, web
+from landfall.command import read_bytes
 from landfall.errors import DataError
-from landfall.study.model import label_of
+from landfall.study.model import label_of, TOOLS, unit_of
 from landfall.study.names import counted, number, with_unit
 from landfall.study.table import error_sign, metric_label
 
@@ -15,9 +16,7 @@ MAX_VALUES = 12  # of an axis that are all named
 MAX_NAMED = 20  # cases of one failure
 VERDICTS = ("pass", "fail", "not judged", "error", "not made")
 VERDICT_CLASS = {"pass": "pass", "fail": "fail", "error": "error"}
-RUN_NAMES = {"terrain": "terrain-gen", "truth": "scan-sim, truths", "scan": "scan-sim", "regrid": "regrid", "eval": "dem-eval", "hazard": "hazard-map",
-             "draws": "monte-carlo"}
-LIMIT_UNITS = {"m": "m", "bins": "bins", "frac": ""}
+RUN_NAMES = {"terrain": TOOLS["terrain"], "truth": "scan-sim, truths", **TOOLS}
 WHOLE = {"crossing": "Where a metric exceeds a level", "overview": "Metrics side by side", "hazards": "Hazards and best sites", "campaigns": "Probability of passing",
          "requirements": "Requirements met", "shares": "Share of each limit that is used"}
 
@@ -76,6 +75,10 @@ def cell(value, text=None):
     return f'<td class="number" data-value="{escaped(value)}">{escaped(number(value) if text is None else text)}</td>'
 
 
+def text_cell(text):
+    return f"<td>{escaped(text)}</td>"
+
+
 def table(heads, rows, kind="sortable"):
     """Heads are HTML of th, rows of td."""
     body = "\n".join(f"<tr>{''.join(row)}</tr>" for row in rows)
@@ -119,8 +122,8 @@ def case_list(tree, cases):
 
 
 def tried(tree):
-    rows = [[f"<td>{escaped(axis['label'])}</td>", f"<td>{escaped(axis['role'])}</td>", f"<td>{escaped(plain_unit(axis['unit']))}</td>",
-             cell(len(axis["values"])), f"<td>{escaped(values(axis))}</td>"] for axis in tree["axes"]]
+    rows = [[*map(text_cell, (axis["label"], axis["role"], plain_unit(axis["unit"]))), cell(len(axis["values"])), text_cell(values(axis))]
+            for axis in tree["axes"]]
     text = table([head("axis"), head("kind"), head("unit"), head("values", True), head("which")], rows) if rows else ""
     text += "<details><summary>Limits that all cases share</summary>" + limits(tree["limits"]) + "</details>\n"
     text += ('<h3>Configuration</h3>\n<p class="note">What the study sets in all cases; “(varies)” marks values that differ between cases. All else '
@@ -145,8 +148,7 @@ def values(axis):
 
 
 def limits(found):
-    units = {key: LIMIT_UNITS.get(key.rsplit("_", 1)[-1], "") for key in found}
-    rows = [[f"<td>{escaped(label_of(key, units[key]))}</td>", cell(value, with_unit(value, units[key]))] for key, value in found.items()]
+    rows = [[text_cell(label_of(key, unit_of(key))), cell(value, with_unit(value, unit_of(key)))] for key, value in found.items()]
     return table([head("limit"), head("value", True)], rows) if rows else '<p class="note">None: every limit differs between cases.</p>\n'
 
 
@@ -160,7 +162,8 @@ def points(tree):
     axes = [axis for axis in tree["axes"] if axis["role"] == "axis"]
     units = {column["name"]: column["unit"] for column in tree["columns"]}
     heads = [head(escaped(titled(axis["label"], axis["unit"])).replace("_", "_<wbr>"), axis["numeric"]) for axis in axes]
-    heads += [head("done", True), *(head(f"{escaped(name)} met", True) for name in ("all requirements", *map(plain, tree["requirements"])))]
+    names = [name.replace("_", " ") for name in ("all requirements", *tree["requirements"])]
+    heads += [head("done", True), *(head(f"{escaped(name)} met", True) for name in names)]
     heads += [head(escaped(titled(metric_label(metric, units[metric]), units[metric])), True) for metric in tree["metrics"]]
     rows = [[*(value_cell(axis, value) for axis, value in zip(axes, point["values"])),
              cell(point["done"], f"{point['done']} of {len(point['cases'])}"), *map(rate_cell, point["rates"]),
@@ -172,10 +175,6 @@ def points(tree):
             + table(heads, rows, "sortable points"))
 
 
-def plain(name):
-    return name.replace("_", " ")
-
-
 def titled(label, unit):
     return f"{label} [{unit}]" if plain_unit(unit) else label
 
@@ -183,12 +182,12 @@ def titled(label, unit):
 def value_cell(axis, value):
     if axis["numeric"]:
         return cell(value, number(value, axis["digits"]))
-    return f"<td>{escaped(value if isinstance(value, str) else json.dumps(value))}</td>"
+    return text_cell(value if isinstance(value, str) else json.dumps(value))
 
 
 def rate_cell(rate):
     if not rate or not rate[1]:
-        return '<td class="number">–</td>'
+        return cell(None)
     passed, judged, low, high = rate
     kind = "pass" if passed == judged else "fail" if passed == 0 else "mixed"
     return (f'<td class="number" data-value="{passed / judged}"><span class="rate {kind}">{passed}/{judged}</span> '
@@ -198,7 +197,7 @@ def rate_cell(rate):
 def estimate_cell(estimate):
     value, low, high = estimate
     if value is None:
-        return '<td class="number">–</td>'
+        return cell(None)
     interval = f' <span class="interval">{number(low)}–{number(high)}</span>' if low is not None else ""
     return f'<td class="number" data-value="{value}">{number(value)}{interval}</td>'
 
@@ -239,11 +238,7 @@ def figure_panels(folder, tree):
 
 
 def picture(path):
-    try:
-        with open(path, "rb") as file:
-            return base64.b64encode(file.read()).decode()
-    except OSError as error:
-        raise DataError(f"{path}: {error.strerror}") from error
+    return base64.b64encode(read_bytes(path)).decode()
 
 
 def provenance(tree):

@@ -117,7 +117,8 @@ class _Reader:
         keys = [tree["key"]] if isinstance(tree["key"], str) else tree["key"]
         values = tree["list"] if kind == "list" else self.spaced(tree[kind], kind, f"{where}/{kind}")
         points = [self.point(tree, keys, index, value, f"{where}/{kind}") for index, value in enumerate(values)]
-        return self.named(tree, tree.get("name", _name_of(keys[0])), points)
+        name = next(part for part in reversed(keys[0].split(".")) if not part.isdigit())
+        return self.named(tree, tree.get("name", name), points)
 
     def named(self, tree, name, points):
         unit = tree.get("unit", unit_of(name))
@@ -198,11 +199,6 @@ class _Reader:
                     if name != axis.name and (other == key or other.startswith(key + ".")):
                         self.fail(f"axis {axis.name}", f"{key} overwrites {other} of the axis {name}")
             earlier.update((key, axis.name) for key in axis.keys())
-
-
-def _name_of(key):
-    """The column of a key's axis: its last part that is not an index."""
-    return next(part for part in reversed(key.split(".")) if not part.isdigit())
 
 
 def _rounded(value):

@@ -1,11 +1,14 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The contents of a study's report, as one tree of plain values (report_study.py)."""
+import collections
 import csv
+import io
 import json
 import math
 import os
 
 from landfall import files, tools
+from landfall.command import read_text
 from landfall.errors import DataError
 from landfall.study import chain, configs, names, results, session
 from landfall.study.model import STAGES
@@ -36,8 +39,9 @@ class Study:
             self.results = Results(file)
         self.row_of = {int(case): row for row, case in enumerate(self.results.columns["case"])}
         self._check_table(path)
-        self.tools = _lines(os.path.join(folder, "tools.txt"))
-        self.stale = self._count_stale()
+        self.tools = read_text(os.path.join(folder, "tools.txt")).splitlines()
+        missing = set(session.missing_targets(folder))
+        self.stale = sum(not missing.isdisjoint(self.files_of(case)) for case in self.row_of)  # cases of the table made by earlier tools
 
     def _check_table(self, path):
         for case, row in self.row_of.items():
@@ -46,11 +50,6 @@ class Study:
                 if case >= len(self.rows) or column is None or not _same(column[row], self.rows[case][index]):
                     raise DataError(f"{path}: case {case}: {axis['name']} differs from cases.json: the study was planned again "
                                     "later; make study-results updates the table")
-
-    def _count_stale(self):
-        """Cases of the table whose results are older than the tools."""
-        missing = set(session.missing_targets(self.folder))
-        return sum(not missing.isdisjoint(self.files_of(case)) for case in self.row_of)
 
     def files_of(self, case):
         return results.results_of(self.cases, self.rows[case])
@@ -82,10 +81,10 @@ def report(folder, figures):
     return {
         "name": study.cases["name"], "title": study.cases["title"], "description": study.cases.get("description", ""),
         "tools": study.tools, "axes": axes(study), "limits": study.cases["limits"], "count": len(study.rows), "stale": study.stale,
-        "verdicts": count(verdicts.values()), "columns": columns(study, shown, verdicts, seconds, numbers.metrics),
+        "verdicts": dict(collections.Counter(verdicts.values())), "columns": columns(study, shown, verdicts, seconds, numbers.metrics),
         "points": points(study, numbers), "quantile": numbers.quantile, "metrics": numbers.metrics,
         "requirements": study.results.requirements(),
-        "metricLimits": metric_limits(study),
+        "metricLimits": {name: limit for name in study.results.columns if (limit := study.results.limit(name)) is not None},
         "configs": config_table.tree(), "caseConfigs": case_configs, "runs": run_table.rows, "caseRuns": case_runs,
         "options": list(dict.fromkeys(option for run in chains[0] for option in run.options)),
         "failures": failures(study, chains, verdicts), "caseNames": case_names(study, verdicts), "reports": reports(study, shown)}
@@ -105,18 +104,6 @@ def case_names(study, verdicts):
     """{case: name by the values of its axes} of the cases that were not made."""
     by_values = names.CaseNames(study.axes, study.rows)
     return {str(case): by_values.of(case) for case, verdict in verdicts.items() if verdict in ("error", "not made")}
-
-
-def metric_limits(study):
-    """The requirement on each metric that has one in all cases alike."""
-    return {name: limit for name in study.results.columns if (limit := study.results.limit(name)) is not None}
-
-
-def count(words):
-    counts = {}
-    for word in words:
-        counts[word] = counts.get(word, 0) + 1
-    return counts
 
 
 # Columns of cases
@@ -167,25 +154,19 @@ class FigureNumbers:
     """percentiles.csv and pass_rates.csv of plot_study.py, by point."""
 
     def __init__(self, study, folder):
-        axis_names = [axis.name for axis in study.results.axes]
-        percentiles = _read_csv(os.path.join(folder, "percentiles.csv"))
+        def key(row):
+            return tuple(row.get(axis.name) for axis in study.results.axes)
+        percentiles = _read_csv(folder, "percentiles.csv")
         self.metrics = list(dict.fromkeys(row["metric"] for row in percentiles))
         self.quantile = float(percentiles[0]["percentile"]) / 100 if percentiles else 0.5
-        self.estimates = {(_key(row, axis_names), row["metric"]): [_number(row[name]) for name in ("value", "low_95", "high_95")]
+        self.estimates = {(key(row), row["metric"]): [_number(row[name]) for name in ("value", "low_95", "high_95")]
                           for row in percentiles}
-        self.rates = {(_key(row, axis_names), row["requirement"]):
+        self.rates = {(key(row), row["requirement"]):
                       [int(row["passed"]), int(row["count"]), float(row["low_95"]), float(row["high_95"])]
-                      for row in _read_csv(os.path.join(folder, "pass_rates.csv"))}
+                      for row in _read_csv(folder, "pass_rates.csv")}
         keys = {tuple(map(str, point.values)) for point in study.results.points}
         if keys != {key for key, _ in self.estimates} or not set(self.metrics) <= study.results.columns.keys():
             raise DataError(f"{folder}: percentiles.csv is not of {study.folder}/results.h5; run plot_study.py again")
-
-
-def _key(row, names):
-    try:
-        return tuple(row[name] for name in names)
-    except KeyError:
-        return ()
 
 
 def _number(text):
@@ -293,20 +274,8 @@ def reports(study, shown):
 # Files and numbers
 
 
-def _lines(path):
-    try:
-        with open(path, encoding="utf-8") as file:
-            return file.read().splitlines()
-    except OSError as error:
-        raise DataError(f"{path}: {error.strerror}") from error
-
-
-def _read_csv(path):
-    try:
-        with open(path, newline="", encoding="utf-8") as file:
-            return list(csv.DictReader(file))
-    except OSError as error:
-        raise DataError(f"{path}: {error.strerror}; plot_study.py makes it") from error
+def _read_csv(folder, name):
+    return list(csv.DictReader(io.StringIO(read_text(os.path.join(folder, name), "; plot_study.py makes it"), newline="")))
 
 
 def _same(stored, planned):

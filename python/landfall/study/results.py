@@ -69,8 +69,7 @@ def campaign_numbers(verdict):
     rates = {rate["requirement"]: rate for rate in [*verdict["rates"], *([hazard.pop("chosen_place_safe")] if hazard else [])]}
     numbers = {}
     for name, rate in rates.items():
-        kept = {"passed": rate["passed"], "draws": rate["draws"], "passed_frac": rate["passed"] / rate["draws"]}
-        numbers |= flatten(kept if stopped else {**kept, **{key: rate[key] for key in INTERVAL}}, f"draws.{'hazard.' if name == 'chosen_place_safe' else ''}{name}.")
+        numbers |= rate_numbers(rate, stopped, f"draws.{'hazard.' if name == 'chosen_place_safe' else ''}{name}.")
     numbers |= flatten(hazard, "draws.hazard.")
     numbers |= landing_numbers(verdict["landing"], stopped) if "landing" in verdict else {}
     if stopped:
@@ -78,13 +77,14 @@ def campaign_numbers(verdict):
     return numbers
 
 
+def rate_numbers(rate, stopped, prefix):
+    kept = {"passed": rate["passed"], "draws": rate["draws"], "passed_frac": rate["passed"] / rate["draws"]}
+    return flatten(kept if stopped else {**kept, **{key: rate[key] for key in INTERVAL}}, prefix)
+
+
 def landing_numbers(landing, stopped):
     """{"draws.landing.safe.passed": number, ...}: both arms, the paired table and, unless a sequential test stopped it, what is tested of it."""
-    numbers = {}
-    for arm in ("safe", "blind"):
-        rate = landing[arm]
-        kept = {"passed": rate["passed"], "draws": rate["draws"], "passed_frac": rate["passed"] / rate["draws"]}
-        numbers |= flatten(kept if stopped else {**kept, **{key: rate[key] for key in INTERVAL}}, f"draws.landing.{arm}.")
+    numbers = {name: value for arm in ("safe", "blind") for name, value in rate_numbers(landing[arm], stopped, f"draws.landing.{arm}.").items()}
     pairs = {key: landing[key] for key in ("off_terrain", "both", "only_lidar", "only_blind", "neither")}
     tested = {"difference": {"value": landing["difference"]["value"]}} if stopped else {key: landing[key] for key in ("mcnemar_p", "difference")}
     return numbers | flatten({**pairs, **tested}, "draws.landing.")

@@ -8,10 +8,13 @@ import json
 from dataclasses import dataclass, field, replace
 
 from landfall.command import write_text
+from landfall.scan_keys import scan_schema
+from landfall.schema import default_at
 from landfall.study import names, session, stages
 
 KEEPABLE = ("scan", "dem", "eval", "hazard", "draws")
 MAX_SHARED = 16
+BYTES_PER_RAY = 40  # of a truth: 38.5 with 648,000 rays on rocky ground (2026-11-26)
 
 
 @dataclass(frozen=True)
@@ -23,45 +26,15 @@ class Layout:
     def config(self, tool, stage):
         return f"config/{tool}/{stage.config_id}.json"
 
-    def terrain(self, stage):
-        return f"terrain/{stage.id}.h5"
-
-    def truth(self, stage):
-        return f"truth/{stage.id}.h5"
-
-    def metrics(self, stage):
-        return f"metrics/{stage.id}.json"
-
-    def layers(self, stage):
-        return f"eval/{stage.id}.h5" if "eval" in self.keep else None
-
-    def score(self, stage):
-        return f"score/{stage.id}.json"
-
-    def hazards(self, stage):
-        return f"hazard/{stage.id}.h5" if "hazard" in self.keep else None
-
-    def verdict(self, stage):
-        return f"verdict/{stage.id}.json"
-
-    def draws(self, stage):
-        return f"draws/{stage.id}.h5" if "draws" in self.keep else None
+    def file(self, kind, stage):
+        """None for one that is not kept: layers and draws, and a scan or DEM that only one stage reads, which its reader's recipe makes."""
+        if kind not in KEEPABLE or kind in self.keep:
+            return f"{kind}/{stage.id}.{'json' if kind in session.FORMATS else 'h5'}"
+        return f"shared/{stage.id}.{kind}.h5" if kind in ("scan", "dem") and len(stage.consumers) > 1 else None
 
     def results(self, stages_of_case):
         """The files of a case's results that cases.json names; sites have the name of their score."""
-        return [{"eval": self.metrics, "hazard": self.score, "draws": self.verdict}[name](stage) for name, stage in stages_of_case.items()]
-
-    def scan(self, stage):
-        """None for one that is made within its reader's recipe."""
-        return self._between("scan", stage)
-
-    def dem(self, stage):
-        return self._between("dem", stage)
-
-    def _between(self, kind, stage):
-        if kind in self.keep:
-            return f"{kind}/{stage.id}.h5"
-        return f"shared/{stage.id}.{kind}.h5" if len(stage.consumers) > 1 else None
+        return [self.file({"eval": "metrics", "hazard": "score", "draws": "verdict"}[name], stage) for name, stage in stages_of_case.items()]
 
 
 def folders(graph):
@@ -106,34 +79,28 @@ class Fragment:
         self.logs = {}  # metrics: the name of their recipe's log
         self.readers = {}  # file in shared/: those who read it
         self.sources = {}  # scan or DEM: the Recipe that it is made by
-        self.grouped = self.shared_scans() > MAX_SHARED and not layout.keep & {"scan", "dem"}
-        for stage in graph.terrain.values():
-            self.terrain(stage)
-        for stage in graph.truth.values():
-            self.truth(stage)
+        shared_scans = sum(len(scan.consumers) > 1 or any(len(dem.consumers) > 1 for dem in scan.consumers) for scan in graph.scan.values())
+        self.grouped = shared_scans > MAX_SHARED and not layout.keep & {"scan", "dem"}
+        self.each("terrain", graph.terrain, self.modelling)
+        self.each("truth", graph.truth, self.scanning)
         if self.grouped:
             for stage in graph.scan.values():
                 self.group(stage)
         else:
-            self.each_stage()
+            self.each("scan", graph.scan, self.scanning)
+            self.each("dem", graph.regrid, self.gridding)
+            for stage in (*graph.eval.values(), *graph.hazard.values()):
+                self.judgement(stage)
         for stage in graph.draws.values():
             self.campaign(stage)
 
-    def shared_scans(self):
-        return sum(len(scan.consumers) > 1 or any(len(dem.consumers) > 1 for dem in scan.consumers)
-                   for scan in self.graph.scan.values())
-
-    def each_stage(self):
-        for stage in self.graph.scan.values():
-            if self.layout.scan(stage):
-                self.scan(stage)
-        for stage in self.graph.regrid.values():
-            if self.layout.dem(stage):
-                self.dem(stage)
-        for stage in self.graph.eval.values():
-            self.eval(stage)
-        for stage in self.graph.hazard.values():
-            self.hazard(stage)
+    def each(self, kind, made, recipe_of):
+        """A rule for the file of each stage that others read, unless their recipes make it."""
+        for stage in made.values():
+            output = self.layout.file(kind, stage)
+            if output:
+                self.rule(kind, stage.id, [output], recipe_of(stage, output))
+                (self.kept if kind in self.layout.keep else self.transient).append(output)
 
     def rule(self, kind, identity, outputs, recipe):
         """One explicit rule, with what it leaves for targets.txt and readers/."""
@@ -168,43 +135,18 @@ class Fragment:
             spared.order_only += [name] if source else []
         return spared
 
-    # A recipe for each file
+    # Rules of results
 
-    def terrain(self, stage):
-        config, output = self.layout.config("terrain", stage), self.layout.terrain(stage)
-        self.rule("terrain", stage.id, [output], Recipe([config], stage.files, [f"terrain $O/{config} $O/{output}"]))
-        self.transient.append(output)
-
-    def truth(self, stage):
-        output = self.layout.truth(stage)
-        self.rule("truth", stage.id, [output], self.scanning(stage, output))
-        self.transient.append(output)
-
-    def scan(self, stage):
-        output = self.layout.scan(stage)
-        self.rule("scan", stage.id, [output], self.scanning(stage, output))
-        (self.kept if "scan" in self.layout.keep else self.transient).append(output)
-
-    def dem(self, stage):
-        output = self.layout.dem(stage)
-        self.rule("dem", stage.id, [output], self.gridding(stage, output))
-        (self.kept if "dem" in self.layout.keep else self.transient).append(output)
-
-    def eval(self, stage):
+    def judgement(self, stage):
         dem, recipe = self.reading(stage.upstream)
         self.judge(recipe, stage, dem)
-        self.rule("metrics", stage.id, self.outputs(stage), recipe)
-
-    def hazard(self, stage):
-        dem, recipe = self.reading(stage.upstream)
-        self.find_hazards(recipe, stage, dem)
-        self.rule("score", stage.id, self.outputs(stage), recipe)
+        self.rule("score" if stage.id in self.graph.hazard else "metrics", stage.id, self.outputs(stage), recipe)
 
     def campaign(self, stage):
         """Its truth is order-only, as for a scan; the data files of its rays are those of the truth. Draws that trace have none."""
-        config, verdict, output = self.layout.config("draws", stage), self.layout.verdict(stage), self.layout.draws(stage)
+        config, verdict, output = self.layout.config("draws", stage), self.layout.file("verdict", stage), self.layout.file("draws", stage)
         truth = stage.upstream
-        terrain, truth_name = (self.layout.terrain(truth.upstream), self.layout.truth(truth)) if truth else (None, None)
+        terrain, truth_name = (self.layout.file("terrain", truth.upstream), self.layout.file("truth", truth)) if truth else (None, None)
         step = f"draws $O/{config} {_file(truth_name, '-')} {_file(terrain, '-')} $O/{verdict} {_file(output, '@')}"
         inputs = [config, *([terrain] if terrain else [])]
         self.rule("verdict", stage.id, [verdict, *[output] * bool(output)],
@@ -218,50 +160,54 @@ class Fragment:
         for dem in scan.consumers:
             self.grid(recipe, dem, None, None)
             for stage in dem.consumers:
-                judge = self.find_hazards if stage.id in self.graph.hazard else self.judge
-                judge(recipe, stage, None)
+                self.judge(recipe, stage, None)
                 outputs += self.outputs(stage)
         self.rule("metrics", scan.id, outputs, recipe)
 
     def outputs(self, stage):
         """The files that judging a DEM makes."""
         if stage.id in self.graph.hazard:
-            score = self.layout.score(stage)
-            names = score, session.sites_of(score), self.layout.hazards(stage)
+            score = self.layout.file("score", stage)
+            names = score, session.sites_of(score), self.layout.file("hazard", stage)
         else:
-            names = self.layout.metrics(stage), self.layout.layers(stage)
+            names = self.layout.file("metrics", stage), self.layout.file("eval", stage)
         return [name for name in names if name]
 
     # Parts of recipes
 
     def reading(self, stage):
         """(file, recipe) of a DEM that is read; the file is None for one that the recipe makes in scratch."""
-        dem = self.layout.dem(stage)
+        dem = self.layout.file("dem", stage)
         if dem is None:
             return None, self.gridding(stage, None)
         return dem, Recipe([dem], shared=[dem] if dem.startswith("shared/") else [])
 
+    def modelling(self, stage, output):
+        """Makes a terrain."""
+        config = self.layout.config("terrain", stage)
+        return Recipe([config], stage.files, [f"terrain $O/{config} $O/{output}"])
+
     def scanning(self, stage, output):
         """Makes a scan or truth; an output of None lies in scratch."""
-        config, terrain = self.layout.config("scan", stage), self.layout.terrain(stage.upstream)
-        truth = self.layout.truth(stage.truth) if stage.truth else None
+        config, terrain = self.layout.config("scan", stage), self.layout.file("terrain", stage.upstream)
+        truth = self.layout.file("truth", stage.truth) if stage.truth else None
         step = f"scan $O/{config} $O/{terrain} {_file(truth, '-')} {_file(output, '@')}"
         # Order-only: what changes a truth changes the scan's other inputs too.
         return Recipe([config, terrain], stage.files, [step], [truth] if truth else [])
 
     def gridding(self, stage, output):
         """Makes a DEM, and its scan unless that has a rule of its own."""
-        scan = self.layout.scan(stage.upstream)
+        scan = self.layout.file("scan", stage.upstream)
         if scan is None:
             recipe = self.scanning(stage.upstream, None)
         else:
-            recipe = Recipe([scan, self.layout.terrain(stage.upstream.upstream)],
+            recipe = Recipe([scan, self.layout.file("terrain", stage.upstream.upstream)],
                             shared=[scan] if scan.startswith("shared/") else [])
         self.grid(recipe, stage, scan, output)
         return recipe
 
     def grid(self, recipe, stage, scan, output):
-        config, terrain = self.layout.config("regrid", stage), self.layout.terrain(stage.upstream.upstream)
+        config, terrain = self.layout.config("regrid", stage), self.layout.file("terrain", stage.upstream.upstream)
         options = self.options.get("regrid", []) + ([] if "dem" in self.layout.keep else self.lean())
         recipe.add([config], stage.files, " ".join(
             [f"regrid $O/{config} {_file(scan, '@')} $O/{terrain} {_file(output, '@')}", *options]))
@@ -279,44 +225,42 @@ class Fragment:
         return ["--compression 0", "--layers", ",".join(layers)]
 
     def judge(self, recipe, stage, dem):
-        config, metrics, layers = self.layout.config("eval", stage), self.layout.metrics(stage), self.layout.layers(stage)
-        recipe.add([config], stage.files, f"eval $O/{config} {_file(dem, '@')} $O/{metrics} {_file(layers, '-')}")
-        if layers:
-            self.kept.append(layers)
-
-    def find_hazards(self, recipe, stage, dem):
-        config, score, layers = self.layout.config("hazard", stage), self.layout.score(stage), self.layout.hazards(stage)
-        terrain = self.layout.terrain(stage.upstream.upstream.upstream)
-        recipe.add([config, terrain], stage.files, f"hazard $O/{config} {_file(dem, '@')} $O/{terrain} $O/{score} "
-                   f"$O/{session.sites_of(score)} {_file(layers, '@')}")
+        """Evaluates a DEM, or finds its hazards."""
+        kind = "hazard" if stage.id in self.graph.hazard else "eval"
+        config, layers = self.layout.config(kind, stage), self.layout.file(kind, stage)
+        if kind == "eval":
+            recipe.add([config], stage.files, f"eval $O/{config} {_file(dem, '@')} $O/{self.layout.file('metrics', stage)} {_file(layers, '-')}")
+        else:
+            score, terrain = self.layout.file("score", stage), self.layout.file("terrain", stage.upstream.upstream.upstream)
+            recipe.add([config, terrain], stage.files, f"hazard $O/{config} {_file(dem, '@')} $O/{terrain} $O/{score} "
+                       f"$O/{session.sites_of(score)} {_file(layers, '@')}")
         if layers:
             self.kept.append(layers)
 
     # The files of a plan
 
+    def results(self):
+        """The metrics, scores and verdicts of all cases."""
+        kinds = {"metrics": self.graph.eval, "score": self.graph.hazard, "verdict": self.graph.draws}
+        return [self.layout.file(kind, stage) for kind, made in kinds.items() for stage in made.values()]
+
     def text(self, name, keep, bin_folder):
-        scores = [self.layout.score(stage) for stage in self.graph.hazard.values()]
-        metrics = [*map(self.layout.metrics, self.graph.eval.values()), *scores, *map(session.sites_of, scores),
-                   *map(self.layout.verdict, self.graph.draws.values())]
+        results = self.results()
+        first_verdict = len(results) - len(self.graph.draws)
+        results[first_verdict:first_verdict] = [session.sites_of(score) for score in results if session.kind_of(score) == "score"]
         head = ["# Made by sweep.py plan: do not edit.", f"STUDY_NAME := {name}",
-                f"PLANNED_KEEP := {keep}", f"PLANNED_BIN := {bin_folder}", _names("METRICS", metrics),
-                _names("KEPT", self.kept), "", _special(".SECONDARY", self.transient), ".PRECIOUS: $(METRICS)"]
+                f"PLANNED_KEEP := {keep}", f"PLANNED_BIN := {bin_folder}", _names("METRICS :=", results),
+                _names("KEPT :=", self.kept), "", _names(".SECONDARY:", self.transient), ".PRECIOUS: $(METRICS)"]
         return "\n".join([*head, *self.lines]) + "\n"
 
     def targets(self):
         """A line for each set of metrics, each score and each verdict: its file, its log, all that is made for it."""
-        names = [*map(self.layout.metrics, self.graph.eval.values()), *map(self.layout.score, self.graph.hazard.values()),
-                 *map(self.layout.verdict, self.graph.draws.values())]
-        rows = ([name, f"log/{self.logs[name]}.log", *self.needs[name]] for name in names)
+        rows = ([name, f"log/{self.logs[name]}.log", *self.needs[name]] for name in self.results())
         return "".join(" ".join(row) + "\n" for row in rows)
 
 
-def _names(variable, names):
-    return f"{variable} :=" + "".join(f" \\\n $O/{name}" for name in names)
-
-
-def _special(target, names):
-    return f"{target}:" + "".join(f" \\\n $O/{name}" for name in names) if names else ""
+def _names(begin, names):
+    return begin + "".join(f" \\\n $O/{name}" for name in names)
 
 
 def write_if_changed(path, text):
@@ -350,3 +294,29 @@ def cases_text(study, graph, layout, limits):
             "limits": limits, "axes": axes_of(study)}
     rows = [json.dumps([*values, *layout.results(results)], ensure_ascii=False) for values, results in graph.cases]
     return json.dumps(head, indent=1, ensure_ascii=False)[:-2] + ',\n "cases": [\n  ' + ",\n  ".join(rows) + "\n ]\n}\n"
+
+
+# Disk space, told before any file is made
+
+
+def rays_of(scan):
+    """The number of rays of a scan's configuration."""
+    def value(*path):
+        return default_at(scan_schema(), scan, path)
+    pulses = int(value("laser", "pulse_rate_hz") * value("laser", "scan_time_s") + 1e-9)
+    return pulses * value("detector", "rows") * value("detector", "columns")
+
+
+def size_text(size):
+    return f"{size / 1e9:.1f} GB" if size >= 1e9 else f"{max(size / 1e6, 1):.0f} MB"
+
+
+def disk_text(graph, keep):
+    """The files that stay on the disk beside terrains and results, in one line."""
+    parts = []
+    if graph.truth:
+        rays = sum(rays_of(json.loads(graph.configs["scan", stage.config_id])) for stage in graph.truth.values())
+        parts.append(f"{names.counted(len(graph.truth), 'truth')}, about {size_text(rays * BYTES_PER_RAY)}, until study-clean")
+    kept = [name for name in KEEPABLE if name in keep]
+    parts.append(f"KEEP={','.join(kept)}" if kept else "no scans and DEMs (KEEP names files to keep)")
+    return "on the disk: " + "; ".join(parts)

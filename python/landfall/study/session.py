@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """How far a study is: what is missing in its folder, and the counts of the present call of make."""
+import collections
 import contextlib
 import fcntl
 import json
@@ -7,6 +8,7 @@ import os
 import time
 from dataclasses import asdict, dataclass, field
 
+from landfall.command import write_text
 from landfall.errors import UsageError
 from landfall.schema import shown
 
@@ -48,6 +50,17 @@ def read_targets(folder):
     """targets.txt: for each of the cases' metrics, scores and verdicts, their log and the files that they are made of."""
     with open(os.path.join(folder, "targets.txt"), encoding="utf-8") as file:
         return [[inner_name(word) for word in line.split()] for line in file]
+
+
+def read_log(path):
+    """(how the recipe of this log ended, "exit CODE ...", its messages); "" where it has not ended."""
+    try:
+        with open(path, encoding="utf-8", errors="replace") as file:
+            lines = file.read().splitlines()
+    except OSError:
+        lines = []
+    end = lines[-1][2:] if lines and lines[-1].startswith("# exit ") else ""
+    return end, [line for line in lines if not line.startswith("# ")]
 
 
 def name_of(folder, identity):
@@ -132,26 +145,11 @@ def locked_session(folder, identity):
     path = os.path.join(folder, "session.json")
     with open(os.path.join(folder, "session.lock"), "w", encoding="utf-8") as lock:
         fcntl.flock(lock, fcntl.LOCK_EX)
-        session = _read(path)
+        session = None
+        with contextlib.suppress(OSError, ValueError, TypeError), open(path, encoding="utf-8") as file:
+            session = Session(**json.load(file))
         if session is None or session.id != identity:
-            session = _begin(folder, identity)
+            todo = dict(collections.Counter(map(kind_of, missing_targets(folder))))
+            session = Session(identity, time.time(), todo)
         yield session
-        temporary = f"{path}.tmp"
-        with open(temporary, "w", encoding="utf-8") as file:
-            json.dump(asdict(session), file)
-        os.replace(temporary, path)
-
-
-def _read(path):
-    try:
-        with open(path, encoding="utf-8") as file:
-            return Session(**json.load(file))
-    except (OSError, ValueError, TypeError):
-        return None
-
-
-def _begin(folder, identity):
-    todo = {}
-    for name in missing_targets(folder):
-        todo[kind_of(name)] = todo.get(kind_of(name), 0) + 1
-    return Session(identity, time.time(), todo)
+        write_text(path, json.dumps(asdict(session)), is_synced=False)

@@ -100,7 +100,8 @@ def truth_config(scan):
 
 
 def has_receiver(scan):
-    return _object(scan, "receiver").get("type", "none") != "none"
+    receiver = scan.get("receiver")
+    return isinstance(receiver, dict) and receiver.get("type", "none") != "none"
 
 
 def errors_config(scan):
@@ -123,11 +124,6 @@ def configuration(study, name, indices):
 def of_case(study):
     """The stages whose configurations a campaign has from its case."""
     return OF_TRACED_CASE if study.traces else OF_CASE
-
-
-def _object(config, key):
-    value = config.get(key, {})
-    return value if isinstance(value, dict) else {}
 
 
 def data_files(value):

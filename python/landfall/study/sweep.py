@@ -19,19 +19,20 @@ import json
 import os
 import re
 import shlex
+import sys
 
 from landfall import tools
 from landfall.command import Parser, write_text
 from landfall.errors import ToolError, UsageError, printable
 from landfall.schema import read_json, shown
-from landfall.study import disk, lock, model, names, reader, rules, session, stages
+from landfall.study import model, names, reader, rules, session, stages
 from landfall.study.names import counted
 
-TOOLS = {"terrain": "terrain-gen", "scan": "scan-sim", "regrid": "regrid", "eval": "dem-eval", "hazard": "hazard-map",
-         "draws": "monte-carlo"}
 MAX_CHECKS_PER_AXIS = 100
 # Top-level keys that a study has, and no configuration of a single tool.
 STUDY_KEYS = {"base", "axes", "repeat"}
+# One process at a time works in a study's folder, under this lock, which Makefile.studies takes too.
+LOCKED = os.path.join(os.path.dirname(os.path.realpath(__file__)), "..", "..", "..", "studies", "runners", "locked")
 
 
 def parse(arguments):
@@ -75,19 +76,26 @@ def plan(options):
         raise UsageError(f"--out {options.out}: make cannot take this name")
     layout = rules.Layout(kept(options.keep))
     study = reader.read_study(options.study)
-    versions = tool_versions(options.bin, study.base)
+    versions = "".join(tool_output(options.bin, model.TOOLS[stage], "--version") for stage in study.base)
     if not options.no_check:
         check_with_tools(study, options.bin)
     graph = stages.build(study)
     fragment = rules.Fragment(graph, layout, study.options)
-    lock.need(options.out)
+    need_lock(options.out)
     written = write_plan(options, study, graph, fragment, versions)
     print(f"{printable(study.name)}: {counted(len(graph.cases), 'case')}: {counted(len(graph.terrain), 'terrain')}, "
           f"{counted(len(graph.truth), 'truth')}, {counted(len(graph.scan), 'scan')}, {counted(len(graph.regrid), 'DEM')}, "
           f"{counted(len(graph.eval), 'evaluation')}" + (f", {counted(len(graph.hazard), 'hazard map')}" if graph.hazard else "") +
           (f", {counted(len(graph.draws), 'campaign')}" if graph.draws else "") +
           f"; {written} files written")
-    print(disk.text(graph, layout.keep))
+    print(rules.disk_text(graph, layout.keep))
+
+
+def need_lock(folder):
+    """Returns if make holds the lock of the folder for this process; else starts the command again, under the lock."""
+    if os.environ.get("STUDY_LOCK") != folder:
+        sys.stdout.flush()
+        os.execv(LOCKED, [LOCKED, folder, sys.executable, *sys.argv])
 
 
 def write_plan(options, study, graph, fragment, versions):
@@ -96,9 +104,10 @@ def write_plan(options, study, graph, fragment, versions):
         os.makedirs(os.path.join(options.out, folder), exist_ok=True)
     files = {f"readers/{os.path.basename(name)}": "\n".join(readers) + "\n" for name, readers in fragment.readers.items()}
     files |= {"tools.txt": versions, "targets.txt": fragment.targets(), "names.txt": rules.names_text(study, graph),
-              "cases.json": rules.cases_text(study, graph, fragment.layout, common_limits(options.bin, graph)),
-              "study.mk": fragment.text(study.name, options.keep, options.bin) + plan_inputs(study)}
-    rules_text = files.pop("study.mk")
+              "cases.json": rules.cases_text(study, graph, fragment.layout, common_limits(options.bin, graph))}
+    # The plan depends on its files; a missing one causes a new plan, not an error.
+    inputs = " ".join(os.path.relpath(path) for path in study.files)
+    rules_text = fragment.text(study.name, options.keep, options.bin) + f"$O/study.mk: {inputs}\n{inputs}:\n"
     written = sum(rules.write_if_changed(os.path.join(options.out, name), text) for name, text in files.items())
     written += write_configs(options.out, graph)
     os.sync()
@@ -119,19 +128,8 @@ def write_configs(out, graph):
     return written
 
 
-def plan_inputs(study):
-    """Makes the plan depend on its files; a missing one causes a new plan, not an error."""
-    files = " ".join(os.path.relpath(path) for path in study.files)
-    return f"$O/study.mk: {files}\n{files}:\n"
-
-
 def tool_output(folder, tool, *arguments, **options):
     return tools.run_tool(tools.find(tool, folder), *arguments, **options).stdout
-
-
-def tool_versions(folder, used):
-    """A line for the tool of each stage; what all outputs depend on."""
-    return "".join(tool_output(folder, TOOLS[stage], "--version") for stage in used)
 
 
 def common_limits(folder, graph):
@@ -166,7 +164,7 @@ def ask(study, folder, indices, name, asked):
             continue
         asked.add((stage, text))
         try:
-            tool_output(folder, TOOLS[stage], "--check", "-c", "-", input=text)
+            tool_output(folder, model.TOOLS[stage], "--check", "-c", "-", input=text)
         except ToolError as error:
             raise UsageError(f"{study.path}: {name}: {error}") from error
 
@@ -264,7 +262,8 @@ def status(options):
 def states(folder, results):
     """Numbers of the cases that are done, {how a stage failed: numbers}, and of those that are left, by the files of their results."""
     missing = set(session.missing_targets(folder))
-    made_by = {name: [(need, log_of(need)) for need in needs] + [(name, log)] for name, log, *needs in session.read_targets(folder)}
+    made_by = {name: [*((need, f"log/{session.kind_of(need)}-{os.path.basename(need).split('.', 1)[0]}.log") for need in needs), (name, log)]
+               for name, log, *needs in session.read_targets(folder)}
     done, failed, left, reasons = [], {}, [], {}
     for number, of_case in enumerate(results):
         lacking = [name for name in of_case if name in missing]
@@ -285,21 +284,13 @@ def read_folder(folder):
     return results.read_cases(folder)
 
 
-def log_of(name):
-    return f"log/{session.kind_of(name)}-{os.path.basename(name).split('.', 1)[0]}.log"
-
-
 def failure(folder, log):
     """How the recipe with this log failed; empty where it did not."""
-    try:
-        with open(os.path.join(folder, log), encoding="utf-8", errors="replace") as file:
-            *lines, last = file.read().splitlines()
-    except (OSError, ValueError):
+    path = os.path.join(folder, log)
+    end, messages = session.read_log(path)
+    if not end or end.startswith("exit 0 "):
         return ""
-    if not last.startswith("# exit ") or last.startswith("# exit 0 "):
-        return ""
-    messages = [line for line in lines if not line.startswith("# ")]
-    return f"{last[2:]}: {messages[-1] if messages else 'no message'} ({os.path.join(folder, log)})"
+    return f"{end}: {messages[-1] if messages else 'no message'} ({path})"
 
 
 def collect(options):
@@ -330,7 +321,7 @@ def tidy(options):
 def prune(options):
     """Removes what an earlier plan of the study made and this one does not name."""
     read_folder(options.folder)
-    lock.need(options.folder)
+    need_lock(options.folder)
     with open(os.path.join(options.folder, "study.mk"), encoding="utf-8") as file:
         named = {word[3:] for line in file for word in line.replace(":", " ").split() if word.startswith("$O/")}
     stages = {name.split("/", 1)[1].split(".", 1)[0] for name in named if "/" in name and name.split("/", 1)[0] != "config"}

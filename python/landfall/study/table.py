@@ -25,43 +25,8 @@ Z = 1.959963984540054
 RESAMPLES = 4000
 
 # The names of metrics in figures and reports.
-METRIC_NAMES = {
-    "coverage.invalid_frac": "invalid bins of the region, share",
-    "coverage.invalid_count": "invalid bins",
-    "coverage.largest_hole_bins": "largest hole",
-    "coverage.max_distance_bins": "largest distance to a valid bin",
-    "accuracy.relative.z.p95_m": "relative elevation error, 95 % of footprints below",
-    "accuracy.relative.z.max_m": "relative elevation error, largest",
-    "accuracy.relative.x.p95_m": "relative error in x, 95 % of footprints below",
-    "accuracy.relative.x.max_m": "relative error in x, largest",
-    "accuracy.relative.y.p95_m": "relative error in y, 95 % of footprints below",
-    "accuracy.relative.y.max_m": "relative error in y, largest",
-    "accuracy.absolute.z.p95_m": "absolute elevation error, 95 % of footprints below",
-    "statistics.z.rmse_m": "elevation error of the bins, rms",
-    "accuracy.absolute.horizontal.p95_m": "absolute horizontal error, 95 % of footprints below",
-    "requirements.relative_elevation.value": "footprints over the relative elevation limit",
-    "requirements.relative_horizontal.value": "footprints over the relative horizontal limit",
-    "score.missed_hazard_frac": "missed hazards, share of the true hazards",
-    "score.false_alarm_frac": "false alarms, share of the truly safe places",
-    "score.margin_10_percent.missed_hazard_frac": "missed hazards, roughness limit of the map 10 % lower",
-    "score.margin_10_percent.false_alarm_frac": "false alarms, roughness limit of the map 10 % lower",
-    "score.margin_20_percent.missed_hazard_frac": "missed hazards, roughness limit of the map 20 % lower",
-    "score.margin_20_percent.false_alarm_frac": "false alarms, roughness limit of the map 20 % lower",
-    "score.true_hazard_frac": "true hazards, share of the places",
-    "score.judged_hazard_frac": "hazards on the map, share of the places",
-    "score.unknown_frac": "unknown places, share of the region",
-    **{f"draws.{name}.passed_frac": f"probability of meeting the requirement on {r.words}" for name, r in REQUIREMENTS.items()},
-    "draws.all.passed_frac": "probability of meeting all requirements",
-    "draws.all_and_own.passed_frac": "probability of meeting all requirements, the study's own too",
-    "draws.hazard.chosen_place_safe.passed_frac": "probability that the chosen place is safe",
-    SAFE_LANDING: "probability of a safe landing with the lidar",
-    BLIND_LANDING: "probability of a safe landing without a lidar",
-    "draws.landing.difference.value": "probability of a safe landing, with the lidar less without",
-    "site.p_touchdown": "probability of a safe touchdown at the best site",
-    "site.distance_to_hazard_m": "distance of the best site to a hazard",
-}
-
-
+METRIC_NAMES = {**dictionary.table("metrics")["names"],
+                **{f"draws.{name}{PASSED}": f"probability of meeting the requirement on {r.words}" for name, r in REQUIREMENTS.items()}}
 # Their absolute values are taken; a mean or median has its sign.
 SIZES = ("max_m", "p95_m", "le90_m")
 
@@ -120,23 +85,16 @@ class Results:
             self.columns = {name: _column(file[name]) for name in names}
             self.units = {name: file[name].attrs["units"] for name in names}
             self.title, self.plot, self.limits = head["title"], head["plot"], head["limits"]
-            self.axes = [self._axis(axis) for axis in head["axes"] if axis["role"] == "axis"]
+            self.axes = [StudyAxis(axis["name"], axis["label"], axis["unit"], axis["log"], axis["numeric"], tuple(dict.fromkeys(self.columns[axis["name"]])))
+                         for axis in head["axes"] if axis["role"] == "axis"]
             self.own = dictionary.own_paths(self.columns)
             self._axis_names = {axis["name"] for axis in head["axes"]} | {"case"}
         except (KeyError, ValueError, TypeError) as error:
             raise DataError(f"{file.filename}: no table of a study ({error})") from error
-        self.points = self._points()
-
-    def _axis(self, axis):
-        values = tuple(dict.fromkeys(self.columns[axis["name"]]))
-        return StudyAxis(axis["name"], axis["label"], axis["unit"], axis["log"], axis["numeric"], values)
-
-    def _points(self):
         rows = {}
-        columns = [self.columns[axis.name] for axis in self.axes]
         for row in range(len(self.columns["case"])):
-            rows.setdefault(tuple(column[row] for column in columns), []).append(row)
-        return [Point(values, tuple(numbers)) for values, numbers in rows.items()]
+            rows.setdefault(tuple(self.columns[axis.name][row] for axis in self.axes), []).append(row)
+        self.points = [Point(values, tuple(numbers)) for values, numbers in rows.items()]
 
     def follows(self, axis, leader):
         """Whether each value of `leader` has one of `axis`, as where both are zipped."""
@@ -226,12 +184,11 @@ class Results:
         if requirement is None:
             return math.nan
         is_length = metric.endswith("_m") and metric.rpartition(".")[0] in LENGTH_LIMITS
-        shares = [self._largest(name) / limit for name in ([metric] if is_length else REQUIREMENTS[requirement].worst)
+        def largest(name):
+            return max((abs(value) for value in self.columns[name] if value is not None and math.isfinite(value)), default=math.nan)
+        shares = [largest(name) / limit for name in ([metric] if is_length else REQUIREMENTS[requirement].worst)
                   if name in self.columns and (limit := self.limit(name))]
         return max(shares, default=math.nan)
-
-    def _largest(self, metric):
-        return max((abs(value) for value in self.columns[metric] if value is not None and math.isfinite(value)), default=math.nan)
 
     def repeats(self):
         return max(len(point.rows) for point in self.points)

@@ -73,8 +73,7 @@ def table_figure(results, names, note, draw_cell):
     for row, point in enumerate(points):
         for column, name in enumerate(names):
             draw_cell(axes, row, column, point, name)
-    axes.set_xlim(-0.5, len(names) - 0.5)
-    axes.set_ylim(len(points) - 0.5, -0.5)
+    axes.set(xlim=(-0.5, len(names) - 0.5), ylim=(len(points) - 0.5, -0.5))
     axes.set_xticks(range(len(names)), [{**CAMPAIGN_NAMES, **HAZARD_NAMES}.get(name) or broken(name) for name in names], fontsize=9)
     axes.set_yticks(range(len(points)), labels, fontsize=8)
     axes.tick_params(length=0, labeltop=True, labelbottom=False)

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "report/cloud_data.h"
+#include "report/cloud_page.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
