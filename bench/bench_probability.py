@@ -198,8 +198,11 @@ def kept(options, family, cell, seed):
 def kept_layers(options, family, cell, limit, names):
     """Number and layers of each site that was measured."""
     for number, seed in enumerate(range(options.seed, options.seed + options.sites)):
-        if os.path.exists(kept(options, family, cell, seed)):
-            with np.load(kept(options, family, cell, seed)) as found:
+        path = kept(options, family, cell, seed)
+        if os.path.exists(path):
+            with np.load(path) as found:
+                if missing := [name for name in names if f"{name}{limit}" not in found]:
+                    sys.exit(f"{path}: was measured without {'--before' if missing == ['b'] else missing[0]}; remove it to measure it again")
                 yield number, [found[f"{name}{limit}"] for name in names]
 
 
