@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "report/page_data.h"
+#include "report/page_parts.h"
 
 namespace landfall::html_report {
 

@@ -5,7 +5,7 @@
 
 #include "files/provenance.h"
 #include "hazards/hazard_map.h"
-#include "report/page_data.h"
+#include "report/page_parts.h"
 
 namespace landfall::html_report {
 

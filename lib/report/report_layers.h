@@ -9,7 +9,7 @@
 #include "evaluation/evaluate.h"
 #include "evaluation/fail_flag.h"
 #include "report/histogram.h"
-#include "report/page_data.h"
+#include "report/page_parts.h"
 
 namespace landfall::html_report {
 

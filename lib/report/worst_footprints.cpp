@@ -15,7 +15,7 @@
 #include "base/parallel.h"
 #include "base/portable_math.h"
 #include "evaluation/accuracy.h"
-#include "report/page_data.h"
+#include "report/page_parts.h"
 
 namespace landfall::html_report {
 namespace {

@@ -1,11 +1,26 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 
-// All pages share the start and the links to the sections. data-ready on <body> means that everything is drawn.
+// All pages share the start, the links to the sections, and views that draw themselves in the width of their element.
+// data-ready on <body> means that everything is drawn.
 
 import {htmlElement} from "./elements.js";
-import {fitAll} from "./fit.js";
 import {makeSortable} from "./table.js";
 import {makeThemeButton} from "./theme.js";
+
+const LEAST_WIDTH = 160;  // pixels, below which the page has no layout yet
+const fits = [];
+
+/** Calls view.draw() whenever the width of its element, which it puts into view.width, changes. */
+export function fitToElement(view, element) {
+  const fit = () => {
+    const width = Math.round(element.clientWidth);
+    if (width < LEAST_WIDTH || width === view.width) return;
+    view.width = width;
+    view.draw();
+  };
+  fits.push(fit);
+  new ResizeObserver(fit).observe(element);
+}
 
 function fillContents() {
   const links = [...document.querySelectorAll("main > section")].map((section) => htmlElement(
@@ -21,7 +36,8 @@ export async function startPage(fillTexts, fillDrawings = null) {
     fillContents();
     for (const table of document.querySelectorAll("main table.sortable")) makeSortable(table);
     if (fillDrawings) await fillDrawings();
-    fitAll();
+    // The observers of the views would do it with the next frame, after the browser has reported the page as loaded.
+    for (const fit of fits) fit();
     // After the next frame all panels have their width.
     await new Promise((resolve) => { requestAnimationFrame(() => requestAnimationFrame(resolve)); });
     document.body.dataset.ready = "yes";

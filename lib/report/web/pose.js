@@ -5,9 +5,9 @@
 
 import {Axis, drawFrame} from "./chart.js";
 import {htmlElement, legendEntry, outlined, svgElement, swatchEntry} from "./elements.js";
-import {fitToElement} from "./fit.js";
 import {MapPanel} from "./map.js";
 import {formatNumber, lengthUnit, metresAs} from "./numbers.js";
+import {fitToElement} from "./page.js";
 import {LINE, VERMILION} from "./palette.js";
 import {endsOf} from "./profile.js";
 import {rasterOf} from "./rasters.js";

@@ -15,7 +15,6 @@ from landfall.errors import ToolError, UsageError
 from landfall.study.model import assign, plain_numbers
 
 SEED = "scan.seed"
-LARGEST_SEED = 2**31 - 1
 # The outputs that monte-carlo has without percentiles ("metrics": "verdict"), several times faster, with the same values.
 VERDICT_NUMBERS = re.compile(r"coverage\..*|requirements\..*|own_requirements\..*|pass|score\..*|site\..*|landing\..*|blind\..*|accuracy\.absolute\.horizontal\.within_limit_frac|"
                              r"accuracy\.relative\.[xyz]\.violation_count")

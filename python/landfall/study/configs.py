@@ -28,23 +28,6 @@ def changes(base, tree, place=()):
     return [] if base == tree and type(base) is type(tree) else [[list(place), tree]]
 
 
-def changed(base, steps):
-    """The tree that changes() describes."""
-    tree = copy.deepcopy(base)
-    for place, *value in steps:
-        if not place:
-            tree = copy.deepcopy(value[0])
-            continue
-        node = tree
-        for key in place[:-1]:
-            node = node[key]
-        if value:
-            node[place[-1]] = copy.deepcopy(value[0])
-        else:
-            del node[place[-1]]
-    return tree
-
-
 def shared(base, all_steps):
     """The base with VARIES wherever any of the others differs from it."""
     tree = {"": copy.deepcopy(base)}
