@@ -64,7 +64,8 @@ def _number(path, name, text):
 def read_model(path, folder, workers=1):
     """The model of a file {"base": ..., "inputs": ..., "outputs": ...}."""
     tree = schema.read_json(path)
-    schema.check(tree, {"type": "object", "required": KEYS, "properties": dict.fromkeys((*KEYS, "$comment"), {}), "additionalProperties": False}, path)
+    keys = dict.fromkeys((*KEYS, "$comment"), {})
+    schema.check(tree, {"type": "object", "required": KEYS, "properties": keys, "additionalProperties": False}, path)
     return model.Model(runs.read_base(tree["base"], os.path.dirname(os.path.abspath(path)), path), tree["inputs"], tree["outputs"], folder, workers)
 
 

@@ -29,8 +29,8 @@ def require_png(path):
 
 
 def parser_of(prog, description, sources, add_options=None, ending="-figure.png"):
-    """The function parse(arguments) of a command that draws files: `sources` are its arguments, {name: the file in the help text}; add_options(parser)
-    adds what is its own. Without --output the PNG is beside the last of the files and called after it."""
+    """The function parse(arguments) of a command that draws files: `sources` are its arguments, {name: the file in the help text};
+    add_options(parser) adds what is its own. Without --output the PNG is beside the last of the files and called after it."""
     def parse(arguments):
         parser = command.Parser(prog=prog, description=description)
         for name, file in sources.items():

@@ -73,7 +73,8 @@ class CaseNames:
         dimensions = {}  # axes of a zip share one
         for index in self._named:
             dimensions.setdefault(self._axes[index].get("dimension", f"axis {index}"), []).append(index)
-        return len(cases) == math.prod(len({tuple(self._rows[case][index] for index in members) for case in cases}) for members in dimensions.values())
+        return len(cases) == math.prod(len({tuple(self._rows[case][index] for index in members) for case in cases})
+                                       for members in dimensions.values())
 
     def _part(self, index, values):
         """ "LABEL VALUE UNIT"."""

@@ -85,7 +85,8 @@ class Results:
             self.columns = {name: _column(file[name]) for name in names}
             self.units = {name: file[name].attrs["units"] for name in names}
             self.title, self.plot, self.limits = head["title"], head["plot"], head["limits"]
-            self.axes = [StudyAxis(axis["name"], axis["label"], axis["unit"], axis["log"], axis["numeric"], tuple(dict.fromkeys(self.columns[axis["name"]])))
+            self.axes = [StudyAxis(*(axis[key] for key in ("name", "label", "unit", "log", "numeric")),
+                                   tuple(dict.fromkeys(self.columns[axis["name"]])))
                          for axis in head["axes"] if axis["role"] == "axis"]
             self.own = dictionary.own_paths(self.columns)
             self._axis_names = {axis["name"] for axis in head["axes"]} | {"case"}
