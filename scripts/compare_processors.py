@@ -7,11 +7,13 @@
 LANDFALL is the program `landfall` of this machine, OTHER_LANDFALL what starts that of another processor (scripts/test-arm64). This machine's
 program also runs as on a processor without AVX2 and FMA. --write puts the table into docs/quality/processors.md. Exit status 1: a file differs.
 """
+import glob
 import json
 import os
+import resource
+import shutil
 import subprocess
 import sys
-import time
 from datetime import datetime, timezone
 
 import h5py
@@ -50,6 +52,15 @@ TRACED = {"draws": 2, "area": {"half_width_m": 6, "resolution_m": 0.1, "region_r
           "scan": {"laser": {"scan_time_s": 0.05}, "scanner": {"type": "fsm", "incidence_deg": 0, "pattern": {
               "type": "line_search", "rows": 40, "columns": 25, "half_width_m": 6.5}}, "trajectory": {
                   "type": "constant_velocity", "position_m": [0, 0, 300], "velocity_mps": [0, 0, -20]}}}
+MESH = {"mesh": {"path": os.path.join(ROOT, "testdata", "meshes", "boulder.obj"), "scale_m": 0.8, "translate_m": [0.3, -0.2, 0.1],
+                 "rotate_rpy_deg": [3, -7, 25]}}
+DYNAMICS = {"navigation_error.attitude": "commanded", "trajectory": {
+    "type": "dynamics", "position_m": [0, 0, 500], "velocity_mps": [0.4, 0.2, -24], "rpy_deg": [0.1, -0.2, 0.3], "rate_degps": [1, -2, 3],
+    "inertia_products_kgm2": [5, -4, 3], "disturbance": {"torque_nm": [1, 0, -1], "torque_sigma_nm": [5, 5, 5], "seed": 3}}}
+# A column of pixels in the plane x = 0, in which edges of the ground's triangles lie.
+EDGES = {"detector": {"rows": 33, "columns": 1, "ifov_rad": 0.003}, "laser": {"pulse_rate_hz": 50, "scan_time_s": 0.4},
+         "scanner": {"type": "fsm", "incidence_deg": 0, "pattern": {"type": "stare"}},
+         "trajectory": {"type": "constant_velocity", "position_m": [0, 0.37, 50], "velocity_mps": [0, 1.3, -5]}}
 
 
 def chain(name, terrain, scan, *scan_options, regrid=(), evaluate=True, hazard=()):
@@ -62,6 +73,12 @@ def chain(name, terrain, scan, *scan_options, regrid=(), evaluate=True, hazard=(
         steps.append(["dem-eval", f"{name}.dem.h5", "-o", f"{name}.eval.h5", "--metrics", f"{name}.metrics.json", *sets(EVAL)])
     steps += [["hazard-map", f"{name}.dem.h5", "-o", f"{name}.hazards.h5", "--sites", f"{name}.sites.json", *sets(HAZARD), *more] for more in hazard]
     return name, steps
+
+
+def lidars():
+    """A scan by each lidar of testdata/lidars: all kinds of scanners, detectors, trajectories and errors."""
+    return [["scan-sim", "-c", path, "--terrain", "rocks.terrain.h5", "-o", f"lidar-{os.path.basename(path).removesuffix('.json')}.h5"]
+            for path in sorted(glob.glob(os.path.join(ROOT, "testdata", "lidars", "*.scan.json")))]
 
 
 def cases():
@@ -80,22 +97,33 @@ def cases():
                      for method in ("plane", "range_difference", "lmeds")]),
         ("draws", [["monte-carlo", "example-2.scan.h5", "--terrain", "example-2.terrain.h5", "-o", "draws.h5", *sets(DRAWS)],
                    ["monte-carlo", "-o", "traced.h5", *sets(TRACED)]]),
+        chain("mesh", MESH, "preset:paper", *sets(PULSES), hazard=[[]]),
+        ("rays along edges", [["scan-sim", "--terrain", "rocks.terrain.h5", "-o", "edges.scan.h5", *sets(EDGES)]]),
+        chain("dynamics", "rocks.terrain.h5", "preset:paper", *sets({**PULSES, **DYNAMICS})),
+        ("each lidar", lidars()),
         ("a raster", [["terrain-gen", "--from", raster, "-o", "raster.terrain.h5", "--half-width", "100", "--resolution", "2"]]),
     ]
 
 
+def processor_time():
+    used = resource.getrusage(resource.RUSAGE_CHILDREN)
+    return used.ru_utime + used.ru_stime
+
+
 def make(program, folder, environment=None):
-    """Runs all cases; returns their times in seconds."""
+    """Runs all cases; returns their processor times in seconds."""
     os.makedirs(folder, exist_ok=True)
+    for path in glob.glob(os.path.join(ROOT, "testdata", "lidars", "*.csv")):
+        shutil.copy(path, folder)
     times = {}
     for name, steps in cases():
-        begin = time.monotonic()
+        begin = processor_time()
         for tool, *arguments in steps:
             result = subprocess.run([program, tool, *arguments, "-O", "-q"], cwd=folder, capture_output=True, text=True, check=False,
                                     env={**os.environ, **(environment or {})})
             if result.returncode != 0:
                 sys.exit(f"compare_processors: {program} {tool} {' '.join(arguments)}\n{result.stdout}{result.stderr}")
-        times[name] = time.monotonic() - begin
+        times[name] = processor_time() - begin
         print(f"{times[name]:8.1f} s  {program}: {name}", flush=True)
     return times
 
@@ -126,29 +154,38 @@ def text_of(path):
         return file.read()
 
 
+def differences(name, folder, other):
+    """How many datasets a file has, and the differences by dataset. A JSON file counts as one."""
+    paths = [os.path.join(each, name) for each in (folder, other)]
+    if name.endswith(".json"):
+        a, b = ({"text": np.bytes_(text_of(path))} for path in paths)
+    else:
+        a, b = (datasets(path) for path in paths)
+    found = {key: difference(a[key], b[key]) if key in a and key in b else "missing" for key in {**a, **b}}
+    return len(a), {key: text for key, text in found.items() if text}
+
+
+def outputs(steps):
+    return sorted(value for step in steps for flag, value in zip(step, step[1:]) if flag in ("-o", "--metrics", "--sites"))
+
+
 def compare(folder, other):
-    """Rows (file, number of datasets, differences by dataset) of all files of the first folder."""
+    """Rows (case, number of files, number of datasets, differences as text)."""
     rows = []
-    for name in sorted(os.listdir(folder)):
-        if name.endswith(".h5"):
-            a, b = (datasets(os.path.join(each, name)) for each in (folder, other))
-            found = {key: difference(a[key], b[key]) if key in b else "missing" for key in a}
-            rows.append((name, len(a), {key: text for key, text in found.items() if text}))
-        elif name.endswith(".json"):
-            same = text_of(os.path.join(folder, name)) == text_of(os.path.join(other, name))
-            rows.append((name, 1, {} if same else {"text": "differs"}))
+    for case, steps in cases():
+        names = outputs(steps)
+        found = {name: differences(name, folder, other) for name in names}
+        text = "; ".join(f"{name} `{key}`: {how}" for name, (_, unequal) in found.items() for key, how in unequal.items())
+        rows.append((case, len(names), sum(count for count, _ in found.values()), text))
     return rows
-
-
-def words(found):
-    return "equal" if not found else "; ".join(f"`{key}`: {text}" for key, text in found.items())
 
 
 def table(old, other):
     """The rows of both comparisons, as Markdown."""
-    lines = ["| file | datasets | x86-64 without AVX2 and FMA | arm64 |", "|---|---|---|---|"]
-    for (name, count, found), (_, _, found_other) in zip(old, other):
-        lines.append(f"| {name} | {count} | {words(found)} | {words(found_other)} |")
+    lines = ["| case | files | datasets | x86-64 without AVX2 and FMA | arm64 |", "|---|---|---|---|---|"]
+    for row, (*_, text) in zip(old, other):
+        lines.append("| " + " | ".join(str(cell) for cell in (row[0], row[1], f"{row[2]:,}", row[3] or "equal", text or "equal")) + " |")
+    lines.append(f"| all | {sum(row[1] for row in old)} | {sum(row[2] for row in old):,} | | |")
     return "\n".join(lines) + "\n"
 
 
@@ -163,12 +200,13 @@ def main(arguments):
     if is_written:
         today = datetime.now(timezone.utc).date().isoformat()
         total = [sum(part.values()) for part in times]
-        note = f"\nMade on {today} by `scripts/test-arm64 --write`. The cases took {total[0]:.0f} s on x86-64 and {total[2]:.0f} s under emulation.\n"
+        note = (f"\nMade on {today} by `scripts/test-arm64 --write`. The cases took {total[0]:.0f} s of processor time on x86-64 "
+                f"and {total[2]:.0f} s under emulation.\n")
         with open(PAGE, encoding="utf-8") as file:
             before, after = file.read().split(NEXT_SECTION, 1)
         with open(PAGE, "w", encoding="utf-8") as file:
-            file.write(before.split("\n| file |", 1)[0].rstrip() + "\n\n" + text + note + NEXT_SECTION + after)
-    return 1 if any(found for part in rows for _, _, found in part) else 0
+            file.write(before.split("\n| case |", 1)[0].rstrip() + "\n\n" + text + note + NEXT_SECTION + after)
+    return 1 if any(text for part in rows for *_, text in part) else 0
 
 
 if __name__ == "__main__":
