@@ -13,10 +13,10 @@ namespace landfall {
 template <class Work>
 void by_rows(std::int64_t rows, const Work& work, const ProgressCallback& progress = {}) {
   constexpr std::size_t kRows = 16;
-  const auto work_on = [&](std::size_t begin, std::size_t end) {
+  const auto piece = [&](std::size_t begin, std::size_t end) {
     for (std::size_t row = begin; row < end; ++row) work(static_cast<std::int64_t>(row));
   };
-  parallel_for(static_cast<std::size_t>(rows), kRows, work_on, progress);
+  parallel_for(static_cast<std::size_t>(rows), kRows, piece, progress);
 }
 
 /// Calls work(row) for each row of a map.
