@@ -5,9 +5,9 @@
 usage: check_unity.py REPOSITORY
 
 Which units share an object, and in which order, changes with each new file: so any two units of a library, of the tools, or of a
-program of unit tests, are compared, and each with the constants, types and inline functions of its headers. Functions may share a name where the
-numbers of their parameters differ, aliases where they are equal. A name that collides in another way is seen by the compiler of preset
-release alone.
+program of unit tests, are compared, and each with the constants, types and inline functions of its headers. Functions may share a name
+where the numbers of their parameters differ, aliases where they are equal. A name that collides in another way is seen by the compiler
+of preset release alone.
 """
 import collections
 import pathlib
