@@ -2,22 +2,31 @@
 #include "report/escape.h"
 
 #include <cstdint>
-#include <map>
 
 namespace landfall::html_report {
 
 std::string html_text(std::string_view text) {
-  static const std::map<char, const char*> kReferences = {
-      {'&', "&amp;"}, {'<', "&lt;"}, {'>', "&gt;"}, {'"', "&quot;"}, {'\'', "&#39;"}};
   std::string result;
   result.reserve(text.size());
-  for (const char c : text) {
-    const auto found = kReferences.find(c);
-    if (found == kReferences.end())
-      result += c;
-    else
-      result += found->second;
-  }
+  for (const char c : text) switch (c) {
+      case '&':
+        result += "&amp;";
+        break;
+      case '<':
+        result += "&lt;";
+        break;
+      case '>':
+        result += "&gt;";
+        break;
+      case '"':
+        result += "&quot;";
+        break;
+      case '\'':
+        result += "&#39;";
+        break;
+      default:
+        result += c;
+    }
   return result;
 }
 
@@ -25,7 +34,13 @@ std::string script_json(const nlohmann::ordered_json& value, int indent) {
   const std::string text = value.dump(indent, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
   std::string result;
   result.reserve(text.size());
-  for (const char c : text) result += c == '<' ? "\\u003c" : std::string(1, c);
+  for (const char c : text) {
+    if (c == '<') {
+      result += "\\u003c";
+    } else {
+      result += c;
+    }
+  }
   return result;
 }
 
