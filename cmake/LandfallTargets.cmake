@@ -91,8 +91,10 @@ function(landfall_unity_groups target)
     endforeach()
   endforeach()
   set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_MODE GROUP)
-  # g++ takes unnamed namespaces of files that another one includes for those of headers.
-  target_compile_options(${target} PRIVATE $<$<CXX_COMPILER_ID:GNU>:-Wno-subobject-linkage>)
+  # g++ takes unnamed namespaces of files that another one includes for those of headers. It would take a tenth of a group's
+  # time to free memory: 1.3 GB instead of 1.0 for the largest.
+  target_compile_options(${target} PRIVATE $<$<CXX_COMPILER_ID:GNU>:-Wno-subobject-linkage>
+                                           $<$<CXX_COMPILER_ID:GNU>:--param=ggc-min-expand=1000>)
 endfunction()
 
 # landfall_library(module [UNITY [APART b.cpp ...] [ALONE c.cpp ...]] [EXCEPT d.cpp ...] [GENERATED e.cpp ...]
@@ -148,7 +150,8 @@ function(landfall_precompiled_tests)
   set_target_properties(precompiled_tests PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/tests)
 endfunction()
 
-# landfall_gtest(name LABEL unit SOURCES a_test.cpp ... LINKS landfall::raster ... [ALONE b.cpp ...])
+# landfall_gtest(raster_test LABEL unit SOURCES a_test.cpp ... LINKS landfall::raster ... [ALONE b.cpp ...])
+# A program of unit tests; ctest runs it as one test, unit_raster.
 # With LANDFALL_UNITY up to 16 of its units are compiled together, as those of a library; ALONE: not these.
 function(landfall_gtest name)
   cmake_parse_arguments(arg "" "LABEL" "SOURCES;LINKS;ALONE" ${ARGN})
@@ -161,5 +164,8 @@ function(landfall_gtest name)
     landfall_unity_groups(${name} SOURCES ${arg_SOURCES} ALONE ${arg_ALONE})
   endif()
   set_target_properties(${name} PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/tests)
-  gtest_discover_tests(${name} NO_PRETTY_VALUES PROPERTIES LABELS ${arg_LABEL} DISCOVERY_TIMEOUT 60)
+  string(REGEX REPLACE "_test$" "" test ${arg_LABEL}_${name})
+  add_test(NAME ${test} COMMAND ${name})
+  set_tests_properties(${test} PROPERTIES LABELS ${arg_LABEL} TIMEOUT 3600)
+  landfall_rank_test(${test})
 endfunction()

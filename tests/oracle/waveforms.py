@@ -3,7 +3,7 @@
 import numpy as np
 
 CLOSE = 2e-3  # heights whose relative difference is below it may be mistaken for each other by a search in steps
-SAMPLES = 1500  # of an echo, at once
+SAMPLES = 500  # of an echo, at once
 
 
 def split(ranges, signals, gap):
