@@ -121,29 +121,37 @@ Nodes random_step(std::mt19937_64& random) {
 // The middle bin's error after the correction by the slope over the square misfit of 3 x 3 bins, both without
 // noise. 60,000 steps know the ratio to 1 % (1 sigma, from repetitions); 4 % is 4 sigma.
 TEST(Misfit, FactorAgainstRandomSteps) {
-  const GridSpec spec = GridSpec::centered(1, 1);
+  constexpr int kSteps = 1000;  // side by side in one grid, 3 x 3 bins each
+  const GridSpec spec{.resolution_m = 1, .first_row = -1, .first_col = 0, .rows = 3, .cols = 3 * kSteps};
   std::mt19937_64 random(17);
   std::uniform_real_distribution<double> place(-0.5, 0.5);
   for (const int count : {1, 2, 4, 10}) {
     double error = 0;
     double misfit = 0;
-    for (int draw = 0; draw < 60000; ++draw) {
-      const Nodes nodes = random_step(random);
+    for (int batch = 0; batch < 60; ++batch) {
+      std::vector<Nodes> steps;
       std::vector<ReturnPoint> points;
-      for (std::int64_t row = 0; row < 3; ++row)
-        for (std::int64_t col = 0; col < 3; ++col)
-          for (int k = 0; k < count; ++k) {
-            const double x = spec.x(col) + place(random);
-            const double y = spec.y(row) + place(random);
-            points.push_back({.x_est = x, .y_est = y, .z_est = nodes.at(x, y)});
-          }
+      for (int step = 0; step < kSteps; ++step) {
+        const Nodes& nodes = steps.emplace_back(random_step(random));
+        for (int row = -1; row <= 1; ++row)
+          for (int col = -1; col <= 1; ++col)
+            for (int k = 0; k < count; ++k) {
+              const double x = col + place(random);
+              const double y = row + place(random);
+              points.push_back({.x_est = x + 3 * step + 1, .y_est = y, .z_est = nodes.at(x, y)});
+            }
+      }
       const WeightedMeanAccumulator bins = accumulated(spec, points);
-      const PlaneFit plane = fit_plane(bins, {1, 1});
-      if (plane.radius != 1) continue;
-      const BinValues bin = values_of(bins.bins()[4]);
-      const double e = nodes.z[2][2] - corrected_elevation(bin, spec, {1, 1}, plane.slope);
-      error += e * e;
-      misfit += plane.misfit_m2 * 9 / 6;
+      for (int step = 0; step < kSteps; ++step) {
+        const BinIndex middle{1, 3 * step + 1};
+        const PlaneFit plane = fit_plane(bins, middle);
+        if (plane.radius != 1) continue;
+        const BinValues bin = values_of(bins.bins()[spec.index(middle)]);
+        const double e = steps[static_cast<std::size_t>(step)].z[2][2] -
+                         corrected_elevation(bin, spec, middle, plane.slope);
+        error += e * e;
+        misfit += plane.misfit_m2 * 9 / 6;
+      }
     }
     EXPECT_NEAR(error / misfit / misfit_factor(count), 1, 0.04) << count;
   }
