@@ -4,9 +4,10 @@
 //   #define HWY_TARGET_INCLUDE "folder/source.cpp"
 //   #include "base/lanes-inl.h"
 
-// Vectors without a compile-time size cannot be class members and need other code for the end of a span.
+// Vectors without a compile-time size cannot be class members and need other code for the end of a span. Processors with SSSE3
+// but without SSE4.1 were last made in 2007: for them, the scalar code is enough.
 #ifndef HWY_DISABLED_TARGETS
-#define HWY_DISABLED_TARGETS (HWY_SVE | HWY_SVE2 | HWY_SVE_256 | HWY_SVE2_128 | HWY_RVV)
+#define HWY_DISABLED_TARGETS (HWY_SVE | HWY_SVE2 | HWY_SVE_256 | HWY_SVE2_128 | HWY_RVV | HWY_SSSE3)
 #endif
 #include <hwy/foreach_target.h>  // includes the source once for each instruction set
 
