@@ -359,7 +359,7 @@ class FigureTest(ScriptTest):
     def dem_figure(self, *arguments, **style):
         make_dem(self.path("dem.h5"), **style)
         options = plot_dem.parse([self.path("dem.h5"), *arguments])
-        return plot_dem.draw(*plot_dem.read(options.dem), options)
+        return plot_dem.figure_of(options)
 
     def eval_figure(self, draw, limits=True, data_only=False, **style):
         make_evaluation(self.path("eval.h5"), **style)

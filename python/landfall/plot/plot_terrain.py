@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from matplotlib.collections import EllipseCollection
+from matplotlib.colors import LightSource
 from matplotlib.patches import Patch
 
 from landfall import files
@@ -45,18 +46,6 @@ def sun_elevation(text):
 # Shape of the surface, at cells between four nodes
 
 
-@dataclass(frozen=True)
-class Sun:
-    azimuth_deg: float
-    elevation_deg: float
-
-    @property
-    def direction(self):
-        azimuth, elevation = math.radians(self.azimuth_deg), math.radians(self.elevation_deg)
-        return (math.sin(azimuth) * math.cos(elevation), math.cos(azimuth) * math.cos(elevation),
-                math.sin(elevation))
-
-
 def gradient(z, resolution_m):
     """(dz/dx, dz/dy) of each cell, from its four nodes."""
     east, north = np.diff(z, axis=1), np.diff(z, axis=0)
@@ -68,7 +57,7 @@ def slope_deg(dz_dx, dz_dy):
 
 
 def shade(dz_dx, dz_dy, sun):
-    """The cosine of the angle between the normal of a cell and the sun; 0 if the cell faces away."""
+    """The cosine of the angle between the normal of a cell and the sun, a LightSource; 0 if the cell faces away."""
     x, y, z = sun.direction
     return np.clip((z - x * dz_dx - y * dz_dy) / np.sqrt(1 + dz_dx**2 + dz_dy**2), 0, 1)
 
@@ -202,7 +191,7 @@ def draw_zoom(ax, grid, layer, objects, options, relief):
     center = options.zoom_at or relief.steepest
     window, rows, cols = maps.zoom_window(grid, center, options.zoom_width_m or site_m / 10)
     node_frame(ax, window, f"zoom at ({center[0]:.4g}, {center[1]:.4g}) m, every cell")
-    sun = Sun(options.sun_azimuth_deg, options.sun_elevation_deg)
+    sun = LightSource(options.sun_azimuth_deg, options.sun_elevation_deg)
     draw_hillshade(ax, window, shade(*gradient(layer[rows, cols], grid.resolution_m), sun), 1)
     draw_objects(ax, objects)
     maps.draw_scale_marks(ax)
@@ -213,7 +202,7 @@ def draw(file, options):
     grid = files.read_grid(file)
     if grid is None or "z" not in file or files.numbers(file, "z").shape != grid.shape:
         raise DataError(f"{options.terrain}: needs the layers x, y and z of a gridded terrain")
-    relief = read_relief(files.numbers(file, "z"), grid, Sun(options.sun_azimuth_deg, options.sun_elevation_deg))
+    relief = read_relief(files.numbers(file, "z"), grid, LightSource(options.sun_azimuth_deg, options.sun_elevation_deg))
     objects = read_objects(file)
     figure, axes = maps.new_figure((1, 3), (20.5, 7.4), title(grid, relief, objects, options))
     node_frame(axes[0, 0], grid, "hillshade" + (" and objects" if objects.count else ""))
