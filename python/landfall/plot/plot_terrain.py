@@ -11,7 +11,7 @@ from matplotlib.patches import Patch
 
 from landfall import files
 from landfall.errors import DataError
-from landfall.plot import colors, maps, plots, reduction, scales
+from landfall.plot import maps, plots, reduction, scales
 
 CELLS = 900  # blocks along a panel's edge
 BAND_NODES = 1 << 23  # nodes held at a time: a terrain of any size is drawn in the same memory
@@ -181,7 +181,7 @@ def draw_hillshade(ax, grid, image, size):
 
 def draw_slope(ax, grid, relief):
     scale = scales.count_scale(relief.slope_deg, relief.slope_deg, "magnitude", "deg", 1e-3)
-    draw_cells(ax, grid, relief.slope_deg, relief.size, cmap=colors.color_map("magnitude"), vmin=0, vmax=scale.high)
+    draw_cells(ax, grid, relief.slope_deg, relief.size, cmap=scales.color_map("magnitude"), vmin=0, vmax=scale.high)
     maps.draw_color_bar(ax, scale, "slope")
     maps.note(ax, *scale.notes())
 

@@ -9,7 +9,7 @@ import matplotlib.patheffects
 import matplotlib.pyplot as plt
 import numpy as np
 
-from landfall.plot.colors import color_map
+from landfall.plot.scales import color_map
 from landfall.study.names import digits_of, number, titled, with_unit
 from landfall.study.table import BLIND_LANDING, error_sign, is_probability, metric_label, SAFE_LANDING
 
