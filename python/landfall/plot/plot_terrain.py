@@ -198,26 +198,27 @@ def draw_zoom(ax, grid, layer, objects, options, relief):
     return window
 
 
-def draw(file, options):
-    grid = files.read_grid(file)
-    if grid is None or "z" not in file or files.numbers(file, "z").shape != grid.shape:
-        raise DataError(f"{options.terrain}: needs the layers x, y and z of a gridded terrain")
-    relief = read_relief(files.numbers(file, "z"), grid, LightSource(options.sun_azimuth_deg, options.sun_elevation_deg))
-    objects = read_objects(file)
-    figure, axes = maps.new_figure((1, 3), (20.5, 7.4), title(grid, relief, objects, options))
-    node_frame(axes[0, 0], grid, "hillshade" + (" and objects" if objects.count else ""))
-    draw_hillshade(axes[0, 0], grid, relief.shade, relief.size)
-    draw_objects(axes[0, 0], objects, MAX_OBJECTS)
-    maps.draw_scale_marks(axes[0, 0])
-    object_legend(axes[0, 0], objects)
-    over = f", mean over {plots.metres(relief.size * grid.resolution_m)}" if relief.size > 1 else ""
-    node_frame(axes[0, 1], grid, f"slope of cells of {plots.metres(grid.resolution_m)}{over}")
-    draw_slope(axes[0, 1], grid, relief)
-    window = draw_zoom(axes[0, 2], grid, file["z"], objects, options, relief)
-    for ax in axes[0, :2]:
-        maps.draw_rectangle(ax, (window.x[0], window.y[0]),
-                            (window.x[-1] - window.x[0], window.y[-1] - window.y[0]))
-    return figure
+def figure_of(options):
+    with files.open_landfall(options.terrain, "landfall.terrain") as file:
+        grid = files.read_grid(file)
+        if grid is None or "z" not in file or files.numbers(file, "z").shape != grid.shape:
+            raise DataError(f"{options.terrain}: needs the layers x, y and z of a gridded terrain")
+        relief = read_relief(files.numbers(file, "z"), grid, LightSource(options.sun_azimuth_deg, options.sun_elevation_deg))
+        objects = read_objects(file)
+        figure, axes = maps.new_figure((1, 3), (20.5, 7.4), title(grid, relief, objects, options))
+        node_frame(axes[0, 0], grid, "hillshade" + (" and objects" if objects.count else ""))
+        draw_hillshade(axes[0, 0], grid, relief.shade, relief.size)
+        draw_objects(axes[0, 0], objects, MAX_OBJECTS)
+        maps.draw_scale_marks(axes[0, 0])
+        object_legend(axes[0, 0], objects)
+        over = f", mean over {plots.metres(relief.size * grid.resolution_m)}" if relief.size > 1 else ""
+        node_frame(axes[0, 1], grid, f"slope of cells of {plots.metres(grid.resolution_m)}{over}")
+        draw_slope(axes[0, 1], grid, relief)
+        window = draw_zoom(axes[0, 2], grid, file["z"], objects, options, relief)
+        for ax in axes[0, :2]:
+            maps.draw_rectangle(ax, (window.x[0], window.y[0]),
+                                (window.x[-1] - window.x[0], window.y[-1] - window.y[0]))
+        return figure
 
 
 def title(grid, relief, objects, options):
@@ -225,11 +226,6 @@ def title(grid, relief, objects, options):
     return (f"{os.path.basename(options.terrain)}: {grid.shape[1]:,} x {grid.shape[0]:,} nodes of "
             f"{plots.metres(grid.resolution_m)}{heights}"
             + (f", {plots.counted(objects.count, 'object')}" if objects.count else ""))
-
-
-def figure_of(options):
-    with files.open_landfall(options.terrain, "landfall.terrain") as file:
-        return draw(file, options)
 
 
 main = plots.main_of(parse, figure_of)
