@@ -9,8 +9,6 @@
 
 Importing the package loads no other package.
 """
-from __future__ import annotations
-
 import importlib
 import os
 import typing
@@ -22,8 +20,8 @@ if typing.TYPE_CHECKING:
 
 __all__ = ["DataError", "Error", "ToolError", "UsageError", "model", "open", "plot", "run"]
 
-Path = typing.Union[str, "os.PathLike[str]"]
-Config = typing.Union[typing.Mapping[str, typing.Any], Path]
+Path = str | os.PathLike[str]
+Config = typing.Mapping[str, typing.Any] | Path
 
 
 def __getattr__(name: str) -> typing.Any:

@@ -15,7 +15,7 @@ sys.path.insert(0, os.path.join(os.environ["LANDFALL_ROOT"], "python"))
 from harness import EVAL, REGRID, browser, read_bytes
 from harness.page import CONTRAST, POINT, WIDTHS, CommonPage, PageTest
 from landfall import files
-from landfall.plot import colors, plot_profile, reduction, relief, scales
+from landfall.plot import plot_profile, reduction, relief, scales
 
 SECTIONS = ["requirements", "maps", "view-3d", "worst", "holes", "errors", "uncertainty", "provenance-chain"]
 MAPS = ["z_est", "z_true", "count", "e_x", "e_y", "e_z", "abs_x", "abs_y", "abs_z", "rel_x", "rel_y", "rel_z", "invalid",
@@ -248,9 +248,9 @@ class CommonReport(CommonPage, ReportCase):
     def test_colours_are_those_of_the_figures(self):
         self.report()
         maps = self.window.run("return COLOR_MAPS")
-        self.assertEqual(maps, {name: [list(map(int, c)) for c in colors.table(name)] for name in colors.ANCHORS})
-        self.assertEqual(self.window.run("return NO_VALUE_COLOR"), list(colors.NO_VALUE))
-        self.assertEqual(self.window.run("return MARK_COLOR"), "rgb({},{},{})".format(*colors.MARK))
+        self.assertEqual(maps, {name: [list(map(int, c)) for c in scales.color_table(name)] for name in scales.ANCHORS})
+        self.assertEqual(self.window.run("return NO_VALUE_COLOR"), list(scales.NO_VALUE))
+        self.assertEqual(self.window.run("return MARK_COLOR"), "rgb({},{},{})".format(*scales.MARK))
         self.assertEqual(self.window.run("return [OUTLIERS, LIMIT_INSIDE, MAX_MARKED]"),
                          [scales.OUTLIERS, scales.LIMIT_INSIDE, reduction.MAX_MARKED])
         with h5py.File(self.path("eval.h5")) as file:
@@ -389,7 +389,7 @@ class OtherReports(ReportCase):
 
     def test_a_sparse_dem_is_not_hidden_by_its_marks(self):
         self.report(self.sparse("sparse.h5", 0.2))
-        self.assertLess(self.window.run(SHARE, "z_est", list(colors.MARK)), 0.001)
+        self.assertLess(self.window.run(SHARE, "z_est", list(scales.MARK)), 0.001)
         self.assertLess(self.window.run(SHARE, "invalid", [0, 114, 178]), 0.7)
         self.assertGreater(self.window.run(VIEW)[0], 0.05)
         self.check_log_and_requests()
@@ -401,7 +401,7 @@ class OtherReports(ReportCase):
             count = int(np.sum(file["invalid"][()]))
         self.assertTrue(5 < count < 60, count)
         width = self.window.run("return document.querySelector('#maps canvas[data-layer=invalid]').width")
-        for layer, color in (("invalid", [0, 114, 178]), ("z_est", list(colors.MARK))):
+        for layer, color in (("invalid", [0, 114, 178]), ("z_est", list(scales.MARK))):
             found = self.window.run(SHARE, layer, color) * width ** 2 / count
             self.assertTrue(6 < found <= 9.5, f"{layer}: {found} pixels per bin")
         self.check_log_and_requests()

@@ -37,9 +37,9 @@ def become(words, cwd, out, err):
         os.dup2(err.fileno(), 2)
         sys.stdout, sys.stderr = open(1, "w", encoding="utf-8", closefd=False), open(2, "w", encoding="utf-8", closefd=False)
         os.chdir(cwd or os.curdir)
-        for module in [module for module in sys.modules if module.split(".")[0] == "landfall"] + ["start"]:
+        for module in [module for module in sys.modules if module.split(".")[0] == "landfall"]:
             sys.modules.pop(module, None)
-        sys.argv, sys.path[0] = words, COMMANDS
+        sys.argv, sys.path[0] = words, os.path.dirname(COMMANDS)
         runpy.run_path(words[0], run_name="__main__")
         code = 0
     except SystemExit as end:

@@ -82,9 +82,10 @@ class Deb(unittest.TestCase):
         for file in ["include/landfall/lidar.h", "lib/liblandfall-lidar.a", "lib/cmake/landfall/landfallConfig.cmake"]:
             self.assertIn("./usr/" + file, module)
         self.assertFalse({name for name in set(tools) & set(module) if not name.endswith("/")})
+        links = {"./usr/lib/python3/dist-packages/landfall", *(f"./usr/bin/{tool}" for tool in self.tools()),
+                 *(f"./usr/share/landfall/python/commands/{name}" for name in os.listdir(os.path.join(ROOT, "python", "commands")))}
         for name, (mode, owner) in (tools | module).items():
             self.assertEqual(owner, "root/root", name)
-            links = {"./usr/lib/python3/dist-packages/landfall", *(f"./usr/bin/{tool}" for tool in self.tools())}
             self.assertIn(mode, ["lrwxrwxrwx"] if name in links else ["drwxr-xr-x", "-rwxr-xr-x", "-rw-r--r--"], name)
 
     def test_python_imports_the_package_and_finds_the_tools(self):

@@ -77,7 +77,7 @@ class DrawsTest(harness.ChainTest):
         """So that a colour on the shaded side of a rock can be compared with the colour bar."""
         p = self.values("p_fail_rel_z")
         image = next(image for image in self.panels(self.draws)["footprint fails: relative z"].images if image.get_gid() == "chance").get_array()
-        colors = plot_draws.colors.color_map("magnitude")(p[p > 0] / np.nanmax(p))[:, :3]
+        colors = plot_draws.scales.color_map("magnitude")(p[p > 0] / np.nanmax(p))[:, :3]
         shares = (image[p > 0] / colors)[colors > 0.02]
         self.assertGreaterEqual(shares.min(), 0.85 - 1e-6)
         self.assertLessEqual(shares.max(), 1 + 1e-6)

@@ -12,7 +12,7 @@ sys.path.insert(0, PYTHON)
 sys.dont_write_bytecode = True
 
 from landfall import files
-from landfall.plot import colors, maps, plots, reduction, relief, scales
+from landfall.plot import maps, plots, reduction, relief, scales
 
 
 class ReductionTest(unittest.TestCase):
@@ -171,7 +171,7 @@ class ReliefTest(unittest.TestCase):
     def test_level_ground_has_the_colours_of_the_map(self):
         scale = scales.Scale("elevation", 0, 1, (0, 1), (0, 1), "")
         image = relief.image(np.full((4, 4), 0.5), 1.0, scale, 1, np.zeros((4, 4)))
-        np.testing.assert_allclose(image[2, 1] * 255, colors.table("elevation")[128])
+        np.testing.assert_allclose(image[2, 1] * 255, scales.color_table("elevation")[128])
 
     def test_a_slope_is_lit_from_the_north_west(self):
         x, y = np.meshgrid(np.arange(5.0), np.arange(5.0))
@@ -195,9 +195,9 @@ class ReliefTest(unittest.TestCase):
         missing = np.isnan(z).astype(float)
         missing[0, 0] = 0.5
         image = relief.image(z, 2.0, scale, 1, missing) * 255
-        np.testing.assert_allclose(image[1, 1], colors.NO_VALUE)
+        np.testing.assert_allclose(image[1, 1], scales.NO_VALUE)
         whole = relief.image(z, 2.0, scale, 1, np.isnan(z).astype(float)) * 255
-        np.testing.assert_allclose(image[0, 0], (whole[0, 0] + colors.NO_VALUE) / 2)
+        np.testing.assert_allclose(image[0, 0], (whole[0, 0] + scales.NO_VALUE) / 2)
 
 
 class ZoomTest(unittest.TestCase):

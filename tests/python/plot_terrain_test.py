@@ -19,7 +19,7 @@ from landfall import files
 import matplotlib.pyplot as plt
 from landfall.plot import plot_terrain
 
-SUN = plot_terrain.Sun(315, 35)
+SUN = plot_terrain.LightSource(315, 35)
 
 
 def make_terrain(path, nodes=61, slopes=(0.3, -0.2), objects=True):
@@ -60,7 +60,7 @@ class Arithmetic(unittest.TestCase):
         self.assertAlmostEqual(relief.high_m, 15 * 0.5)
 
     def test_slopes_that_face_away_from_the_sun_are_dark(self):
-        self.assertEqual(plot_terrain.shade(np.array([0.0]), np.array([3.0]), plot_terrain.Sun(0, 10))[0], 0)
+        self.assertEqual(plot_terrain.shade(np.array([0.0]), np.array([3.0]), plot_terrain.LightSource(0, 10))[0], 0)
 
     def test_bands_give_the_same_result_as_the_whole(self):
         make_terrain(self.path)

@@ -17,7 +17,7 @@ sys.dont_write_bytecode = True
 
 from harness.commands import run_command
 from landfall import dictionary, files
-from landfall.plot import colors, maps, plot_compare, plot_dem, plot_eval, plot_plan, plots, scales
+from landfall.plot import maps, plot_compare, plot_dem, plot_eval, plot_plan, plots, scales
 import matplotlib.pyplot as plt
 
 BINS = 41
@@ -359,7 +359,7 @@ class FigureTest(ScriptTest):
     def dem_figure(self, *arguments, **style):
         make_dem(self.path("dem.h5"), **style)
         options = plot_dem.parse([self.path("dem.h5"), *arguments])
-        return plot_dem.draw(*plot_dem.read(options.dem), options)
+        return plot_dem.figure_of(options)
 
     def eval_figure(self, draw, limits=True, data_only=False, **style):
         make_evaluation(self.path("eval.h5"), **style)
@@ -401,7 +401,7 @@ class FigureTest(ScriptTest):
             ax = map_named(figure, name)
             self.assertEqual([image.get_gid() for image in ax.images], [None])
             self.assertIn("grey: bins without a return", notes_of(ax))
-        np.testing.assert_allclose(map_named(figure, "estimated").images[0].get_array()[4, 5] * 255, colors.NO_VALUE)
+        np.testing.assert_allclose(map_named(figure, "estimated").images[0].get_array()[4, 5] * 255, scales.NO_VALUE)
 
     def test_each_map_of_the_accuracy_has_its_limit(self):
         figure = self.eval_figure(plot_eval.draw_accuracy)

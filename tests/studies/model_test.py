@@ -15,7 +15,7 @@ from case import BASE, BIN, PYTHON, ROOT, StudyTest, read
 
 # pylint: disable=wrong-import-order
 from landfall import tools
-from landfall.answers import dakota, model, progress, runs
+from landfall.answers import dakota, model, runs
 from landfall.errors import DataError, UsageError
 from landfall.study.results import flatten
 
@@ -330,7 +330,7 @@ class ProgressTest(unittest.TestCase):
         """Updated in place, with the time that is left by what was made now, and removed at the end."""
         stream = Terminal()
         with mock.patch("time.monotonic", side_effect=[0, 0, 30]):
-            shown = progress.Progress(stream)
+            shown = runs.Progress(stream)
             shown.start("draws", 100)
             shown.step(0, 40)
             self.assertEqual(stream.getvalue(), "\r\033[K40 of 100 draws")
@@ -342,7 +342,7 @@ class ProgressTest(unittest.TestCase):
 
     def test_lines_elsewhere(self):
         stream = io.StringIO()
-        shown = progress.Progress(stream)
+        shown = runs.Progress(stream)
         shown.start("draws", 2)
         shown.step(0, 1)
         shown.step(0, 1)

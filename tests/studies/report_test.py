@@ -20,7 +20,7 @@ sys.path.insert(0, os.path.join(ROOT, "tests", "harness"))
 import browser
 from harness.commands import run_command
 from harness.page import CONTRAST
-from landfall.study import configs, model, plot_study, reader, stages, table
+from landfall.study import model, plot_study, reader, report_study, stages, table
 
 HOSTILE = "</script><script>alert(1)</script><b>&\"'"
 REPEATS = {"repeat": {"count": 2, "draws": {"scan.navigation_error.velocity_mps": {"normal": [0.1, 0.1, 0.1]}}}}
@@ -62,7 +62,7 @@ class Page(html.parser.HTMLParser):
 
 
 def changed(base, steps):
-    """The tree that configs.changes() describes."""
+    """The tree that report_study.changes() describes."""
     tree = copy.deepcopy(base)
     for place, *value in steps:
         if not place:
@@ -234,16 +234,16 @@ class ChangedStudy(ReportTest):
         self.assertIn("percentiles.csv", self.report("-O", code=1).stderr)
 
     def test_folders_are_removed_from_paths(self):
-        config = configs.without_folders({"base": {"path": "/home/me/secret/a.tif"}, "list": [{"path": 'NETCDF:"/x/y.h5":z'}]})
+        config = report_study.without_folders({"base": {"path": "/home/me/secret/a.tif"}, "list": [{"path": 'NETCDF:"/x/y.h5":z'}]})
         self.assertEqual(config, {"base": {"path": "a.tif"}, "list": [{"path": 'NETCDF:"y.h5":z'}]})
 
     def test_changes_reproduce_the_configuration(self):
         base = {"a": 1, "b": {"c": [1, 2, {"d": True}]}, "e": "x"}
         for tree in (base, {"a": 1}, {**base, "a": True}, {**base, "b": {"c": [1, 3, {"d": 1}]}}, {**base, "b": {"c": [1]}, "f": None}):
-            steps = configs.changes(base, tree)
+            steps = report_study.changes(base, tree)
             self.assertEqual(json.dumps(changed(base, steps), sort_keys=True), json.dumps(tree, sort_keys=True))
-        self.assertEqual(configs.changes(base, base), [])
-        self.assertEqual(configs.shared(base, [configs.changes(base, {**base, "a": 2})]), {**base, "a": "(varies)"})
+        self.assertEqual(report_study.changes(base, base), [])
+        self.assertEqual(report_study.shared(base, [report_study.changes(base, {**base, "a": 2})]), {**base, "a": "(varies)"})
 
 
 def fake_study(test, *axes, **keys):

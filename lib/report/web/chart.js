@@ -2,9 +2,8 @@
 
 // Diagrams: curves, bars and points between two axes, linear or logarithmic.
 
-import {htmlElement, legendEntry, svgElement, swatchEntry} from "./elements.js";
+import {htmlElement, legendEntry, LINE, svgElement, swatchEntry, TEXT_COLOR} from "./elements.js";
 import {ticks} from "./numbers.js";
-import {LINE, TEXT_COLOR} from "./palette.js";
 
 const MAX_WORDS = 12;  // beside an axis
 const CHART = {width: 430, height: 300, left: 58, right: 16, top: 14, bottom: 46};

@@ -2,16 +2,110 @@
 
 // A page that shows the points of a scan.
 
-import {boxFields} from "./cloud_box.js";
-import {choiceTable} from "./cloud_choice.js";
-import {columnOf} from "./cloud_columns.js";
-import {CloudView} from "./cloud_view.js";
+import {CloudView, columnOf} from "./cloud_view.js";
 import {horizontalColorBar} from "./colorbar.js";
 import {buttonElement, choiceElement, htmlElement, swatchEntry} from "./elements.js";
+import {counted} from "./numbers.js";
 import {HANDLING} from "./orbit_view.js";
-import {startPage} from "./page.js";
+import {onThemeChange, startPage} from "./page.js";
 import {report} from "./report_data.js";
-import {onThemeChange} from "./theme.js";
+import {valueText} from "./scales.js";
+
+// The box outside of which a cloud is hidden: a field for each end of each axis.
+
+const AXES = ["x", "y", "z"];
+
+/** Creates the fields; returns {element, show}, where show(ends) cuts the cloud. */
+function boxFields(view) {
+  const fields = AXES.map((axis) => ["from", "to"].map((end) => htmlElement(
+      "input", {type: "number", step: "any", "aria-label": `${axis} ${end}`})));
+  const inside = htmlElement("p", {class: "note", id: "inside", role: "status"});
+  const tell = () => {
+    inside.textContent = `${view.countInside().toLocaleString("en")} of the ${view.count.toLocaleString("en")} points are in the box.`;
+  };
+  const fill = () => {
+    const decimals = Math.max(0, ...view.columns.map(({layer}) => -Math.floor(Math.log10(layer.step))));
+    fields.forEach((pair, axis) => pair.forEach((field, end) => { field.value = view.box[axis][end].toFixed(decimals); }));
+    tell();
+  };
+  const show = (ends) => {
+    if (ends) view.cut(ends); else view.openBox();
+    view.draw();
+    fill();
+  };
+  for (const field of fields.flat()) {
+    field.addEventListener("change", () => {
+      const ends = fields.map((pair) => pair.map((each) => each.valueAsNumber));
+      if (ends.flat().some(Number.isNaN)) return fill();
+      view.cut(ends);
+      view.draw();
+      return tell();
+    });
+  }
+  const whole = buttonElement("all points", () => show(null), {id: "whole"});
+  const rows = fields.map((pair, axis) => htmlElement("tr", {}, htmlElement("th", {scope: "row"}, AXES[axis]),
+                                                      ...pair.map((field) => htmlElement("td", {}, field))));
+  const head = htmlElement("tr", {}, ...["box", "from (m)", "to (m)"].map((text) => htmlElement("th", {}, text)));
+  const element = htmlElement("div", {class: "readings"}, htmlElement(
+      "table", {id: "box"}, htmlElement("thead", {}, head), htmlElement("tbody", {}, ...rows)), whole, inside);
+  fill();
+  return {element, show};
+}
+
+// The point that was clicked on: its values, and the other returns of its pulse, which are lit.
+
+const HINT = "Click on a point to see its values, and the other returns of its pulse.";
+const ORDER = ["pulse", "pixel", "return_number", "status", "t", "range_measured", "range_true", "e_range", "x_est", "y_est", "z_est",
+               "e_z", "e_horizontal", "intensity"];
+const SURROUNDINGS = 0.03;  // half the edge of the box around a point, as a part of the longest side of the cloud
+
+/** The other points of the pulse, those outside of the box too. */
+function siblingsOf(pulses, index) {
+  const found = [];
+  pulses.codes.forEach((code, i) => { if (code === pulses.codes[index] && i !== index) found.push(i); });
+  return found;
+}
+
+function siblingText(pulses, siblings) {
+  if (!pulses) return "The file has no pulse numbers.";
+  return `${siblings.length === 0 ? "No other return" : counted(siblings.length, "other return")} of its pulse ` +
+      `${siblings.length > 1 ? "are" : "is"} among the points shown${siblings.length > 0 ? ", lit in magenta" : ""}.`;
+}
+
+function valueRows(index) {
+  const titled = report.layers.filter(({name}) => ORDER.includes(name)).sort((a, b) => ORDER.indexOf(a.name) - ORDER.indexOf(b.name));
+  return titled.map((layer) => htmlElement(
+      "tr", {"data-column": layer.name}, htmlElement("th", {scope: "row"}, layer.title),
+      htmlElement("td", {}, valueText(columnOf(layer.name), index))));
+}
+
+/** Creates the table of values; `box` is that of boxFields(). */
+function choiceTable(view, box) {
+  const element = htmlElement("div", {class: "readings", id: "choice"}, htmlElement("p", {class: "note"}, HINT));
+  const showNothing = () => {
+    view.light(-1, []);
+    element.replaceChildren(htmlElement("p", {class: "note"}, `No point there. ${HINT}`));
+  };
+  const showPoint = (index) => {
+    const pulses = columnOf("pulse");
+    const siblings = pulses ? siblingsOf(pulses, index) : [];
+    view.light(index, siblings);
+    const half = SURROUNDINGS * Math.max(...view.ends.map(([low, high]) => high - low));
+    const around = () => box.show(view.placeOf(index).map((value, axis) => [-half, half].map((d) => value + view.middle[axis] + d)));
+    element.replaceChildren(
+        htmlElement("table", {id: "chosen"}, htmlElement("tbody", {}, ...valueRows(index))),
+        htmlElement("p", {class: "note", id: "siblings"}, siblingText(pulses, siblings)),
+        htmlElement("div", {class: "controls"}, buttonElement("turn about it", () => view.centre(index)), buttonElement("box around it", around)));
+  };
+  let clicks = 0;
+  view.onClick = (index) => {
+    if (index < 0) showNothing(); else showPoint(index);
+    element.dataset.clicks = String(++clicks);
+  };
+  return element;
+}
+
+// The page
 
 const FIRST_COLORS = ["e_range", "e_z", "z_est"];  // the errors, if the file has the truth
 

@@ -2,12 +2,10 @@
 
 // The legend of a map's colours: what they show and in which unit, the limit, and where they end.
 
-import {cssColor} from "./color_maps.js";
-import {htmlElement, svgElement, swatchEntry} from "./elements.js";
+import {htmlElement, svgElement, swatchEntry, TEXT_COLOR} from "./elements.js";
 import {lengthUnit, metresAs, ticks} from "./numbers.js";
-import {TEXT_COLOR} from "./palette.js";
 import {report} from "./report_data.js";
-import {scaleOf} from "./scales.js";
+import {cssColor, scaleOf} from "./scales.js";
 
 /** What the colours of a layer show; for an error its sign. */
 function quantityOf({name, style, quantity}) {

@@ -5,8 +5,8 @@
 import {htmlElement, tableElement} from "./elements.js";
 import {holeChart} from "./error_charts.js";
 import {MapPanel} from "./map.js";
+import {mapColumns} from "./map_pages.js";
 import {counted, formatNumber, metresAs} from "./numbers.js";
-import {mapColumns} from "./places.js";
 import {rasterOf} from "./rasters.js";
 import {report} from "./report_data.js";
 

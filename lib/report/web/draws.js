@@ -4,12 +4,11 @@
 
 import {axisOf, Chart} from "./chart.js";
 import {valuesBar} from "./cursor.js";
-import {choiceElement, htmlElement, tableElement} from "./elements.js";
+import {choiceElement, htmlElement, LINE, tableElement, TEXT_COLOR} from "./elements.js";
 import {MapPanel} from "./map.js";
-import {appendFigures, gridText, loadGroups} from "./map_groups.js";
+import {appendFigures, gridText, loadGroups} from "./map_pages.js";
 import {formatNumber} from "./numbers.js";
 import {startPage} from "./page.js";
-import {LINE, TEXT_COLOR} from "./palette.js";
 import {layerNamed, rasterOf} from "./rasters.js";
 import {report} from "./report_data.js";
 

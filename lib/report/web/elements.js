@@ -1,9 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 
-// Elements of the page.
+// Colours by name, and elements of the page.
 
-import {INK} from "./palette.js";
-import {makeSortable} from "./table.js";
+// Okabe and Ito's palette is readable with every common colour blindness, too.
+export const BLUE = "#0072b2";
+export const VERMILION = "#d55e00";
+export const INK = "#1d2733";            // on maps, which look the same in light and dark mode
+export const TEXT_COLOR = "var(--ink)";  // beside maps
+// Lines of diagrams differ in light and dark mode (report.css).
+export const LINE = {blue: "var(--blue)", sky: "var(--sky)", vermilion: "var(--vermilion)", purple: "var(--purple)"};
 
 /** Attributes that are null or false are left out; true sets one without a value. */
 function withParts(element, attributes, children) {
@@ -42,9 +47,9 @@ export function swatchEntry(text, attributes, shape = "rect") {
   return htmlElement("span", {}, sample, text);
 }
 
-/** A button that calls `act` when it is clicked. */
-export function buttonElement(text, act, attributes = {}) {
-  const button = htmlElement("button", {type: "button", ...attributes}, text);
+/** A button with a text or a list of nodes that calls `act` when it is clicked. */
+export function buttonElement(content, act, attributes = {}) {
+  const button = htmlElement("button", {type: "button", ...attributes}, ...[content].flat());
   button.addEventListener("click", act);
   return button;
 }
@@ -70,4 +75,48 @@ export function tableElement(id, headings, rows) {
                             htmlElement("tbody", {}, ...body));
   makeSortable(table);
   return htmlElement("div", {class: "scroll"}, table);
+}
+
+// Tables of class "sortable": a click on a heading sorts by its column, a second click reverses the order.
+//
+// A cell is compared by its data-value where it has one, otherwise by its text: as numbers where both are
+// numbers, as text otherwise. Empty cells and dashes come last in both orders. Equal rows keep their order. The
+// headings are the last row of thead; a cell that spans columns has no heading of its own to sort by.
+
+function sortKey(cell) {
+  const text = (cell?.dataset.value ?? cell?.textContent ?? "").trim();
+  if (text === "" || text === "-" || text === "\u2013") return null;
+  const number = Number(text);
+  return Number.isNaN(number) ? text : number;
+}
+
+export function compareKeys(a, b) {
+  if (typeof a === "number" && typeof b === "number") return a - b;
+  return String(a).localeCompare(String(b), "en", {numeric: true});
+}
+
+function sortRows(table, column, descending) {
+  for (const body of table.tBodies) {
+    const rows = [...body.rows].map((row) => ({row, key: sortKey(row.cells[column])}));
+    rows.sort((a, b) => {
+      if (a.key === null || b.key === null) return (a.key === null ? 1 : 0) - (b.key === null ? 1 : 0);
+      return descending ? compareKeys(b.key, a.key) : compareKeys(a.key, b.key);
+    });
+    body.append(...rows.map(({row}) => row));
+  }
+}
+
+/** Makes the headings buttons; does nothing to a table that has them. */
+export function makeSortable(table) {
+  if (table.dataset.sortable) return;
+  table.dataset.sortable = "yes";
+  const headings = [...(table.tHead?.rows[table.tHead.rows.length - 1]?.cells ?? [])];
+  headings.forEach((heading, column) => {
+    heading.append(buttonElement([...heading.childNodes], () => {
+      const descending = heading.getAttribute("aria-sort") === "ascending";
+      for (const other of headings) other.removeAttribute("aria-sort");
+      heading.setAttribute("aria-sort", descending ? "descending" : "ascending");
+      sortRows(table, column, descending);
+    }, {title: "sort by this column"}));
+  });
 }

@@ -3,8 +3,8 @@
 // Diagrams of an evaluation: distributions of the errors, sizes of the holes, errors against sigmas.
 
 import {Chart} from "./chart.js";
+import {LINE, TEXT_COLOR} from "./elements.js";
 import {counted, lengthUnit, metresAs} from "./numbers.js";
-import {LINE, TEXT_COLOR} from "./palette.js";
 
 const LEAST_BOUND_M = 1e-6;  // least bound of an axis, so that rounding errors do not fill it
 const AXIS_STYLES = {x: {color: LINE.blue, dash: ""}, y: {color: LINE.vermilion, dash: "6 3"}, z: {color: TEXT_COLOR, dash: "2 2"}};

@@ -5,13 +5,12 @@
 import {failLegend} from "./colorbar.js";
 import {centimetres, fillHoles, fillWorst} from "./crops.js";
 import {setLine, valuesBar} from "./cursor.js";
-import {buttonElement, htmlElement, tableElement} from "./elements.js";
+import {buttonElement, htmlElement, LINE, tableElement} from "./elements.js";
 import {absoluteErrorChart, errorChart, relativeChart, reliabilityChart, shareChart} from "./error_charts.js";
 import {MapPanel} from "./map.js";
-import {appendFigures, gridText, loadGroups, scaleControl} from "./map_groups.js";
+import {appendFigures, gridText, loadGroups, scaleControl} from "./map_pages.js";
 import {counted, formatNumber, metresAs} from "./numbers.js";
 import {startPage} from "./page.js";
-import {LINE} from "./palette.js";
 import {firstLine, ProfileView} from "./profile.js";
 import {layerNamed, rasterOf} from "./rasters.js";
 import {report} from "./report_data.js";

@@ -4,13 +4,11 @@
 
 import {Chart} from "./chart.js";
 import {setLine, valuesBar} from "./cursor.js";
-import {htmlElement, outlined, swatchEntry, tableElement} from "./elements.js";
+import {htmlElement, LINE, outlined, swatchEntry, tableElement, TEXT_COLOR} from "./elements.js";
 import {MapPanel} from "./map.js";
-import {appendFigures, gridText, loadGroups, scaleControl} from "./map_groups.js";
+import {appendFigures, gridText, loadGroups, mapColumns, scaleControl} from "./map_pages.js";
 import {counted, formatNumber, lengthUnit, metresAs} from "./numbers.js";
 import {startPage} from "./page.js";
-import {LINE, TEXT_COLOR} from "./palette.js";
-import {mapColumns} from "./places.js";
 import {poseLegend, siteFigures} from "./pose.js";
 import {firstLine, ProfileView} from "./profile.js";
 import {layerNamed} from "./rasters.js";

@@ -2,18 +2,15 @@
 
 // A map with axes in metres, north up, a colour bar, the region's outline, the common cursor and the profile's line.
 
-import {MARK_COLOR, NO_VALUE_COLOR, parseColor} from "./color_maps.js";
 import {clippingText, limitText, verticalColorBar} from "./colorbar.js";
 import {listenToPointer, panels, placeText, pointing} from "./cursor.js";
-import {buttonElement, htmlElement, outlined, svgElement} from "./elements.js";
+import {buttonElement, htmlElement, INK, outlined, svgElement, TEXT_COLOR} from "./elements.js";
 import {lengthUnit, metresAs, ticks} from "./numbers.js";
 import {fitToElement} from "./page.js";
-import {INK, TEXT_COLOR} from "./palette.js";
-import {pixelShares, stretched} from "./pixels.js";
-import {allMarks, blocksOf, loneMarks, MAX_MARKED} from "./rasters.js";
+import {allMarks, blocksOf, loneMarks, MAX_MARKED, pixelShares, stretched} from "./rasters.js";
 import {lightOf, reliefColors, reliefFactor, slopesOf} from "./relief.js";
 import {report} from "./report_data.js";
-import {colorOf, flagColor, markColor, scaleOf, valueText} from "./scales.js";
+import {colorOf, flagColor, MARK_COLOR, markColor, NO_VALUE_COLOR, parseColor, scaleOf, valueText} from "./scales.js";
 
 const MAP_MARGIN = {left: 50, right: 92, top: 22, bottom: 40};
 let clipCount = 0;

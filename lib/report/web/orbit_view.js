@@ -2,8 +2,8 @@
 
 // What 3-D views share (WebGL 2): a canvas that is turned, moved and zoomed by mouse, touch and keys.
 
-import {parseColor} from "./color_maps.js";
 import {htmlElement} from "./elements.js";
+import {parseColor} from "./scales.js";
 
 const ZOOM = 1.8;     // the distance divided by half the width that is visible at that distance
 const FILLED = 0.97;  // the part of the canvas, along x or y, that the hull spans

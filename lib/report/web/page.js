@@ -1,11 +1,37 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 
-// All pages share the start, the links to the sections, and views that draw themselves in the width of their element.
+// All pages share the start, the links to the sections, light and dark mode, and views that draw themselves in the width of their element.
 // data-ready on <body> means that everything is drawn.
 
-import {htmlElement} from "./elements.js";
-import {makeSortable} from "./table.js";
-import {makeThemeButton} from "./theme.js";
+import {htmlElement, makeSortable} from "./elements.js";
+
+// Light and dark mode: that of the system, until the button is used. Maps have the same colours in both.
+
+const listeners = [];
+const systemIsDark = window.matchMedia("(prefers-color-scheme: dark)");
+
+function isDark() {
+  const {theme} = document.documentElement.dataset;
+  return theme === undefined ? systemIsDark.matches : theme === "dark";
+}
+
+/** `listener` is called when the mode may have changed. */
+export function onThemeChange(listener) { listeners.push(listener); }
+
+function makeThemeButton(button) {
+  const update = () => {
+    button.textContent = isDark() ? "light mode" : "dark mode";
+    for (const listener of listeners) listener();
+  };
+  button.addEventListener("click", () => {
+    document.documentElement.dataset.theme = isDark() ? "light" : "dark";
+    update();
+  });
+  systemIsDark.addEventListener("change", update);
+  update();
+}
+
+// Layout and start
 
 const LEAST_WIDTH = 160;  // pixels, below which the page has no layout yet
 const fits = [];

@@ -4,11 +4,10 @@
 // direction of its plane, which is a line there.
 
 import {Axis, drawFrame} from "./chart.js";
-import {htmlElement, legendEntry, outlined, svgElement, swatchEntry} from "./elements.js";
+import {htmlElement, legendEntry, LINE, outlined, svgElement, swatchEntry, VERMILION} from "./elements.js";
 import {MapPanel} from "./map.js";
 import {formatNumber, lengthUnit, metresAs} from "./numbers.js";
 import {fitToElement} from "./page.js";
-import {LINE, VERMILION} from "./palette.js";
 import {endsOf} from "./profile.js";
 import {rasterOf} from "./rasters.js";
 import {report} from "./report_data.js";

@@ -2,9 +2,8 @@
 
 // Shaded relief, as lib/picture/hillshade.cpp computes it: light from the north-west, 45 degrees high.
 
-import {NO_VALUE_COLOR} from "./color_maps.js";
 import {blocksOf, missingShares} from "./rasters.js";
-import {colorOf} from "./scales.js";
+import {colorOf, NO_VALUE_COLOR} from "./scales.js";
 
 const RMS_SLOPE = 0.4;  // to which the relief is scaled
 const MIN_RELIEF = 0.25;

@@ -4,8 +4,7 @@
 
 import {buttonElement, htmlElement, tableElement} from "./elements.js";
 import {report} from "./report_data.js";
-import {caseCount, caseName, columnOf, numberText, valueAt, valuesOfCase, verdictMark} from "./study_columns.js";
-import {changed, state} from "./study_rows.js";
+import {caseCount, caseName, changed, columnOf, numberText, state, valueAt, valuesOfCase, verdictMark} from "./study_rows.js";
 import {bringIntoView, focusCase} from "./study_table.js";
 
 /** A stage's configuration in a case: the first one with what the case changes. */

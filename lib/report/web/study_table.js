@@ -4,8 +4,7 @@
 
 import {buttonElement, htmlElement} from "./elements.js";
 import {report} from "./report_data.js";
-import {isNumeric, textOf, titleOf, valueAt, valuesOf, verdictMark} from "./study_columns.js";
-import {state, update} from "./study_rows.js";
+import {isNumeric, state, textOf, titleOf, update, valueAt, valuesOf, verdictMark} from "./study_rows.js";
 
 const ROW_HEIGHT = 31;
 const ROWS_BESIDE = 20;  // built above and below what is seen
@@ -40,8 +39,7 @@ function buildHead() {
 }
 
 function heading(column) {
-  const button = buttonElement("", () => sortBy(column.name));
-  button.append(...breakable(titleOf(column)));
+  const button = buttonElement(breakable(titleOf(column)), () => sortBy(column.name));
   return htmlElement("th", {scope: "col", class: isNumeric(column) ? "number" : "", title: column.name, "data-column": column.name,
                             "aria-sort": sortedAs(column.name)}, button);
 }

@@ -2,14 +2,13 @@
 
 // The DEM in three dimensions (WebGL 2): z_est as the surface, any layer as its colour, holes left out.
 
-import {parseColor} from "./color_maps.js";
 import {failLegend, horizontalColorBar} from "./colorbar.js";
 import {buttonElement, choiceElement, htmlElement} from "./elements.js";
 import {HANDLING, OrbitView, pixelsAtUnitDistance} from "./orbit_view.js";
+import {onThemeChange} from "./page.js";
 import {blocksOf, layerNamed, rasterOf} from "./rasters.js";
 import {report} from "./report_data.js";
-import {colorOf, flagColor, scaleOf} from "./scales.js";
-import {onThemeChange} from "./theme.js";
+import {colorOf, flagColor, parseColor, scaleOf} from "./scales.js";
 
 const MAX_VERTICES = 512;  // along either axis
 const HULL_CELLS = 48;      // along either axis, of the blocks whose extremes stand for the surface

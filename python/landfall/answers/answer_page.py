@@ -4,8 +4,7 @@ import json
 import os
 
 from landfall import tools
-from landfall.study.page import cell, document, escaped, head, picture, table, text_cell
-from landfall.study.report_study import write_page
+from landfall.study.page import cell, document, escaped, head, picture, table, text_cell, write_page
 
 
 def write(problem, folder, name, figure, sections_of):

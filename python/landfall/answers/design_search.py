@@ -25,7 +25,7 @@ class Design:
     """A design run in `folder`."""
 
     def __init__(self, problem, folder, workers=1, prefix=(), progress=None):
-        self.problem, self.workers, self.progress = problem, workers, progress
+        self.problem, self.workers, self.progress = problem, workers, progress or runs.Silent()
         self.runner = runs.Runner(folder, 0 if workers == 1 else 1, prefix)
         self.look = Look(problem, self.runner)
         self.proofs = 0
@@ -56,10 +56,6 @@ class Design:
             answer["active"] = max(winner["margins"], key=winner["margins"].get)
         return answer
 
-    def say(self, text):
-        if self.progress:
-            self.progress.say(text)
-
     def percent(self, look):
         return f"{100 * look['cost'] / self.problem.reference_cost:.1f} % of the base's cost"
 
@@ -72,8 +68,7 @@ class Design:
         for values in problem.start[:problem.candidates]:
             study.enqueue_trial(values)
         looks, random = [], max(len(problem.start) + 8, problem.candidates // 4)
-        if self.progress:
-            self.progress.start("candidates", problem.candidates)
+        self.progress.start("candidates", problem.candidates)
         with model.Workers(self.workers) as pool:
             while len(looks) < problem.candidates:
                 # A sampler of its own for each step: its random numbers follow from the number of candidates so far.
@@ -86,9 +81,8 @@ class Design:
                     trial.set_user_attr("constraints", [look["violation"]])
                     study.tell(trial, look["cost"])
                     looks.append(look)
-                if self.progress:
-                    made = self.look.made - before
-                    self.progress.step(made, len(trials) - made)
+                made = self.look.made - before
+                self.progress.step(made, len(trials) - made)
         return looks
 
     # Tests by draws
@@ -125,7 +119,7 @@ class Design:
         rule |= self.problem.tree.get("race", {})
         draws = self.problem.draws(draws=MAX_DRAWS, seed=RACE_SEED)
         scans = self.campaigns(look["values"])
-        self.say(f"sequential test of {self.percent(look)}")
+        self.progress.say(f"sequential test of {self.percent(look)}")
         try:
             for passes, _ in self.rounds(scans, draws, [FIRST_ROUND, *([runs.PART_DRAWS] * MAX_DRAWS)]):
                 ends = [sprt(terrain, **rule) for terrain in passes]
@@ -147,12 +141,10 @@ class Design:
         draws = self.problem.draws(draws=self.problem.proof_draws, seed=first)
         scans = self.campaigns(look["values"])
         count = math.ceil(self.problem.proof_draws / runs.PART_DRAWS)
-        if self.progress:
-            self.progress.start("rounds of fresh draws", count)
+        self.progress.start("rounds of fresh draws", count)
         try:
             for passes, parts in self.rounds(scans, draws, [runs.PART_DRAWS] * count):
-                if self.progress:
-                    self.progress.step()
+                self.progress.step()
                 failed = max(terrain.count(False) for terrain in passes)
                 if failed > allowed:
                     return [{"passed": sum(terrain), "draws": len(terrain), "exact_lower_bound": 0.0} for terrain in passes]
@@ -192,7 +184,7 @@ class Design:
             better = None
             around = [(name, values) for name, values in neighbours(self.problem, accepted["values"])
                       if self.problem.cost(self.problem.configs(values)) <= accepted["cost"]]
-            self.say(f"{len(around)} neighbours of {self.percent(accepted)}")
+            self.progress.say(f"{len(around)} neighbours of {self.percent(accepted)}")
             with model.Workers(self.workers) as pool:
                 looks = list(pool.map(self.look, [values for _, values in around]))
             tried = [{**look, "changed": name} for (name, _), look in zip(around, looks)]

@@ -44,7 +44,7 @@ class Model:
     def __init__(self, base, inputs, outputs, folder, workers=1, prefix=(), progress=None, traced=None):
         named = inputs if isinstance(inputs, dict) else {key: key for key in inputs}
         self.inputs = {name: [keys] if isinstance(keys, str) else list(keys) for name, keys in named.items()}
-        self.base, self.outputs, self.workers, self.progress, self.traced = base, list(outputs), workers, progress, traced
+        self.base, self.outputs, self.workers, self.progress, self.traced = base, list(outputs), workers, progress or runs.Silent(), traced
         if not self.inputs or not self.outputs:
             raise UsageError("model: needs an input and an output")
         self.failures = {}
@@ -79,14 +79,12 @@ class Model:
         """For each row, {key: value}, its numbers, or {"error": why there are none}."""
         found = [None if all(map(math.isfinite, row.values())) else {"error": "a value is not a finite number"} for row in rows]
         tasks = list(self._tasks({number: row for number, row in enumerate(rows) if found[number] is None}))
-        if self.progress:
-            self.progress.start("draws", len(rows))
+        self.progress.start("draws", len(rows))
         with Workers(self.workers) as threads:
             for numbers, outcome in threads.map(lambda task: (task.numbers, task()), tasks):
                 for number, result in zip(numbers, outcome):
                     found[number] = result
-        if self.progress:
-            self.progress.clear()
+        self.progress.clear()
         return found
 
     def _drawn(self, rows):
@@ -138,8 +136,7 @@ class _Task:
             result, is_found = self.runner.cached(self.kind, self.depends, self.make, lambda rows: all(map(runs.is_steady, rows)))
         finally:
             self.end()
-        if self.progress:
-            self.progress.step(*((0, len(result)) if is_found else (len(result), 0)))
+        self.progress.step(*((0, len(result)) if is_found else (len(result), 0)))
         return result
 
     def end(self):

@@ -9,7 +9,7 @@ import os
 import numpy as np
 
 from landfall import command, schema
-from landfall.answers import answer_page, model, progress, runs
+from landfall.answers import answer_page, model, runs
 from landfall.errors import DataError, UsageError, printable_lines
 
 RANDOM = "random numbers"  # the group of the seed: which noise, dropouts and dead pixels are drawn
@@ -176,7 +176,7 @@ def main(arguments):
     prefix = runs.prepare(options)
     problem = Problem(options.file)
     of = model.Model(problem.base, [key for _, key in problem.keys] + [model.SEED], problem.outputs, options.out, options.workers, prefix,
-                     progress.Progress(), problem.traced)
+                     runs.Progress(), problem.traced)
     answer = analyse(problem, of)
     runs.write_json(os.path.join(options.out, "sensitivity.json"), answer)
     write_csv(os.path.join(options.out, "sensitivity.csv"), answer)

@@ -10,8 +10,6 @@ Lengths are metres in the frame of the file (x to the right, y up on the map), a
 raises DataError, naming the file, if it is missing, damaged, of another kind or without a layer that the figure needs, and UsageError if an
 option is out of its bounds.
 """
-from __future__ import annotations
-
 import importlib
 import os
 import typing
@@ -24,8 +22,8 @@ from matplotlib.figure import Figure
 from landfall import tools
 from landfall.errors import UsageError
 
-Source = typing.Union[str, "os.PathLike[str]", typing.Any]
-Place = typing.Tuple[float, float]
+Source = str | os.PathLike[str] | typing.Any
+Place = tuple[float, float]
 
 __all__ = ["compare", "dem", "draws", "evaluation", "hazards", "landing", "plan", "populations", "profile", "terrain"]
 

@@ -11,13 +11,13 @@ from matplotlib.patches import Circle, Patch, Rectangle
 from matplotlib.ticker import MaxNLocator
 
 from landfall.errors import printable_lines
-from landfall.plot import colors, reduction, relief
+from landfall.plot import reduction, relief, scales
 
 FONT_PT, NOTE_PT, NOTE_LETTERS_PER_IN = 11, 9, 11
 MAP_SHARE = 0.62      # of the width of a column of panels that a map fills, at least
 ABOVE_FRAME = 2.6     # a frame has 2.5 and would hide marks on the border of a map
 MAX_OUTLINED = 0.03  # of the blocks of a map: more lines would hide it
-NO_VALUE, MARK = colors.css(colors.NO_VALUE), colors.css(colors.MARK)
+NO_VALUE, MARK = scales.css(scales.NO_VALUE), scales.css(scales.MARK)
 OUTLINE = [matplotlib.patheffects.withStroke(linewidth=2.6, foreground="white")]
 # Okabe and Ito's palette, whose colours are distinguishable with all common forms of colour blindness.
 BLUE, SKY_BLUE, VERMILION = "#0072b2", "#56b4e9", "#d55e00"
@@ -84,7 +84,7 @@ def blocks_note(ax, shape, rule="largest"):
 def draw_values(ax, grid, values, scale, quantity="", shrink=reduction.shrink_extreme):
     """A map of values with its colour bar; `shrink` reduces a block of bins to one value."""
     size = block_size(ax, values.shape)
-    draw_image(ax, grid, shrink(values, size), size, cmap=colors.color_map(scale.colors), vmin=scale.low, vmax=scale.high)
+    draw_image(ax, grid, shrink(values, size), size, cmap=scales.color_map(scale.colors), vmin=scale.low, vmax=scale.high)
     draw_color_bar(ax, scale, quantity)
 
 
@@ -113,7 +113,7 @@ def draw_color_bar(ax, scale, quantity=""):
     """A colour bar exactly as high as the map: the limit of an error is a triangle and a line, and an end beyond which values lie
     is pointed."""
     unit, factor = scale.unit
-    image = ScalarMappable(Normalize(scale.low * factor, scale.high * factor), colors.color_map(scale.colors))
+    image = ScalarMappable(Normalize(scale.low * factor, scale.high * factor), scales.color_map(scale.colors))
     bar = ax.figure.colorbar(image, cax=ax.inset_axes([1.045, 0, 0.045, 1]), extend=scale.extend, extendfrac=0.03)
     label = quantity + (f" ({unit})" if unit and quantity else unit)
     bar.set_label(label, fontsize=NOTE_PT + 1)

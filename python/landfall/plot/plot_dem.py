@@ -96,7 +96,8 @@ def draw_without_truth(axes, grid, layers, options):
     maps.draw_zoom_frame(axes[0, 0], window)
 
 
-def draw(grid, layers, options):
+def figure_of(options):
+    grid, layers = read(options.dem)
     has_truth = layers["z_true"] is not None
     empty = int(np.isnan(layers["z_est"]).sum())
     title = (f"{os.path.basename(options.dem)}: {grid.shape[1]} x {grid.shape[0]} bins of {plots.metres(grid.resolution_m)}, "
@@ -104,11 +105,6 @@ def draw(grid, layers, options):
     figure, axes = maps.new_figure((2, 2) if has_truth else (1, 2), (14, 13 if has_truth else 6.7), title)
     (draw_with_truth if has_truth else draw_without_truth)(axes, grid, layers, options)
     return figure
-
-
-def figure_of(options):
-    grid, layers = read(options.dem)
-    return draw(grid, layers, options)
 
 
 main = plots.main_of(parse, figure_of)

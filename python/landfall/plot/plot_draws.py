@@ -13,7 +13,7 @@ from matplotlib.colors import LogNorm
 
 from landfall import dictionary, files
 from landfall.errors import DataError
-from landfall.plot import colors, maps, plots, reduction, relief, scales
+from landfall.plot import maps, plots, reduction, relief, scales
 
 LAYERS = ["p_invalid", "p_missed_hazard", "p_judged_safe", "p_fail_rel_x", "p_fail_rel_y", "p_fail_rel_z", "p_fail_absolute", "e_z_mean", "e_z_std", "e_map_std", "z_sigma_abs",
           "e_map_std_over_sigma", "z_true_map", "in_region"]
@@ -66,7 +66,7 @@ def draw_chance(ax, draws, values, title, quantity):
     shown = reduction.shrink_most(values, size)
     span = scales.extremes(shown)
     scale = scales.Scale("magnitude", 0.0, span[1] if span[1] > 0 else 1.0, scales.extremes(values), span, "", base="")
-    image = colors.color_map("magnitude")(np.nan_to_num(shown) / scale.high)[..., :3]
+    image = scales.color_map("magnitude")(np.nan_to_num(shown) / scale.high)[..., :3]
     image[shown == 0] = tuple(int(GROUND[k:k + 2], 16) / 255 for k in (1, 3, 5))
     light = light_of(draws, size)
     light = np.where(shown > 0, np.clip(light, 0.85, 1), light)
@@ -109,7 +109,7 @@ def draw_prediction(ax, draws):
     edges = np.geomspace(low, high, 121)
     counts = np.histogram2d(x, y, (edges, edges))[0].T
     ax.set(xscale="log", yscale="log", xlim=(low, high), ylim=(low, high))
-    ax.pcolormesh(edges, edges, np.where(counts > 0, counts, np.nan), cmap=colors.color_map("count"), norm=LogNorm(1, max(counts.max(), 2)), gid="bins")
+    ax.pcolormesh(edges, edges, np.where(counts > 0, counts, np.nan), cmap=scales.color_map("count"), norm=LogNorm(1, max(counts.max(), 2)), gid="bins")
     ax.plot([low, high], [low, high], color="black", linewidth=1, label="as predicted")
     ax.legend(loc="upper left", fontsize=maps.NOTE_PT)
     median = np.median(y / x)

@@ -210,7 +210,7 @@ def draw_hole_histogram(ax, metrics):
     largest, limit = metrics.get("coverage/largest_hole_bins"), metrics.get("requirements/hole_size/limit")
     ax.set_box_aspect(1)
     holes = plots.counted(metrics.get("coverage/hole_count"), "hole")
-    ax.set(title=f"{holes}, largest {plots.bins(largest)}",
+    ax.set(title=f"{holes}, largest {plots.counted(largest, 'bin')}",
            xlabel="hole size (bins, 8-connected)", ylabel="holes")
     if len(sizes) == 0 or len(sizes) != len(counts):
         maps.notice(ax, "no holes")
@@ -220,7 +220,7 @@ def draw_hole_histogram(ax, metrics):
     if max(sizes) >= 60:
         ax.set_xscale("log")
     if limit is not None:
-        ax.axvline(limit + 0.5, color=maps.VERMILION, linestyle="--", label=f"limit {plots.bins(limit)}")
+        ax.axvline(limit + 0.5, color=maps.VERMILION, linestyle="--", label=f"limit {plots.counted(limit, 'bin')}")
         ax.legend(loc="upper right")
 
 
@@ -350,4 +350,4 @@ def draw_dem(options, evaluation):
     dem_options.limit_m = evaluation.limit_m("e_z") or dem_options.limit_m
     dem_options.data_only = evaluation.data_only
     dem_options.footprint_m = evaluation.footprint_m or dem_options.footprint_m
-    return plot_dem.draw(*plot_dem.read(options.dem), dem_options)
+    return plot_dem.figure_of(dem_options)

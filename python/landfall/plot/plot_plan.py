@@ -74,7 +74,7 @@ def figure_of(options):
     grid, layers, plan = read(options.plan)
     coverage, frames = plan["coverage"], plan["frames_per_bin"]
     title = (f"{os.path.basename(options.plan)}: {plots.percent(coverage['uncovered_frac'])} of the region uncovered "
-             f"({plots.bins(coverage['uncovered_count'])} in {plots.counted(coverage['hole_count'], 'hole')}), "
+             f"({plots.counted(coverage['uncovered_count'], 'bin')} in {plots.counted(coverage['hole_count'], 'hole')}), "
              f"{plots.percent(frames['overlap_frac'])} seen by more than one frame")
     figure, axes = maps.new_figure((2, 3), (18.5, 11.2), title)
     radius_m = plan["region"]["radius_m"]

@@ -201,7 +201,9 @@ def limit_axes(ax, samples, densities):
     ax.set_ylim(bottom=least / 30)
 
 
-def draw(samples, name):
+def figure_of(options):
+    with files.open_landfall(options.terrain, "landfall.terrain") as file:
+        samples = read_samples(file)
     figure, ax = plt.subplots(figsize=(8, 6), layout="constrained")
     styles = [(COLOURS[i % len(COLOURS)], MARKERS[i % len(MARKERS)]) for i in range(len(samples))]
     densities = [draw_sample(ax, sample, style) for sample, style in zip(samples, styles)]
@@ -212,14 +214,8 @@ def draw(samples, name):
     ax.xaxis.set_major_locator(matplotlib.ticker.LogLocator(subs=(1, 2, 5)))
     ax.xaxis.set_major_formatter(matplotlib.ticker.FormatStrFormatter("%g"))
     ax.legend(fontsize=9, title="lines: law; marks: terrain, 95 % Poisson intervals", title_fontsize=9, loc="upper right")
-    ax.set_title(printable(f"Sizes of the objects of {name}"), parse_math=False)
+    ax.set_title(printable(f"Sizes of the objects of {options.terrain.rsplit('/', 1)[-1]}"), parse_math=False)
     return figure
-
-
-def figure_of(options):
-    with files.open_landfall(options.terrain, "landfall.terrain") as file:
-        samples = read_samples(file)
-    return draw(samples, options.terrain.rsplit("/", 1)[-1])
 
 
 main = plots.main_of(parse, figure_of)

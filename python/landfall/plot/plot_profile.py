@@ -91,7 +91,7 @@ def draw_elevations(ax, bins, layers):
     empty = int(np.isnan(bins.of(layers["z_est"])).sum())
     gaps = f", {empty:,} of them without a return" if empty else ""
     truth = "" if layers["z_true"] is not None else "; this DEM has no truth layer"
-    ax.set_title(f"{plots.bins(bins.at_m.size)} along {bins.length_m:.2f} m{gaps}{truth}")
+    ax.set_title(f"{plots.counted(bins.at_m.size, 'bin')} along {bins.length_m:.2f} m{gaps}{truth}")
     ax.legend(fontsize=maps.NOTE_PT, framealpha=0.9)
 
 
@@ -115,7 +115,7 @@ def error_text(known, limit_m):
     largest = float(known[np.argmax(np.abs(known))])
     beyond = int((np.abs(known) > limit_m).sum())
     return (f"largest {plots.metres(largest)}, root mean square {plots.metres(float(np.sqrt(np.mean(known**2))))}, "
-            f"{plots.bins(beyond)} beyond ±{plots.metres(limit_m)}")
+            f"{plots.counted(beyond, 'bin')} beyond ±{plots.metres(limit_m)}")
 
 
 def draw_map(ax, grid, estimated, options):

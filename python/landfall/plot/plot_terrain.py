@@ -6,11 +6,12 @@ from dataclasses import dataclass
 
 import numpy as np
 from matplotlib.collections import EllipseCollection
+from matplotlib.colors import LightSource
 from matplotlib.patches import Patch
 
 from landfall import files
 from landfall.errors import DataError
-from landfall.plot import colors, maps, plots, reduction, scales
+from landfall.plot import maps, plots, reduction, scales
 
 CELLS = 900  # blocks along a panel's edge
 BAND_NODES = 1 << 23  # nodes held at a time: a terrain of any size is drawn in the same memory
@@ -45,18 +46,6 @@ def sun_elevation(text):
 # Shape of the surface, at cells between four nodes
 
 
-@dataclass(frozen=True)
-class Sun:
-    azimuth_deg: float
-    elevation_deg: float
-
-    @property
-    def direction(self):
-        azimuth, elevation = math.radians(self.azimuth_deg), math.radians(self.elevation_deg)
-        return (math.sin(azimuth) * math.cos(elevation), math.cos(azimuth) * math.cos(elevation),
-                math.sin(elevation))
-
-
 def gradient(z, resolution_m):
     """(dz/dx, dz/dy) of each cell, from its four nodes."""
     east, north = np.diff(z, axis=1), np.diff(z, axis=0)
@@ -68,7 +57,7 @@ def slope_deg(dz_dx, dz_dy):
 
 
 def shade(dz_dx, dz_dy, sun):
-    """The cosine of the angle between the normal of a cell and the sun; 0 if the cell faces away."""
+    """The cosine of the angle between the normal of a cell and the sun, a LightSource; 0 if the cell faces away."""
     x, y, z = sun.direction
     return np.clip((z - x * dz_dx - y * dz_dy) / np.sqrt(1 + dz_dx**2 + dz_dy**2), 0, 1)
 
@@ -192,7 +181,7 @@ def draw_hillshade(ax, grid, image, size):
 
 def draw_slope(ax, grid, relief):
     scale = scales.count_scale(relief.slope_deg, relief.slope_deg, "magnitude", "deg", 1e-3)
-    draw_cells(ax, grid, relief.slope_deg, relief.size, cmap=colors.color_map("magnitude"), vmin=0, vmax=scale.high)
+    draw_cells(ax, grid, relief.slope_deg, relief.size, cmap=scales.color_map("magnitude"), vmin=0, vmax=scale.high)
     maps.draw_color_bar(ax, scale, "slope")
     maps.note(ax, *scale.notes())
 
@@ -202,33 +191,34 @@ def draw_zoom(ax, grid, layer, objects, options, relief):
     center = options.zoom_at or relief.steepest
     window, rows, cols = maps.zoom_window(grid, center, options.zoom_width_m or site_m / 10)
     node_frame(ax, window, f"zoom at ({center[0]:.4g}, {center[1]:.4g}) m, every cell")
-    sun = Sun(options.sun_azimuth_deg, options.sun_elevation_deg)
+    sun = LightSource(options.sun_azimuth_deg, options.sun_elevation_deg)
     draw_hillshade(ax, window, shade(*gradient(layer[rows, cols], grid.resolution_m), sun), 1)
     draw_objects(ax, objects)
     maps.draw_scale_marks(ax)
     return window
 
 
-def draw(file, options):
-    grid = files.read_grid(file)
-    if grid is None or "z" not in file or files.numbers(file, "z").shape != grid.shape:
-        raise DataError(f"{options.terrain}: needs the layers x, y and z of a gridded terrain")
-    relief = read_relief(files.numbers(file, "z"), grid, Sun(options.sun_azimuth_deg, options.sun_elevation_deg))
-    objects = read_objects(file)
-    figure, axes = maps.new_figure((1, 3), (20.5, 7.4), title(grid, relief, objects, options))
-    node_frame(axes[0, 0], grid, "hillshade" + (" and objects" if objects.count else ""))
-    draw_hillshade(axes[0, 0], grid, relief.shade, relief.size)
-    draw_objects(axes[0, 0], objects, MAX_OBJECTS)
-    maps.draw_scale_marks(axes[0, 0])
-    object_legend(axes[0, 0], objects)
-    over = f", mean over {plots.metres(relief.size * grid.resolution_m)}" if relief.size > 1 else ""
-    node_frame(axes[0, 1], grid, f"slope of cells of {plots.metres(grid.resolution_m)}{over}")
-    draw_slope(axes[0, 1], grid, relief)
-    window = draw_zoom(axes[0, 2], grid, file["z"], objects, options, relief)
-    for ax in axes[0, :2]:
-        maps.draw_rectangle(ax, (window.x[0], window.y[0]),
-                            (window.x[-1] - window.x[0], window.y[-1] - window.y[0]))
-    return figure
+def figure_of(options):
+    with files.open_landfall(options.terrain, "landfall.terrain") as file:
+        grid = files.read_grid(file)
+        if grid is None or "z" not in file or files.numbers(file, "z").shape != grid.shape:
+            raise DataError(f"{options.terrain}: needs the layers x, y and z of a gridded terrain")
+        relief = read_relief(files.numbers(file, "z"), grid, LightSource(options.sun_azimuth_deg, options.sun_elevation_deg))
+        objects = read_objects(file)
+        figure, axes = maps.new_figure((1, 3), (20.5, 7.4), title(grid, relief, objects, options))
+        node_frame(axes[0, 0], grid, "hillshade" + (" and objects" if objects.count else ""))
+        draw_hillshade(axes[0, 0], grid, relief.shade, relief.size)
+        draw_objects(axes[0, 0], objects, MAX_OBJECTS)
+        maps.draw_scale_marks(axes[0, 0])
+        object_legend(axes[0, 0], objects)
+        over = f", mean over {plots.metres(relief.size * grid.resolution_m)}" if relief.size > 1 else ""
+        node_frame(axes[0, 1], grid, f"slope of cells of {plots.metres(grid.resolution_m)}{over}")
+        draw_slope(axes[0, 1], grid, relief)
+        window = draw_zoom(axes[0, 2], grid, file["z"], objects, options, relief)
+        for ax in axes[0, :2]:
+            maps.draw_rectangle(ax, (window.x[0], window.y[0]),
+                                (window.x[-1] - window.x[0], window.y[-1] - window.y[0]))
+        return figure
 
 
 def title(grid, relief, objects, options):
@@ -236,11 +226,6 @@ def title(grid, relief, objects, options):
     return (f"{os.path.basename(options.terrain)}: {grid.shape[1]:,} x {grid.shape[0]:,} nodes of "
             f"{plots.metres(grid.resolution_m)}{heights}"
             + (f", {plots.counted(objects.count, 'object')}" if objects.count else ""))
-
-
-def figure_of(options):
-    with files.open_landfall(options.terrain, "landfall.terrain") as file:
-        return draw(file, options)
 
 
 main = plots.main_of(parse, figure_of)

@@ -151,10 +151,6 @@ def counted(value, noun):
     return f"{number(value)} {noun}" + ("" if value == 1 else "s")
 
 
-def bins(value):
-    return counted(value, "bin")
-
-
 def percent(fraction):
     return "–" if fraction is None else f"{100 * fraction:.3g} %"
 

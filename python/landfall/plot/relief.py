@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 
-from landfall.plot import colors
+from landfall.plot import scales
 
 
 def slopes(z, step_m):
@@ -37,9 +37,9 @@ def light(z, step_m, heights):
 
 def image(z, step_m, scale, heights, missing):
     """Shaded colours, 0 to 1, greyer the larger the share of missing bins."""
-    table, known = colors.table(scale.colors), ~np.isnan(z)
+    table, known = scales.color_table(scale.colors), ~np.isnan(z)
     at = np.where(known, z, scale.low)
     index = np.clip(np.floor(255 * (at - scale.low) / (scale.high - scale.low) + 0.5), 0, 255).astype(int)
     lit = np.minimum(255, table[index] * light(z, step_m, heights)[..., None])
-    lit = np.where(known[..., None], lit, colors.NO_VALUE)
-    return (lit + missing[..., None] * (np.array(colors.NO_VALUE) - lit)) / 255
+    lit = np.where(known[..., None], lit, scales.NO_VALUE)
+    return (lit + missing[..., None] * (np.array(scales.NO_VALUE) - lit)) / 255

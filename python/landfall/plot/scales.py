@@ -1,11 +1,12 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Scales of maps: which values the colours show, and what the figure says about it.
+"""Scales of maps: the colour map of each quantity, which values the colours show, and what the figure says about it.
 
 The rules are those of the report (lib/report/web/scales.js) and of --view (lib/picture/map_picture.cpp).
 """
 from dataclasses import dataclass
 
 import numpy as np
+from matplotlib.colors import ListedColormap
 
 from landfall import dictionary
 from landfall.plot import plots
@@ -13,6 +14,37 @@ from landfall.plot import plots
 OUTLIERS = dictionary.table("maps")["outliers"]          # on either side
 LIMIT_INSIDE = dictionary.table("maps")["limit_inside"]  # a scale reaches at least this times the limit
 MIN_M = 1e-3                                             # of a scale of lengths, so that rounding errors do not appear in colour
+
+
+
+def parsed(text):
+    """(red, green, blue) of #rrggbb."""
+    return tuple(bytes.fromhex(text.removeprefix("#")))
+
+
+# Colours, the same in figures, reports and the pictures of --view, at equal distances from 0 to 1; colours between are interpolated.
+ANCHORS = {entry["name"]: tuple(map(parsed, entry["anchors"])) for entry in dictionary.table("maps")["color_maps"]}
+NAMED = {entry["name"]: parsed(entry["color"]) for entry in dictionary.table("maps")["colors"]}
+NO_VALUE = NAMED["no_value"]  # unlike any colour of the maps
+MARK = NAMED["mark"]          # bins that stand out from every map
+
+
+def color_table(name):
+    """The 256 colours of a map, one in a row, 0 to 255."""
+    anchors = np.array(ANCHORS[name], float)
+    at = np.arange(256) / 255 * (len(anchors) - 1)
+    return np.floor(np.column_stack([np.interp(at, range(len(anchors)), channel) for channel in anchors.T]) + 0.5)
+
+
+def css(color):
+    return "#{:02x}{:02x}{:02x}".format(*color)
+
+
+def color_map(name):
+    """The map for matplotlib, with the colour of missing values."""
+    result = ListedColormap(color_table(name) / 255, name)
+    result.set_bad(css(NO_VALUE))
+    return result
 
 
 @dataclass(frozen=True)

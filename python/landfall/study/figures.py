@@ -9,8 +9,8 @@ import matplotlib.patheffects
 import matplotlib.pyplot as plt
 import numpy as np
 
-from landfall.plot.colors import color_map
-from landfall.study.names import digits_of, number, with_unit
+from landfall.plot.scales import color_map
+from landfall.study.names import digits_of, number, titled, with_unit
 from landfall.study.table import BLIND_LANDING, error_sign, is_probability, metric_label, SAFE_LANDING
 
 # Okabe and Ito's colours, which colour-blind readers tell apart; markers tell the series apart in print.
@@ -46,7 +46,7 @@ class Scale:
             self.unit, self.factor = ("cm", 100) if largest >= 0.01 else ("mm", 1000)
 
     def title(self):
-        return f"{self.name} [{self.unit}]" if self.unit not in ("", "1") else self.name
+        return titled(self.name, self.unit)
 
     def requirement(self, metric, limit):
         of_all = " of every footprint" if metric.startswith("accuracy.relative.") and metric.endswith("p95_m") else ""
@@ -178,7 +178,7 @@ def draw_limit(axes, results, metric, scale):
 
 
 def finish_x(axes, x):
-    axes.set_xlabel(x.title())
+    axes.set_xlabel(titled(x.label, x.unit))
     if not x.numeric:
         axes.set_xlim(-0.5, len(x.values) - 0.5)
         axes.set_xticks(range(len(x.values)), x.values, rotation=0 if sum(map(len, x.values)) < 60 else 30,
@@ -288,7 +288,7 @@ def map_figure(results, metric, pair, quantile):
         frame_region(axes, values.shape, rates)
     axes.set_xticks(*map_ticks(columns, WIDEST_MAP))
     axes.set_yticks(*map_ticks(rows, TALLEST_MAP))
-    axes.set(xlabel=x.title(), ylabel=y.title())
+    axes.set(xlabel=titled(x.label, x.unit), ylabel=titled(y.label, y.unit))
     notes = [f"{scale.title()}: {number(image.norm.vmin)} everywhere" if is_flat else "", estimate_name(results, quantile).split(",")[0], scale.requirement(metric, limit) if limit is not None else "",
              "framed: every case passes all requirements"]
     axes.set_title(results.title + "\n" + "; ".join(note for note in notes if note), fontsize=9)

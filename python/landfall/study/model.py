@@ -2,6 +2,7 @@
 """A study: its cases, and the configuration of each stage in each case."""
 import copy
 import itertools
+import math
 import os
 from dataclasses import dataclass, field
 
@@ -67,10 +68,7 @@ class Study:
         return [axis for dimension in self.dimensions for axis in dimension]
 
     def case_count(self):
-        count = 1
-        for dimension in self.dimensions:
-            count *= len(dimension[0].points)
-        return count
+        return math.prod(len(dimension[0].points) for dimension in self.dimensions)
 
     def cases(self):
         """For each case the index into each dimension; the last dimension runs fastest."""

@@ -23,6 +23,11 @@ def with_unit(value, unit, digits=FEWEST_DIGITS):
     return f"{number(value, digits)} {unit}" if unit not in ("", "1") else number(value, digits)
 
 
+def titled(label, unit):
+    """The label of an axis or a column with its unit in brackets."""
+    return f"{label} [{unit}]" if unit not in ("", "1") else label
+
+
 def digits_of(values):
     """The fewest digits, and no fewer than 3, by which all the numbers differ; 3 where some are no numbers."""
     if not all(isinstance(value, (int, float)) and not isinstance(value, bool) for value in values):

@@ -1,15 +1,15 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The page of report_study.py: HTML of the tree that landfall.study.report makes. Texts from files are escaped."""
+"""The page of report_study.py: HTML of the tree of its report(). Texts from files are escaped."""
 import base64
 import html
 import json
 import os
 
 from landfall import tools, web
-from landfall.command import read_bytes
+from landfall.command import read_bytes, write_text
 from landfall.errors import DataError
 from landfall.study.model import label_of, TOOLS, unit_of
-from landfall.study.names import counted, number, with_unit
+from landfall.study.names import counted, number, titled, with_unit
 from landfall.study.table import error_sign, metric_label
 
 MAX_VALUES = 12  # of an axis that are all named
@@ -46,6 +46,13 @@ def document(name, title, note, sections, elements=""):
         return web.filled(web.template(folder, name), parts)
     except OSError as error:
         raise DataError(f"{error.filename}: {error.strerror}") from error
+
+
+def write_page(text, path):
+    try:
+        write_text(path, text)
+    except OSError as error:
+        raise DataError(f"cannot write {path}: {error.strerror}") from error
 
 
 def data(tree):
@@ -173,10 +180,6 @@ def points(tree):
     return (f'<p class="note">Requirements: repeats that meet them, and the 95 % interval of their rate (Wilson). Metrics: {estimate} of the '
             f"repeats and its 95 % interval (percentile bootstrap){sign}. A click on a heading sorts, one on a row shows its cases.</p>\n"
             + table(heads, rows, "sortable points"))
-
-
-def titled(label, unit):
-    return f"{label} [{unit}]" if plain_unit(unit) else label
 
 
 def value_cell(axis, value):

@@ -88,7 +88,7 @@ def percentile_rows(results, metrics, quantile):
     for metric in metrics:
         for point in results.points:
             value, low, high = results.estimate(point, metric, quantile)
-            rows.append([*point.values, metric, results.count(point, metric), 100 * quantile, value, low, high])
+            rows.append([*point.values, metric, len(results.values(point, metric)), 100 * quantile, value, low, high])
     return rows
 
 

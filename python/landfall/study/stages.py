@@ -128,17 +128,9 @@ def of_case(study):
 
 def data_files(value):
     """Absolute paths that a configuration names (model.with_full_paths made them so)."""
-    if isinstance(value, list):
-        return [path for entry in value for path in data_files(entry)]
-    if not isinstance(value, dict):
-        return []
     found = []
-    for key, entry in value.items():
-        if key == "path" and isinstance(entry, str) and entry.startswith("/"):
-            found.append(entry)
-        else:
-            found.extend(data_files(entry))
-    return found
+    model.with_paths(value, found.append)
+    return [path for path in found if path.startswith("/")]
 
 
 class _Builder:

@@ -63,9 +63,6 @@ class StudyAxis:
     numeric: bool
     values: tuple
 
-    def title(self):
-        return f"{self.label} [{self.unit}]" if self.unit not in ("", "1") else self.label
-
 
 @dataclass(frozen=True)
 class Point:
@@ -110,9 +107,6 @@ class Results:
         column = self.columns.get(metric)  # none where it is not known of any case
         values = np.array([column[row] for row in point.rows] if column else [], float)
         return values[np.isfinite(values)]
-
-    def count(self, point, metric):
-        return len(self.values(point, metric))
 
     def estimate(self, point, metric, quantile):
         """(quantile over the repeats, low, high); NaN where nothing is known. Of a campaign, which repeats share, the share that passed."""

@@ -74,7 +74,8 @@ def table_figure(results, names, note, draw_cell):
         for column, name in enumerate(names):
             draw_cell(axes, row, column, point, name)
     axes.set(xlim=(-0.5, len(names) - 0.5), ylim=(len(points) - 0.5, -0.5))
-    axes.set_xticks(range(len(names)), [{**CAMPAIGN_NAMES, **HAZARD_NAMES}.get(name) or broken(name) for name in names], fontsize=9)
+    known = {**CAMPAIGN_NAMES, **HAZARD_NAMES}  # those of the user's own requirements are their names on short lines
+    axes.set_xticks(range(len(names)), [known.get(name) or textwrap.fill(name.replace("_", " "), 12) for name in names], fontsize=9)
     axes.set_yticks(range(len(points)), labels, fontsize=8)
     axes.tick_params(length=0, labeltop=True, labelbottom=False)
     for side in axes.spines.values():
@@ -83,11 +84,6 @@ def table_figure(results, names, note, draw_cell):
         note += f"; {len(points)} of {len(results.points)} points"
     axes.set_title(f"{results.title}\n{note}", fontsize=10)
     return figure
-
-
-def broken(name):
-    """The name of a requirement of the user's own, on short lines."""
-    return textwrap.fill(name.replace("_", " "), 12)
 
 
 def draw_rate(axes, row, column, passed, count, low, high):

@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 
-// The maps of a page, in groups with a heading each.
+// What pages with maps share: groups of maps with a heading each, and the coordinates of places.
 
 import {panels} from "./cursor.js";
 import {choiceElement, htmlElement} from "./elements.js";
+import {formatNumber} from "./numbers.js";
 import {rasterOf} from "./rasters.js";
 import {report} from "./report_data.js";
 import {display} from "./scales.js";
@@ -34,4 +35,16 @@ export function scaleControl() {
 
 export function appendFigures(section, title, elements) {
   section.append(htmlElement("h3", {}, title), htmlElement("div", {class: "figures"}, ...elements));
+}
+
+/** @type {[string, string, number][]} */
+const COORDINATES = [["easting (m)", "easting_m", 0.01], ["northing (m)", "northing_m", 0.01],
+                     ["latitude (deg)", "latitude_deg", 1e-7], ["longitude (deg)", "longitude_deg", 1e-7]];
+
+/** Headings and, for each place, cells of the coordinates that the places have.
+ * @returns {{heads: [string, boolean][], cellsOf: (place: any) => any[][]}} */
+export function mapColumns(places) {
+  const known = COORDINATES.filter(([, key]) => places.some((place) => key in place));
+  return {heads: known.map(([text]) => [text, true]),
+          cellsOf: (place) => known.map(([, key, step]) => [formatNumber(place[key], step), place[key] ?? 1e300])};
 }
