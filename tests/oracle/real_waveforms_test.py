@@ -11,6 +11,7 @@ import unittest
 
 import h5py
 import numpy as np
+from scipy import sparse
 
 from harness import BIN, ToolTest, returns_of
 from oracle.flight import angles_of
@@ -34,11 +35,14 @@ def sub_rays(samples):
     maximisation of Richardson and Lucy."""
     times = np.arange(-2, samples.shape[1] + 2, 0.5)
     kernel = np.exp(-0.5 * ((np.arange(samples.shape[1])[:, None] - times) / KERNEL_NS) ** 2)
-    counts = np.ones((len(samples), len(times))) * samples.sum(1)[:, None] / len(times)
+    blurred = sparse.csr_matrix(np.where(kernel > 1e-12, kernel, 0))
+    spread, total = blurred.T.tocsr(), kernel.sum(0)[:, None]
+    samples = samples.T
+    counts = np.ones((len(times), 1)) * samples.sum(0) / len(times)
     for _ in range(500):
-        counts *= (samples / np.maximum(counts @ kernel.T, 1e-9)) @ kernel / kernel.sum(0)
-    counts[counts < 1e-6 * counts.sum(1)[:, None]] = 0
-    return times, counts, (samples - counts @ kernel.T).std()
+        counts *= spread @ (samples / np.maximum(blurred @ counts, 1e-9)) / total
+    counts[counts < 1e-6 * counts.sum(0)] = 0
+    return times, counts.T, (samples - blurred @ counts).std()
 
 
 def received(times, counts):

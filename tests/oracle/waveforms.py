@@ -21,16 +21,18 @@ def split(ranges, signals, gap):
     if np.ptp(ranges) <= gap:
         order = np.arange(len(ranges))
     doubtful = bool(np.any(abs(steps - gap) < 1e-9))
-    return list(zip(np.split(ranges[order], cuts), np.split(signals[order], cuts))), doubtful
+    ranges, signals, ends = ranges[order], signals[order], [0, *cuts, len(order)]
+    return [(ranges[begin:end], signals[begin:end]) for begin, end in zip(ends, ends[1:])], doubtful
 
 
 class Echoes:
     """Waveforms w(x) = sum_j e_j exp(-(x - x_j)^2/2), one per row; x in units of sigma from the mean."""
 
     def __init__(self, echoes, sigma):
-        width = max((len(ranges) for ranges, _ in echoes), default=1)
-        self.e = np.array([np.pad(signals, (0, width - len(signals))) for _, signals in echoes]).reshape(-1, width)
-        ranges = np.array([np.pad(r, (0, width - len(r)), mode="edge") for r, _ in echoes]).reshape(-1, width)
+        shape = len(echoes), max((len(ranges) for ranges, _ in echoes), default=1)
+        self.e, ranges = np.zeros(shape), np.empty(shape)
+        for row, (r, signals) in enumerate(echoes):
+            self.e[row, :len(r)], ranges[row, :len(r)], ranges[row, len(r):] = signals, r, r[-1]
         self.signal = self.e.sum(1)
         self.mean_m = ranges[:, 0] + (self.e * (ranges - ranges[:, :1])).sum(1) / self.signal
         self.x = (ranges - self.mean_m[:, None]) / sigma
