@@ -20,7 +20,7 @@ import numpy as np
 
 import landfall
 from landfall import command
-from landfall.plot import colors
+from landfall.plot import scales
 
 TERRAIN = {"grid": {"half_width_m": 9, "resolution_m": 0.1}, "base": {"slope_x": 0.25},
            "features": [{"type": "cone", "x_m": x, "y_m": y, "radius_m": 1.2, "height_m": 0.8} for x, y in ((2.5, 2), (-2, -1.5))]}
@@ -62,8 +62,8 @@ def draw(name, values, path):
     factor = 100 if is_error else 1
     shown = factor * values
     high = np.nanpercentile(np.abs(shown), 99.5)
-    table = matplotlib.colors.ListedColormap(np.array(colors.table("error" if is_error else "count")) / 255)
-    table.set_bad(colors.css(colors.NO_VALUE))
+    table = matplotlib.colors.ListedColormap(np.array(scales.color_table("error" if is_error else "count")) / 255)
+    table.set_bad(scales.css(scales.NO_VALUE))
     edge = MAP["half_width_m"] + MAP["resolution_m"] / 2
     image = ax.imshow(shown, origin="lower", extent=(-edge, edge, -edge, edge), cmap=table, vmin=-high if is_error else 0, vmax=high, interpolation="nearest")
     figure.colorbar(image, ax=ax, label=f"{TITLES[layer]} (cm)" if is_error else TITLES[layer])
