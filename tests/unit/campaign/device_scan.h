@@ -11,7 +11,7 @@
 #include "detector/perspective.h"
 #include "plane_ground.h"
 #include "scanner/fsm.h"
-#include "scanner/line_search.h"
+#include "scanner/patterns.h"
 #include "trajectory/constant_velocity.h"
 
 namespace landfall {

@@ -21,7 +21,7 @@
 #include "gridding/weighted_mean_accumulator.h"
 #include "plane_ground.h"
 #include "scanner/fsm.h"
-#include "scanner/line_search.h"
+#include "scanner/patterns.h"
 #include "trajectory/constant_velocity.h"
 
 namespace landfall {

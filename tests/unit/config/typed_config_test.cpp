@@ -14,7 +14,7 @@
 #include "detector/perspective.h"
 #include "refusal.h"
 #include "scanner/fsm.h"
-#include "scanner/line_search.h"
+#include "scanner/patterns.h"
 #include "trajectory/constant_velocity.h"
 #include "trajectory/dynamics.h"
 

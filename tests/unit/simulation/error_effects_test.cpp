@@ -10,7 +10,7 @@
 #include "base/error.h"
 #include "detector/perspective.h"
 #include "points.h"
-#include "scanner/flash.h"
+#include "scanner/scanner.h"
 #include "simulation/simulation.h"
 #include "terrain/relief/triangulated_grid.h"
 #include "trajectory/constant_velocity.h"

@@ -1,21 +1,67 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Decisions: D73, D328
-#include "scanner/mechanism_timing.h"
+// Decisions: D73, D327, D328
+#include "scanner/mechanism.h"
 
 #include <algorithm>
 #include <cmath>
+#include <sstream>
+#include <string>
 
+#include "base/error.h"
 #include "base/parameter_check.h"
 #include "base/portable_math.h"
+#include "geometry/vector_check.h"
 
 namespace landfall {
 namespace {
+
+constexpr int kMaxOrder = 1 << 20;
+
+[[noreturn]] void refuse_aim(std::int64_t pulse, double angle_rad, double limit_rad) {
+  std::ostringstream message;
+  if (std::isnan(angle_rad)) {  // the direction from a point to itself
+    message << "scanner: pulse " << pulse << " has no direction: the pattern aims at the lidar itself";
+    throw FormatError(message.str());
+  }
+  message << "scanner: pulse " << pulse << " aims " << in_degrees(angle_rad)
+          << " degrees off the boresight; max_deflection_deg allows " << in_degrees(limit_rad)
+          << " (raise it, or narrow the pattern)";
+  throw FormatError(message.str());
+}
 
 constexpr double kTimeRounding_s = 1e-9;
 /// e^-40 = 4e-18 is less than the rounding of an angle.
 constexpr double kSettledExponent = 40;
 
 }  // namespace
+
+void check(const std::vector<EncoderHarmonic>& harmonics) {
+  for (std::size_t i = 0; i < harmonics.size(); ++i) {
+    const EncoderHarmonic& harmonic = harmonics[i];
+    const std::string name = "encoder_harmonics/" + std::to_string(i);
+    require(harmonic.axis == 1 || harmonic.axis == 2, {name, "axis"}, harmonic.axis, "1 or 2");
+    require(harmonic.order >= 1 && harmonic.order <= kMaxOrder, {name, "order"}, harmonic.order,
+            "in 1..1048576");
+    require_finite({name, "amplitude_rad"}, harmonic.amplitude_rad);
+    require_finite({name, "phase_deg"}, harmonic.phase_rad);
+  }
+}
+
+TiltAngles encoder_error(const std::vector<EncoderHarmonic>& harmonics, const TiltAngles& angles) {
+  TiltAngles error;
+  for (const EncoderHarmonic& harmonic : harmonics) {
+    const double angle = harmonic.axis == 1 ? angles.angle_1_rad : angles.angle_2_rad;
+    double& sum = harmonic.axis == 1 ? error.angle_1_rad : error.angle_2_rad;
+    sum += harmonic.amplitude_rad * portable::sin(harmonic.order * angle + harmonic.phase_rad);
+  }
+  return error;
+}
+
+void DeflectionLimit::require_within(const Direction<LidarFrame>& aim, std::int64_t pulse) const {
+  const double off_boresight = portable::atan2(portable::hypot(aim.v.x(), aim.v.y()), aim.v.z());
+  // The test is negated so that a NaN aim is refused too.
+  if (!(off_boresight <= max_rad_)) refuse_aim(pulse, off_boresight, max_rad_);
+}
 
 double transfer_time_s(double ahead_rad, double closing_radps, double acceleration_radps2) {
   const double a = acceleration_radps2;

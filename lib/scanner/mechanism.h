@@ -1,9 +1,57 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include "scanner/tilt_angles.h"
+#include <cstdint>
+#include <vector>
+
+#include "geometry/frames.h"
+#include "scanner/scanner.h"
 
 namespace landfall {
+
+/// The two angles of a two-axis mechanism, radians: the outer axis turns by angle_1 and carries the inner
+/// one, which turns by angle_2.
+struct TiltAngles {
+  double angle_1_rad = 0;
+  double angle_2_rad = 0;
+  friend bool operator==(const TiltAngles&, const TiltAngles&) = default;
+};
+
+/// Linear interpolation a + s (b - a) of each angle.
+inline TiltAngles between(const TiltAngles& a, double s, const TiltAngles& b) {
+  return {a.angle_1_rad + s * (b.angle_1_rad - a.angle_1_rad),
+          a.angle_2_rad + s * (b.angle_2_rad - a.angle_2_rad)};
+}
+
+/// One harmonic of an encoder's nonlinearity: the reading of an angle a is a + amplitude sin(order a +
+/// phase). Order 1 is an eccentric disc, 2 an elliptic one; the number of lines of the disc is the error of
+/// the interpolation between two of them.
+struct EncoderHarmonic {
+  int axis = 1;              ///< 1: angle_1, 2: angle_2
+  int order = 1;             ///< 1 .. 2^20
+  double amplitude_rad = 0;  ///< finite
+  double phase_rad = 0;      ///< finite
+};
+
+/// Throws UsageError, naming encoder_harmonics/i/key and the bound, for a parameter out of range.
+void check(const std::vector<EncoderHarmonic>& harmonics);
+
+/// The readings minus the angles.
+[[nodiscard]] TiltAngles encoder_error(const std::vector<EncoderHarmonic>& harmonics,
+                                       const TiltAngles& angles);
+
+/// How far off +z_L a mechanism can point.
+class DeflectionLimit {
+ public:
+  /// The mechanism has already checked its limit `max_rad`.
+  explicit DeflectionLimit(double max_rad) : max_rad_(max_rad) {}
+
+  /// Throws FormatError, naming pulse and angle, for an aim beyond the limit, or one that is NaN.
+  void require_within(const Direction<LidarFrame>& aim, std::int64_t pulse) const;
+
+ private:
+  double max_rad_;
+};
 
 struct MechanismTimingParameters {
   /// Pulses within this time after a jump of the aim are blanked; finite, >= 0.
@@ -66,5 +114,21 @@ class MechanismTiming {
   double damped_radps_ = 0;  // w_d
   double sine_share_ = 0;    // zeta/sqrt(1 - zeta^2)
 };
+
+/// The motion of two axes around a jump; `angles_towards` gives the angles of an aim.
+template <class AnglesTowards>
+AxesJump axes_jump(const JumpAims& aims, const AnglesTowards& angles_towards) {
+  const auto rate = [&](const TiltAngles& from, const TiltAngles& to) {
+    return TiltAngles{(to.angle_1_rad - from.angle_1_rad) / aims.interval_s,
+                      (to.angle_2_rad - from.angle_2_rad) / aims.interval_s};
+  };
+  const TiltAngles last = angles_towards(aims.last);
+  const TiltAngles first = angles_towards(aims.first);
+  return {.before = last,
+          .rate_before = rate(angles_towards(aims.before_last), last),
+          .after = first,
+          .rate_after = rate(first, angles_towards(aims.second)),
+          .interval_s = aims.interval_s};
+}
 
 }  // namespace landfall
