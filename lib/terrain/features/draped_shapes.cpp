@@ -1,15 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Decisions: D110
-#include "terrain/features/penitente_field.h"
+#include "terrain/features/draped_shapes.h"
 
-#include <algorithm>
-#include <cmath>
-
-#include "base/parameter_check.h"
-#include "base/portable_math.h"
 #include "base/random.h"
-#include "terrain/features/taper.h"
-#include "terrain/features/turned_axes.h"
 
 namespace landfall {
 namespace {

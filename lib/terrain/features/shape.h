@@ -2,8 +2,11 @@
 // Decisions: D98
 #pragma once
 
+#include <algorithm>
 #include <limits>
 #include <numbers>
+
+#include "base/portable_math.h"
 
 namespace landfall {
 
@@ -37,5 +40,28 @@ struct FeatureSize {
     return {across_m, height_m, yaw_rad + std::numbers::pi / 2};
   }
 };
+
+/// The axes (u, v) of an object whose u axis is turned counter-clockwise from +x by a yaw.
+class TurnedAxes {
+ public:
+  explicit TurnedAxes(double yaw_rad) : cos_(portable::cos(yaw_rad)), sin_(portable::sin(yaw_rad)) {}
+
+  /// A point in the object's axes, (u, v).
+  [[nodiscard]] Offset own(const Offset& offset) const {
+    return {cos_ * offset.x_m + sin_ * offset.y_m, cos_ * offset.y_m - sin_ * offset.x_m};
+  }
+
+ private:
+  double cos_;
+  double sin_;
+};
+
+/// A smooth step from 0 on an edge to 1 at `width_m` inside it: t^2 (3 - 2 t), t = inside_m / width_m clamped
+/// to [0, 1]. 1 everywhere inside if the width is 0.
+[[nodiscard]] inline double taper(double inside_m, double width_m) {
+  if (inside_m >= width_m) return 1;
+  const double t = std::max(inside_m / width_m, 0.0);
+  return t * t * (3 - 2 * t);
+}
 
 }  // namespace landfall
