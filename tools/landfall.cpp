@@ -12,7 +12,6 @@
 #include <string>
 #include <vector>
 
-#include "base/abbreviated.h"
 #include "base/error.h"
 #include "base/shown_text.h"
 #include "cli/captured_output.h"

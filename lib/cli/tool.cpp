@@ -8,11 +8,9 @@
 #include <iostream>
 #include <new>
 
-#include "base/abbreviated.h"
+#include "base/json_text.h"
 #include "base/parallel.h"
 #include "base/shown_text.h"
-#include "base/thread_supply.h"
-#include "base/utf8.h"
 #include "cli/command_line.h"
 #include "cli/completion.h"
 #include "cli/manual.h"

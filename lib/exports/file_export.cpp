@@ -12,7 +12,7 @@
 #include <variant>
 
 #include "base/error.h"
-#include "base/file_extension.h"
+#include "base/file_path.h"
 #include "base/joined.h"
 #include "base/number_text.h"
 #include "exports/csv.h"

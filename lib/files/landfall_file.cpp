@@ -9,8 +9,8 @@
 #include <algorithm>
 #include <vector>
 
-#include "base/abbreviated.h"
 #include "base/error.h"
+#include "base/shown_text.h"
 #include "files/current_output.h"
 #include "files/stored_json.h"
 #include "hdf5/guard/file_seal.h"

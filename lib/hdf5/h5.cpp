@@ -16,8 +16,8 @@
 #include <algorithm>
 #include <limits>
 
+#include "base/available_memory.h"
 #include "base/error.h"
-#include "base/headroom.h"
 #include "hdf5/h5_close.h"
 
 namespace landfall::h5 {

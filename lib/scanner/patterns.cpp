@@ -7,10 +7,10 @@
 #include <numbers>
 #include <utility>
 
+#include "base/number_table.h"
 #include "base/number_text.h"
 #include "base/parameter_check.h"
 #include "base/portable_math.h"
-#include "base/timed_rows.h"
 
 namespace landfall {
 namespace {

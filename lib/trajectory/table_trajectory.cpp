@@ -9,8 +9,8 @@
 #include <utility>
 
 #include "base/error.h"
+#include "base/number_table.h"
 #include "base/number_text.h"
-#include "base/timed_rows.h"
 #include "geometry/rotation_vector.h"
 #include "trajectory/hermite.h"
 

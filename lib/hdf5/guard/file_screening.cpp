@@ -26,9 +26,9 @@
 #include <utility>
 #include <vector>
 
-#include "base/abbreviated.h"
 #include "base/error.h"
-#include "base/utf8.h"
+#include "base/json_text.h"
+#include "base/shown_text.h"
 #include "hdf5/chunk_codec.h"
 #include "hdf5/h5.h"
 #include "hdf5/h5_filters.h"

@@ -16,7 +16,7 @@
 #include <system_error>
 
 #include "base/error.h"
-#include "base/regular_file.h"
+#include "base/file_path.h"
 #include "terrain/gdal/classic_netcdf.h"
 #include "terrain/gdal/raster_files.h"
 #include "terrain/gdal/registry.h"

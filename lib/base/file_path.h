@@ -3,13 +3,24 @@
 
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <filesystem>
+#include <string>
 #include <system_error>
 
 #include "base/error.h"
 
 namespace landfall {
+
+/// The extension of a file name with its dot, A to Z in lower case: ".tif" for "a.b/Site.TIF"; empty if the
+/// name has none.
+inline std::string file_extension(const std::filesystem::path& path) {
+  std::string extension = path.extension().string();
+  std::transform(extension.begin(), extension.end(), extension.begin(),
+                 [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; });
+  return extension;
+}
 
 /// Throws FormatError unless `path` leads to a regular file that may be read: opening a pipe or a device
 /// would block.

@@ -5,11 +5,30 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
+// For libraries that link nlohmann_json.
+
 namespace landfall {
 
-/// A handler for Json::sax_parse(), for libraries that link nlohmann_json. It builds no value. Parsing stops
-/// and returns false where the text is not JSON or nests deeper than `most` levels: code that walks a JSON
-/// value recurses once per level.
+/// Whether a text is UTF-8, which JSON requires.
+inline bool is_utf8(const std::string& text) {
+  try {
+    static_cast<void>(nlohmann::json(text).dump());
+    return true;
+  } catch (const nlohmann::json::type_error&) {
+    return false;
+  }
+}
+
+/// Replaces each byte that is not UTF-8 by U+FFFD.
+inline std::string as_utf8(const std::string& text) {
+  if (is_utf8(text)) return text;
+  const std::string json =
+      nlohmann::json(text).dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+  return nlohmann::json::parse(json).get<std::string>();
+}
+
+/// A handler for Json::sax_parse(). It builds no value. Parsing stops and returns false where the text is not
+/// JSON or nests deeper than `most` levels: code that walks a JSON value recurses once per level.
 class JsonLevels : public nlohmann::json_sax<nlohmann::json> {
  public:
   using Json = nlohmann::json;
