@@ -25,7 +25,7 @@
 #include "config/schema.h"
 #include "exports/quick_look.h"
 #include "files/current_output.h"
-#include "picture/png.h"
+#include "picture/rgb_image.h"
 
 namespace landfall::cli {
 namespace {

@@ -24,7 +24,7 @@
 #include "exports/quick_look.h"
 #include "exports/sites.h"
 #include "exports/xdmf.h"
-#include "picture/png.h"
+#include "picture/rgb_image.h"
 #include "terrain/gdal/gdal_loader.h"
 
 namespace landfall {

@@ -14,7 +14,7 @@
 #include "base/error.h"
 #include "base/parallel.h"
 #include "gridding/weighted_mean_accumulator.h"
-#include "raster/size_text.h"
+#include "raster/grid_spec.h"
 
 namespace landfall {
 namespace {

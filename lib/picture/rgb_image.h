@@ -5,6 +5,8 @@
 #include <cstdint>
 #include <vector>
 
+#include "output/output_path.h"
+
 namespace landfall {
 
 struct Rgb {
@@ -34,5 +36,10 @@ struct RgbImage {
     pixels[static_cast<std::size_t>(row) * width + static_cast<std::size_t>(column)] = color;
   }
 };
+
+/// Writes an image as an 8-bit RGB PNG that appears complete or not at all (output_path.h). Equal images give
+/// equal bytes. Throws UsageError if the output exists, IoError, naming the output, if it cannot be written
+/// or the image has no pixels. The compression level of `output` is not used.
+void write_png(const OutputOptions& output, const RgbImage& image);
 
 }  // namespace landfall

@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "picture/png.h"
+#include "picture/rgb_image.h"
 
 #include <png.h>
 
-#include <cstddef>
 #include <string>
 
 #include "base/error.h"
