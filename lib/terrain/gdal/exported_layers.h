@@ -33,4 +33,18 @@ struct GeotiffOptions {
   std::size_t threads = 1;
 };
 
+/// Points with attributes, for a GIS.
+struct PointLayer {
+  struct Column {
+    std::string name;
+    std::vector<double> values;  ///< of each point; NaN is no value
+    bool is_integer = false;
+  };
+
+  std::string name;
+  std::vector<double> x_m, y_m, z_m;
+  std::vector<Column> columns;
+  std::string crs_wkt;  ///< of the site frame
+};
+
 }  // namespace landfall
