@@ -12,7 +12,6 @@
 #include "scanner/patterns.h"
 #include "scanner/table_scanner.h"
 #include "trajectory/table_trajectory.h"
-#include "trajectory/trajectory_columns.h"
 
 namespace landfall::fuzz {
 namespace {

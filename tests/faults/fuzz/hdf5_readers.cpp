@@ -22,7 +22,7 @@
 #include "landfall_files.h"
 #include "runs/campaign_parts.h"
 #include "runs/redraw.h"
-#include "trajectory/trajectory_columns.h"
+#include "trajectory/table_trajectory.h"
 
 namespace landfall::fuzz {
 namespace {

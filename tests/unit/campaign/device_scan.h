@@ -12,7 +12,7 @@
 #include "plane_ground.h"
 #include "scanner/fsm.h"
 #include "scanner/patterns.h"
-#include "trajectory/constant_velocity.h"
+#include "trajectory/trajectories.h"
 
 namespace landfall {
 

@@ -15,8 +15,8 @@
 #include "refusal.h"
 #include "scanner/fsm.h"
 #include "scanner/patterns.h"
-#include "trajectory/constant_velocity.h"
 #include "trajectory/dynamics.h"
+#include "trajectory/trajectories.h"
 
 namespace landfall {
 namespace {

@@ -13,8 +13,8 @@
 #include "scanner/scanner.h"
 #include "simulation/simulation.h"
 #include "terrain/relief/triangulated_grid.h"
-#include "trajectory/constant_velocity.h"
 #include "trajectory/table_trajectory.h"
+#include "trajectory/trajectories.h"
 
 namespace landfall {
 namespace {

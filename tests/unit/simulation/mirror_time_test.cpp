@@ -18,7 +18,7 @@
 #include "scanner/risley.h"
 #include "scanner/table_scanner.h"
 #include "simulation/simulation.h"
-#include "trajectory/constant_velocity.h"
+#include "trajectory/trajectories.h"
 
 namespace landfall {
 namespace {

@@ -16,7 +16,7 @@
 #include "simulation/pulse_simulator.h"
 #include "simulation/simulation.h"
 #include "terrain/relief/albedo_map.h"
-#include "trajectory/constant_velocity.h"
+#include "trajectory/trajectories.h"
 
 namespace landfall {
 namespace {

@@ -15,7 +15,7 @@
 #include "detector/perspective.h"
 #include "scanner/scanner.h"
 #include "simulation/scan_plan.h"
-#include "trajectory/constant_velocity.h"
+#include "trajectory/trajectories.h"
 
 namespace landfall {
 namespace {

@@ -17,9 +17,8 @@
 #include "scanner/patterns.h"
 #include "scanner/scanner.h"
 #include "terrain/relief/triangulated_grid.h"
-#include "trajectory/constant_velocity.h"
-#include "trajectory/dispersed_trajectory.h"
 #include "trajectory/table_trajectory.h"
+#include "trajectory/trajectories.h"
 
 namespace landfall {
 namespace {
