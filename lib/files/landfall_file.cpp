@@ -14,7 +14,7 @@
 #include "files/current_output.h"
 #include "files/stored_json.h"
 #include "hdf5/guard/file_seal.h"
-#include "hdf5/h5_close.h"
+#include "hdf5/h5.h"
 
 namespace landfall {
 namespace {

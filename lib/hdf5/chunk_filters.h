@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <span>
 
 namespace landfall {
@@ -15,5 +16,12 @@ void shuffle_bytes(std::span<const std::byte> elements, std::size_t element_size
 /// lie among those of `planes`.
 void unshuffle_bytes(std::span<const std::byte> planes, std::size_t element_size, std::size_t first,
                      std::span<std::byte> elements);
+
+/// The size of the checksum that HDF5's filter fletcher32 appends to a chunk, little-endian.
+inline constexpr std::size_t kFletcher32Bytes = 4;
+
+/// The checksum of HDF5's filter fletcher32: Fletcher's, of the bytes as big-endian 16-bit words; an odd last
+/// byte is the upper half of a word. Any single damaged word changes it, unless 0x0000 becomes 0xffff.
+[[nodiscard]] std::uint32_t fletcher32(std::span<const std::byte> bytes);
 
 }  // namespace landfall
