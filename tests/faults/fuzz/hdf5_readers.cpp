@@ -16,7 +16,7 @@
 #include "files/hazard_file.h"
 #include "files/range_file.h"
 #include "files/scan_file.h"
-#include "files/scan_poses.h"
+#include "files/scan_gridding.h"
 #include "files/table_reader.h"
 #include "files/terrain_file.h"
 #include "landfall_files.h"
