@@ -15,7 +15,6 @@
 #include "cli/completion.h"
 #include "cli/manual.h"
 #include "cli/option_view.h"
-#include "cli/page_width.h"
 #include "cli/print.h"
 #include "cli/run_log.h"
 #include "cli/standard_streams.h"
