@@ -13,6 +13,7 @@
 #include "base/available_memory.h"
 #include "base/error.h"
 #include "base/parallel.h"
+#include "files/crs.h"
 #include "gridding/weighted_mean_accumulator.h"
 #include "hdf5/table.h"
 #include "raster/grid_spec.h"
