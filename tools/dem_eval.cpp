@@ -10,8 +10,8 @@
 
 #include "cli/judged_region.h"
 #include "cli/outcomes.h"
+#include "cli/result_tables.h"
 #include "cli/tool.h"
-#include "cli/verdict_table.h"
 #include "config/dem_config.h"
 #include "files/evaluation_file.h"
 #include "files/metrics_json.h"

@@ -8,11 +8,10 @@
 #include <vector>
 
 #include "cli/hazard_input.h"
-#include "cli/hazard_table.h"
 #include "cli/judged_region.h"
 #include "cli/outcomes.h"
+#include "cli/result_tables.h"
 #include "cli/tool.h"
-#include "cli/verdict_table.h"
 #include "config/hazard_config.h"
 #include "files/hazard_file.h"
 #include "files/hazard_strips.h"

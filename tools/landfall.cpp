@@ -12,10 +12,9 @@
 #include <string>
 #include <vector>
 
-#include "base/abbreviated.h"
 #include "base/error.h"
 #include "base/shown_text.h"
-#include "cli/captured_output.h"
+#include "cli/standard_streams.h"
 #include "cli/umbrella_page.h"
 #include "config/schema.h"
 #include "files/provenance.h"

@@ -8,8 +8,8 @@
 #include <system_error>
 #include <vector>
 
-#include "base/abbreviated.h"
 #include "base/number_text.h"
+#include "base/shown_text.h"
 #include "cli/tool.h"
 #include "files/landfall_file.h"
 #include "imports/cloud_reader.h"

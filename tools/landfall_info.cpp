@@ -6,7 +6,6 @@
 #include <iostream>
 #include <optional>
 
-#include "base/abbreviated.h"
 #include "base/parsed_number.h"
 #include "base/shown_text.h"
 #include "cli/comparison_text.h"

@@ -8,8 +8,8 @@
 #include <optional>
 #include <vector>
 
-#include "cli/captured_output.h"
 #include "cli/chain.h"
+#include "cli/standard_streams.h"
 #include "cli/tool.h"
 #include "config/chain_config.h"
 #include "config/stage_sections.h"

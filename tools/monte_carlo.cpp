@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "cli/campaign_options.h"
-#include "cli/draws_table.h"
 #include "cli/outcomes.h"
+#include "cli/result_tables.h"
 #include "cli/tool.h"
 #include "config/dem_config.h"
 #include "config/draws_config.h"

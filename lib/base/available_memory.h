@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
+#include <new>
 #include <optional>
 #include <string>
 
@@ -18,5 +20,9 @@ namespace landfall {
 void require_memory(std::uint64_t byte_count, const std::string& what, const std::string& advice);
 void require_memory(std::uint64_t byte_count, std::optional<std::uint64_t> available, const std::string& what,
                     const std::string& advice);
+
+/// Throws std::bad_alloc if the system cannot provide this much memory now. For use before calls of libraries
+/// that crash when an allocation fails. Does not touch the memory.
+inline void require_headroom(std::size_t byte_count) { ::operator delete(::operator new(byte_count)); }
 
 }  // namespace landfall

@@ -9,11 +9,49 @@
 #include <tbb/task_arena.h>
 
 #include <algorithm>
+#include <latch>
 #include <mutex>
-
-#include "base/thread_supply.h"
+#include <system_error>
+#include <thread>
+#include <vector>
 
 namespace landfall {
+namespace {
+
+using ItemWork = std::function<void(std::size_t item, std::size_t slot)>;
+
+void run_pipeline(std::size_t count, std::size_t slots, tbb::filter_mode produce_mode,
+                  const ItemWork& produce, const ItemWork& consume) {
+  using tbb::filter_mode;
+  std::size_t next = 0;
+  const auto next_item = [&](tbb::flow_control& control) {
+    if (next == count) control.stop();
+    return next == count ? next : next++;
+  };
+  const auto produce_item = [&](std::size_t item) {
+    produce(item, item % slots);
+    return item;
+  };
+  const auto consume_item = [&](std::size_t item) { consume(item, item % slots); };
+  tbb::parallel_pipeline(slots,
+                         tbb::make_filter<void, std::size_t>(filter_mode::serial_in_order, next_item) &
+                             tbb::make_filter<std::size_t, std::size_t>(produce_mode, produce_item) &
+                             tbb::make_filter<std::size_t, void>(filter_mode::serial_in_order, consume_item));
+}
+
+}  // namespace
+
+std::size_t thread_supply(std::size_t wanted) {
+  std::latch all_are_there(1);
+  std::vector<std::jthread> threads;
+  threads.reserve(wanted);
+  try {
+    while (threads.size() + 1 < wanted) threads.emplace_back([&all_are_there] { all_are_there.wait(); });
+  } catch (const std::system_error&) {  // NOLINT(bugprone-empty-catch): no further thread is available
+  }
+  all_are_there.count_down();
+  return threads.size() + 1;
+}
 
 struct ThreadLimit::Impl {
   tbb::global_control control;
@@ -56,31 +94,6 @@ void run_isolated(const std::function<void()>& work) { tbb::this_task_arena::iso
 void run_both(const std::function<void()>& first, const std::function<void()>& second) {
   tbb::this_task_arena::isolate([&] { tbb::parallel_invoke(first, second); });
 }
-
-namespace {
-
-using ItemWork = std::function<void(std::size_t item, std::size_t slot)>;
-
-void run_pipeline(std::size_t count, std::size_t slots, tbb::filter_mode produce_mode,
-                  const ItemWork& produce, const ItemWork& consume) {
-  using tbb::filter_mode;
-  std::size_t next = 0;
-  const auto next_item = [&](tbb::flow_control& control) {
-    if (next == count) control.stop();
-    return next == count ? next : next++;
-  };
-  const auto produce_item = [&](std::size_t item) {
-    produce(item, item % slots);
-    return item;
-  };
-  const auto consume_item = [&](std::size_t item) { consume(item, item % slots); };
-  tbb::parallel_pipeline(slots,
-                         tbb::make_filter<void, std::size_t>(filter_mode::serial_in_order, next_item) &
-                             tbb::make_filter<std::size_t, std::size_t>(produce_mode, produce_item) &
-                             tbb::make_filter<std::size_t, void>(filter_mode::serial_in_order, consume_item));
-}
-
-}  // namespace
 
 void read_ahead(std::size_t count, std::size_t slots, const ItemWork& produce, const ItemWork& consume) {
   run_pipeline(count, slots, tbb::filter_mode::serial_in_order, produce, consume);

@@ -8,8 +8,8 @@
 #include <filesystem>
 #include <vector>
 
+#include "base/available_memory.h"
 #include "base/error.h"
-#include "base/headroom.h"
 
 namespace landfall {
 namespace {

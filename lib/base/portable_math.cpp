@@ -10,7 +10,7 @@
 #include <limits>
 #include <numbers>
 
-#include "base/exact_pair.h"
+#include "base/exact_arithmetic.h"
 
 namespace landfall::portable {
 namespace {

@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Printed text is escaped, and nothing of it removed. Control characters, marks of bidirectional text and
-// characters without width become their escapes in JSON (`\u001b`), bytes that are not UTF-8 `\xff`; a
-// backslash remains as it is. So different names look different, and printed JSON has the same values. This
-// is done where texts are printed, not where they are read: files keep what they hold.
 #include "base/shown_text.h"
 
 #include <algorithm>
 #include <array>
-#include <cstddef>
 #include <cstdio>
+
+// Printed text is escaped, and nothing of it removed. Control characters, marks of bidirectional text and
+// characters without width become their escapes in JSON (`\u001b`), bytes that are not UTF-8 `\xff`; a
+// backslash remains as it is. So different names look different, and printed JSON has the same values. This
+// is done where texts are printed, not where they are read: files keep what they hold.
 
 namespace landfall {
 namespace {

@@ -20,7 +20,6 @@
 #include "returns/columns.h"
 #include "simulation/simulation.h"
 #include "terrain/surface.h"
-#include "terrain/surface_albedo.h"
 
 namespace landfall {
 

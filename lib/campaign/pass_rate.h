@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 
 namespace landfall {
 
@@ -31,5 +32,40 @@ struct ProbabilityInterval {
 /// 1 - confidence; 0 for k = 0. It is above the true p with a probability of at most 1 - confidence, for
 /// every p and n. With 95 %, 0.99 needs 299 draws without a failure, 473 with one, 628 with two.
 [[nodiscard]] double exact_lower_bound(const PassRate& rate, double confidence = 0.95);
+
+/// How many of n pairs passed on both sides, on one side only and on neither; a pair is the same draw of two
+/// campaigns, or of two arms of one. No count is negative.
+struct PairedCounts {
+  std::int64_t both = 0;
+  std::int64_t only_a = 0;
+  std::int64_t only_b = 0;
+  std::int64_t neither = 0;
+
+  [[nodiscard]] std::int64_t pairs() const { return both + only_a + only_b + neither; }
+  [[nodiscard]] PassRate rate_a() const { return {both + only_a, pairs()}; }
+  [[nodiscard]] PassRate rate_b() const { return {both + only_b, pairs()}; }
+  friend bool operator==(const PairedCounts&, const PairedCounts&) = default;
+};
+
+/// The counts of the draws of two columns of equal length; 1 is a pass.
+[[nodiscard]] PairedCounts paired_counts(std::span<const double> a, std::span<const double> b);
+
+/// McNemar's exact two-sided test of equal pass probabilities: twice the probability that at most
+/// min(only_a, only_b) of only_a + only_b fair coins show heads, at most 1; 1 if only_a + only_b is 0.
+[[nodiscard]] double mcnemar_p(const PairedCounts& counts);
+
+/// A difference of two probabilities with its interval.
+struct ProbabilityDifference {
+  double value = 0;
+  double low = -1;
+  double high = 1;
+};
+
+/// P(A passes) - P(B passes) with the interval of Newcombe's method 10 for paired proportions (Statistics in
+/// Medicine 17, 1998, 2635-2650): the Wilson limits of both rates, combined with the correlation of the
+/// pairs, phi = (both * neither - only_a * only_b) / sqrt of the product of the four margins, in which a
+/// positive numerator is reduced by pairs/2 but not below 0. phi is 0 if a margin is 0. Without a pair: 0 in
+/// [-1, 1].
+[[nodiscard]] ProbabilityDifference newcombe_difference(const PairedCounts& counts, double confidence = 0.95);
 
 }  // namespace landfall

@@ -6,7 +6,7 @@
 #include <iterator>
 #include <utility>
 
-#include "base/file_extension.h"
+#include "base/file_path.h"
 #include "base/number_text.h"
 #include "files/landfall_file.h"
 #include "files/provenance.h"

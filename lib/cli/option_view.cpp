@@ -5,7 +5,7 @@
 #include <memory>
 #include <sstream>
 
-#include "cli/page_width.h"
+#include "cli/print.h"
 
 namespace landfall::cli {
 namespace {

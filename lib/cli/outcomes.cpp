@@ -6,8 +6,7 @@
 #include <algorithm>
 
 #include "base/number_text.h"
-#include "cli/hazard_table.h"
-#include "cli/verdict_table.h"
+#include "cli/result_tables.h"
 #include "evaluation/verdict_text.h"
 #include "files/hazard_file.h"
 

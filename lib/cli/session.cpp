@@ -10,11 +10,11 @@
 #include <ctime>
 #include <iostream>
 
-#include "base/file_extension.h"
+#include "base/file_path.h"
+#include "base/json_text.h"
 #include "base/number_text.h"
 #include "base/parallel.h"
 #include "base/shown_text.h"
-#include "base/utf8.h"
 #include "cli/progress_bar.h"
 #include "cli/run_log.h"
 #include "cli/tool.h"
@@ -25,7 +25,7 @@
 #include "config/schema.h"
 #include "exports/quick_look.h"
 #include "files/current_output.h"
-#include "picture/png.h"
+#include "picture/rgb_image.h"
 
 namespace landfall::cli {
 namespace {

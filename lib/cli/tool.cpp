@@ -8,16 +8,13 @@
 #include <iostream>
 #include <new>
 
-#include "base/abbreviated.h"
+#include "base/json_text.h"
 #include "base/parallel.h"
 #include "base/shown_text.h"
-#include "base/thread_supply.h"
-#include "base/utf8.h"
 #include "cli/command_line.h"
 #include "cli/completion.h"
 #include "cli/manual.h"
 #include "cli/option_view.h"
-#include "cli/page_width.h"
 #include "cli/print.h"
 #include "cli/run_log.h"
 #include "cli/standard_streams.h"

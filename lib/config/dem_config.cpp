@@ -8,7 +8,7 @@
 #include "config/own_requirement_config.h"
 #include "config/region_config.h"
 #include "evaluation/metrics.h"
-#include "raster/grid_area.h"
+#include "raster/grid_spec.h"
 
 namespace landfall {
 

@@ -10,8 +10,8 @@
 #include <set>
 #include <utility>
 
-#include "base/abbreviated.h"
 #include "base/error.h"
+#include "base/shown_text.h"
 #include "config/config_path.h"
 #include "config/dem_config.h"
 #include "config/hazard_config.h"

@@ -5,9 +5,8 @@
 #include "config/json_values.h"
 #include "config/scan_components.h"
 #include "error_models/random_navigation_error.h"
-#include "trajectory/constant_velocity.h"
 #include "trajectory/table_trajectory.h"
-#include "trajectory/trajectory_columns.h"
+#include "trajectory/trajectories.h"
 
 namespace landfall {
 namespace {

@@ -4,7 +4,7 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
-#include "terrain/features/pattern.h"
+#include "terrain/populations/patterns.h"
 
 namespace landfall {
 

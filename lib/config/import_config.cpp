@@ -8,8 +8,8 @@
 #include <cmath>
 #include <optional>
 
-#include "base/abbreviated.h"
 #include "base/error.h"
+#include "base/shown_text.h"
 #include "config/plain_number.h"
 #include "config/schema.h"
 #include "config/terrain_config.h"

@@ -21,9 +21,9 @@
 #include <string_view>
 #include <system_error>
 
-#include "base/abbreviated.h"
 #include "base/error.h"
-#include "base/json_levels.h"
+#include "base/json_text.h"
+#include "base/shown_text.h"
 #include "config/config_path.h"
 
 namespace landfall {

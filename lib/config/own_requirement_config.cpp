@@ -5,8 +5,8 @@
 #include <array>
 #include <cctype>
 
-#include "base/abbreviated.h"
 #include "base/error.h"
+#include "base/shown_text.h"
 #include "config/schema.h"
 #include "dictionary/tables/requirements.h"
 

@@ -1,13 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "config/json_values.h"
 #include "config/scan_components.h"
-#include "scanner/line_search.h"
-#include "scanner/lissajous.h"
-#include "scanner/rosette.h"
-#include "scanner/spiral.h"
-#include "scanner/stare.h"
-#include "scanner/step_stare.h"
-#include "scanner/table_pattern.h"
+#include "scanner/patterns.h"
 
 namespace landfall {
 namespace {

@@ -3,9 +3,9 @@
 
 #include <string_view>
 
-#include "base/abbreviated.h"
 #include "base/error.h"
 #include "base/joined.h"
+#include "base/shown_text.h"
 #include "config/embedded_presets.h"
 #include "config/schema.h"
 #include "config/stage_sections.h"

@@ -14,7 +14,6 @@
 #include "config/json_values.h"
 #include "config/schema.h"
 #include "detector/pixel_table.h"
-#include "receiver/illumination.h"
 #include "receiver/link_budget.h"
 
 namespace landfall {

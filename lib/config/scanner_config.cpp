@@ -3,12 +3,12 @@
 #include "base/parameter_check.h"
 #include "config/json_values.h"
 #include "config/scan_components.h"
-#include "scanner/flash.h"
 #include "scanner/fsm.h"
 #include "scanner/gimbal.h"
 #include "scanner/palmer.h"
 #include "scanner/polygon.h"
 #include "scanner/risley.h"
+#include "scanner/scanner.h"
 #include "scanner/table_scanner.h"
 
 namespace landfall {

@@ -13,9 +13,9 @@
 #include <optional>
 #include <utility>
 
-#include "base/abbreviated.h"
 #include "base/error.h"
 #include "base/joined.h"
+#include "base/shown_text.h"
 #include "config/embedded_schemas.h"
 #include "config/schema_keys.h"
 

@@ -3,11 +3,9 @@
 
 #include "config/json_values.h"
 #include "config/scan_components.h"
-#include "trajectory/constant_velocity.h"
-#include "trajectory/dispersed_trajectory.h"
 #include "trajectory/dynamics.h"
 #include "trajectory/table_trajectory.h"
-#include "trajectory/trajectory_columns.h"
+#include "trajectory/trajectories.h"
 
 namespace landfall {
 namespace {

@@ -10,10 +10,10 @@
 #include <iterator>
 #include <optional>
 
-#include "base/abbreviated.h"
 #include "base/error.h"
 #include "base/light.h"
 #include "base/number_text.h"
+#include "base/shown_text.h"
 #include "config/config_path.h"
 #include "config/json_values.h"
 #include "config/key_effects.h"

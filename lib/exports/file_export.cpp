@@ -12,19 +12,18 @@
 #include <variant>
 
 #include "base/error.h"
-#include "base/file_extension.h"
+#include "base/file_path.h"
 #include "base/joined.h"
 #include "base/number_text.h"
 #include "exports/csv.h"
 #include "exports/grid_layers.h"
 #include "exports/las.h"
-#include "exports/pcd.h"
-#include "exports/ply.h"
+#include "exports/point_clouds.h"
 #include "exports/point_reader.h"
 #include "exports/quick_look.h"
 #include "exports/sites.h"
 #include "exports/xdmf.h"
-#include "picture/png.h"
+#include "picture/rgb_image.h"
 #include "terrain/gdal/gdal_loader.h"
 
 namespace landfall {

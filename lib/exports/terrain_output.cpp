@@ -6,7 +6,7 @@
 #include <variant>
 
 #include "base/error.h"
-#include "base/file_extension.h"
+#include "base/file_path.h"
 #include "base/number_text.h"
 #include "files/mesh_terrain_file.h"
 #include "files/raster_screening.h"

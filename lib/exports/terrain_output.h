@@ -13,8 +13,8 @@
 #include "config/terrain_config.h"
 #include "files/landfall_file.h"
 #include "files/terrain_file.h"
-#include "terrain/gdal/raster_links.h"
 #include "terrain/mesh/polygon_soup.h"
+#include "terrain/relief/dem_raster.h"
 
 namespace landfall {
 

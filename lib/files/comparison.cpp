@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "base/error.h"
-#include "campaign/paired_rates.h"
+#include "campaign/pass_rate.h"
 #include "evaluation/error_statistics.h"
 #include "evaluation/quantile/order_statistics.h"
 #include "files/contents.h"

@@ -14,7 +14,6 @@
 #include "base/key_unit.h"
 #include "base/number_text.h"
 #include "campaign/draw_layers.h"
-#include "campaign/paired_rates.h"
 #include "campaign/pass_rate.h"
 #include "files/contents.h"
 #include "files/field_json.h"

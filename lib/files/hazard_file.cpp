@@ -15,7 +15,7 @@
 #include "files/grid_file.h"
 #include "files/map_position_json.h"
 #include "hdf5/table.h"
-#include "raster/size_text.h"
+#include "raster/grid_spec.h"
 #include "terrain/gdal/gdal_loader.h"
 
 namespace landfall {

@@ -8,7 +8,7 @@
 #include "base/joined.h"
 #include "files/contents.h"
 #include "files/hazard_file.h"
-#include "raster/grid_parts.h"
+#include "raster/grid.h"
 
 namespace landfall {
 namespace {

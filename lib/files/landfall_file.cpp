@@ -9,12 +9,12 @@
 #include <algorithm>
 #include <vector>
 
-#include "base/abbreviated.h"
 #include "base/error.h"
+#include "base/shown_text.h"
 #include "files/current_output.h"
 #include "files/stored_json.h"
 #include "hdf5/guard/file_seal.h"
-#include "hdf5/h5_close.h"
+#include "hdf5/h5.h"
 
 namespace landfall {
 namespace {

@@ -9,7 +9,7 @@
 
 #include "base/error.h"
 #include "files/provenance.h"
-#include "hdf5/h5_close.h"
+#include "hdf5/h5.h"
 #include "hdf5/table.h"
 
 namespace landfall {

@@ -11,8 +11,8 @@
 #include <utility>
 
 #include "base/error.h"
+#include "base/file_path.h"
 #include "base/hash.h"
-#include "base/regular_file.h"
 #include "files/version.h"
 
 namespace landfall {

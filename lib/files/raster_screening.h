@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include "terrain/gdal/raster_links.h"
 #include "terrain/relief/dem_raster.h"
 
 namespace landfall {

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// A terrain that was not scanned is refused as truth unless `--other-terrain` is given, because its z_true
-// would be that of another site.
+// Decisions: D380
 #include "files/scan_gridding.h"
 
 #include <algorithm>
@@ -8,13 +7,20 @@
 #include <cassert>
 #include <cmath>
 #include <limits>
+#include <span>
 #include <utility>
 
 #include "base/available_memory.h"
 #include "base/error.h"
 #include "base/parallel.h"
+#include "files/crs.h"
 #include "gridding/weighted_mean_accumulator.h"
-#include "raster/size_text.h"
+#include "hdf5/table.h"
+#include "raster/grid_spec.h"
+#include "returns/columns.h"
+
+// A terrain that was not scanned is refused as truth unless `--other-terrain` is given, because its z_true
+// would be that of another site.
 
 namespace landfall {
 namespace {
@@ -98,6 +104,23 @@ std::string terrain_id_of(const ScanReader& scan) {
 }
 
 }  // namespace
+
+ScanPoses read_scan_poses(const ScanReader& reader) {
+  const LandfallFileReader& scan = reader.file();
+  const TableReader pulses(scan.root(), "pulses", scan.name());
+  PulseColumns p;
+  p.t = reader.pulse_times_s();
+  const std::size_t count = p.t.size();
+  for (const auto member :
+       {&PulseColumns::px_est, &PulseColumns::py_est, &PulseColumns::pz_est, &PulseColumns::qw_est,
+        &PulseColumns::qx_est, &PulseColumns::qy_est, &PulseColumns::qz_est}) {
+    if (pulses.row_count(name_of(member)) != count)
+      scan.fail("columns /pulses/t and /pulses/" + std::string(name_of(member)) + " differ in length");
+    (p.*member).resize(count);
+    pulses.read(name_of(member), 0, std::span(p.*member));
+  }
+  return estimated_poses(scan.name(), p);
+}
 
 Scans open_scans(const std::vector<std::string>& paths, Provenance& provenance) {
   Scans scans;

@@ -11,9 +11,15 @@
 #include "files/scan_file.h"
 #include "files/terrain_file.h"
 #include "gridding/method.h"
+#include "gridding/pose_track.h"
 #include "gridding/uncertainty.h"
 
 namespace landfall {
+
+/// The estimated poses of a scan's /pulses, with the reader's times, evenly reduced to at most 16,385 (every
+/// 0.12 ms of a 2 s scan), including the first and the last. Apart from one column at a time, memory does not
+/// grow with the pulses. Throws FormatError if a column is missing or columns differ in length.
+[[nodiscard]] ScanPoses read_scan_poses(const ScanReader& scan);
 
 using Scans = std::vector<std::unique_ptr<ScanReader>>;
 

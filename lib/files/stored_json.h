@@ -5,7 +5,7 @@
 #include <optional>
 #include <string>
 
-#include "base/json_levels.h"
+#include "base/json_text.h"
 
 namespace landfall {
 

@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-#include "base/abbreviated.h"
+#include "base/shown_text.h"
 
 namespace landfall {
 namespace {

@@ -7,9 +7,9 @@
 #include <utility>
 #include <vector>
 
-#include "base/abbreviated.h"
 #include "base/error.h"
-#include "base/regular_file.h"
+#include "base/file_path.h"
+#include "base/shown_text.h"
 #include "files/table_columns.h"
 #include "files/text_table.h"
 #include "hdf5/dataset_list.h"

@@ -4,11 +4,13 @@
 #include <filesystem>
 #include <memory>
 #include <optional>
+#include <vector>
 
 #include "base/progress.h"
 #include "files/landfall_file.h"
 #include "terrain/mesh/triangle_mesh.h"
 #include "terrain/relief/albedo_map.h"
+#include "terrain/relief/feature_field.h"
 #include "terrain/relief/large_terrain.h"
 #include "terrain/relief/terrain_generator.h"
 #include "terrain/relief/terrain_strips.h"
@@ -17,7 +19,7 @@
 namespace landfall {
 
 /// Writes terrain.h5: /x /y /z (float64), /albedo (float32) if the terrain has one, the site frame
-/// (docs/user/files/terrain.md) and the list of objects (feature_file.h).
+/// (docs/user/files/terrain.md) and the list of objects.
 void write_terrain(LandfallFileWriter& file, const GeneratedTerrain& terrain);
 
 /// The numbers of nodes of a terrain.
@@ -79,5 +81,8 @@ struct LargeTerrainInput : TerrainIdentity {
 [[nodiscard]] std::optional<LargeTerrainInput> open_large_terrain(const std::filesystem::path& path,
                                                                   std::int64_t max_nodes = kMaxLoadedNodes,
                                                                   const ProgressCallback& progress = {});
+
+/// Writes /features: one row per object, in their order; no group if there are no objects.
+void write_features(const LandfallFileWriter& file, const std::vector<PlacedFeature>& features);
 
 }  // namespace landfall

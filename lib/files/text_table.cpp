@@ -19,11 +19,11 @@
 #include <utility>
 #include <vector>
 
-#include "base/abbreviated.h"
 #include "base/error.h"
-#include "base/file_extension.h"
+#include "base/file_path.h"
 #include "base/foreign_content.h"
 #include "base/parsed_number.h"
+#include "base/shown_text.h"
 #include "files/table_columns.h"
 
 namespace landfall {

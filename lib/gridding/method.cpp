@@ -3,9 +3,7 @@
 
 #include <stdexcept>
 
-#include "gridding/bilinear_accumulator.h"
-#include "gridding/extreme_accumulator.h"
-#include "gridding/median_accumulator.h"
+#include "gridding/accumulators.h"
 #include "gridding/weighted_mean_accumulator.h"
 
 namespace landfall {

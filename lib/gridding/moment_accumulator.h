@@ -4,7 +4,7 @@
 #include <span>
 
 #include "base/zeroed_memory.h"
-#include "gridding/nearest_bins.h"
+#include "gridding/row_partition.h"
 #include "gridding/weighted_mean_accumulator.h"
 
 namespace landfall {

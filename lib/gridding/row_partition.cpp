@@ -3,8 +3,6 @@
 
 #include <cassert>
 
-#include "base/parallel.h"
-
 namespace landfall {
 namespace {
 

@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "raster/distance_transform.h"
-#include "raster/grid_parts.h"
+#include "raster/grid.h"
 
 namespace landfall {
 namespace {

@@ -8,8 +8,8 @@
 #include "hazards/hole_filling.h"
 #include "hazards/map_judge.h"
 #include "hazards/site_search.h"
-#include "raster/grid_parts.h"
-#include "raster/size_text.h"
+#include "raster/grid.h"
+#include "raster/grid_spec.h"
 
 namespace landfall {
 namespace {

@@ -15,8 +15,8 @@
 #include <vector>
 
 #include "hdf5/chunk_decoder.h"
+#include "hdf5/chunk_filters.h"
 #include "hdf5/chunk_source.h"
-#include "hdf5/fletcher32.h"
 #include "hdf5/h5.h"
 #include "hdf5/h5_filters.h"
 

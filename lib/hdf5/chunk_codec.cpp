@@ -11,7 +11,7 @@
 #include <string_view>
 
 #include "base/error.h"
-#include "hdf5/byte_shuffle.h"
+#include "hdf5/chunk_filters.h"
 
 namespace landfall {
 namespace {

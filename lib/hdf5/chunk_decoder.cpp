@@ -9,8 +9,7 @@
 #include <vector>
 
 #include "base/error.h"
-#include "hdf5/byte_shuffle.h"
-#include "hdf5/fletcher32.h"
+#include "hdf5/chunk_filters.h"
 
 namespace landfall {
 namespace {

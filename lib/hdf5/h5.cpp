@@ -1,4 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include "hdf5/h5.h"
+
+#include <fcntl.h>
+
+#include <algorithm>
+#include <limits>
+
+#include "base/available_memory.h"
+#include "base/error.h"
+
 // Members of a group are kept in the order of their creation, in which netCDF, and so GMT and GDAL's
 // netCDF driver, list them: the first layer is the one that a user wants. GDAL's HDF5 driver (3.6) sorts
 // by name. Links stay in the group's header, which has no further structure that could be damaged, and
@@ -9,16 +19,6 @@
 // as title and units. The disadvantage is that h5py gives bytes. Texts are declared as ASCII if they are,
 // because Octave does not load UTF-8, and text datasets end with a zero, because netCDF reads up to it.
 // Only the references between layers and their coordinates (`DIMENSION_LIST`) are still in heaps.
-#include "hdf5/h5.h"
-
-#include <fcntl.h>
-
-#include <algorithm>
-#include <limits>
-
-#include "base/error.h"
-#include "base/headroom.h"
-#include "hdf5/h5_close.h"
 
 namespace landfall::h5 {
 namespace {

@@ -165,4 +165,10 @@ Handle open_file(const std::filesystem::path& path);
 [[noreturn]] void fail_reading(hid_t object, const std::string& name = "");
 [[noreturn]] void fail_reading_attribute(hid_t object, const std::string& name);
 
+/// Flushes and closes a file that was written. Returns the reason for a failure, or nothing if all data is on
+/// its way to the disk. Also reports a dataset made by create_dataset() or write_text() in this process that
+/// could not be closed: HDF5 writes small or cached data only on closing, and a Handle that goes out of scope
+/// cannot report a failure.
+[[nodiscard]] std::optional<std::string> close_file(Handle& file);
+
 }  // namespace landfall::h5

@@ -4,10 +4,10 @@
 #include <algorithm>
 #include <span>
 
+#include "base/available_memory.h"
 #include "base/error.h"
-#include "base/headroom.h"
-#include "base/regular_file.h"
-#include "base/utf8.h"
+#include "base/file_path.h"
+#include "base/json_text.h"
 #include "hdf5/chunk_check.h"
 #include "hdf5/guard/file_screening.h"
 #include "hdf5/h5.h"

@@ -10,7 +10,7 @@
 #include <cstring>
 
 #include "base/error.h"
-#include "base/regular_file.h"
+#include "base/file_path.h"
 
 namespace landfall {
 

@@ -5,8 +5,8 @@
 #include <cctype>
 #include <charconv>
 
-#include "base/abbreviated.h"
 #include "base/error.h"
+#include "base/shown_text.h"
 
 namespace landfall {
 namespace {

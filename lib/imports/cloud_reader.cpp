@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "base/error.h"
-#include "base/file_extension.h"
+#include "base/file_path.h"
 #include "imports/cloud_formats.h"
 
 namespace landfall {

@@ -6,8 +6,8 @@
 #include <sstream>
 #include <utility>
 
-#include "base/abbreviated.h"
 #include "base/parallel.h"
+#include "base/shown_text.h"
 #include "imports/cloud_formats.h"
 #include "imports/lzf.h"
 #include "imports/row_reader.h"

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <utility>
 
-#include "base/abbreviated.h"
 #include "base/joined.h"
+#include "base/shown_text.h"
 #include "imports/cloud_formats.h"
 #include "imports/row_reader.h"
 #include "meshio/ply_header.h"

@@ -5,10 +5,10 @@
 #include <limits>
 #include <utility>
 
-#include "base/abbreviated.h"
 #include "base/foreign_content.h"
 #include "base/parallel.h"
 #include "base/parsed_number.h"
+#include "base/shown_text.h"
 #include "imports/cloud_formats.h"
 
 namespace landfall {

@@ -11,12 +11,11 @@
 #include <fstream>
 #include <span>
 
-#include "base/abbreviated.h"
 #include "base/error.h"
-#include "base/file_extension.h"
+#include "base/file_path.h"
 #include "base/foreign_content.h"
 #include "base/hash.h"
-#include "base/regular_file.h"
+#include "base/shown_text.h"
 
 namespace landfall {
 namespace {

@@ -9,9 +9,9 @@
 #include <system_error>
 #include <vector>
 
-#include "base/abbreviated.h"
 #include "base/error.h"
 #include "base/parsed_number.h"
+#include "base/shown_text.h"
 #include "terrain/mesh/polygon_soup.h"
 
 namespace landfall {

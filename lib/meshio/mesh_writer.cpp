@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "base/error.h"
-#include "base/file_extension.h"
+#include "base/file_path.h"
 #include "base/number_text.h"
 #include "meshio/mesh_file.h"
 #include "output/byte_sink.h"

@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <string_view>
 
-#include "raster/rgb_image.h"
+#include "picture/rgb_image.h"
 
 namespace landfall {
 

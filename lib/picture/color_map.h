@@ -8,7 +8,7 @@
 #include <string_view>
 
 #include "dictionary/tables/maps.h"
-#include "raster/rgb_image.h"
+#include "picture/rgb_image.h"
 
 namespace landfall {
 

@@ -7,7 +7,7 @@
 #include <cstdio>
 
 #include "picture/bitmap_font.h"
-#include "picture/hillshade.h"
+#include "picture/pixel_map.h"
 
 namespace landfall {
 namespace {

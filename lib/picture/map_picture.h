@@ -9,7 +9,7 @@
 
 #include "picture/color_map.h"
 #include "picture/pixel_map.h"
-#include "raster/rgb_image.h"
+#include "picture/rgb_image.h"
 
 namespace landfall {
 

@@ -1,11 +1,19 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <array>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <string>
 
 namespace landfall {
+
+/// A position or a horizontal velocity in x and y of the DEM frame, metres or m/s.
+struct Horizontal {
+  double x = 0, y = 0;
+  friend bool operator==(const Horizontal&, const Horizontal&) = default;
+};
 
 /// A bin (or node) by row and column. Row 0 is the southern row (lowest y), column 0 the lowest x.
 struct BinIndex {
@@ -61,5 +69,19 @@ struct GridSpec {
     return cut - (static_cast<double>(cut) > bin ? 1 : 0);
   }
 };
+
+/// "2,001 x 1,501 bins": columns, then rows.
+[[nodiscard]] std::string size_text(const GridSpec& spec);
+
+/// A rectangle about a centre, of which both are multiples of the resolution.
+struct GridArea {
+  std::array<double, 2> half_width_m;  ///< along x and y
+  Horizontal center_m;
+};
+
+/// Bin centres from center_m - half_width_m to center_m + half_width_m inclusive, along x and along y. For a
+/// square about the origin GridSpec::centered(), whose errors are those of each axis; throws UsageError also
+/// for a centre that is not a whole multiple of the resolution within 1e-9 bins. `what` begins the message.
+[[nodiscard]] GridSpec grid_over(const GridArea& area, double resolution_m, const char* what);
 
 }  // namespace landfall

@@ -5,7 +5,7 @@
 #include <utility>
 #include <vector>
 
-#include "raster/horizontal.h"
+#include "raster/grid_spec.h"
 #include "raster/region.h"
 
 namespace landfall {

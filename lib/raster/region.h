@@ -4,7 +4,7 @@
 #include <cstdint>
 
 #include "raster/grid.h"
-#include "raster/horizontal.h"
+#include "raster/grid_spec.h"
 
 namespace landfall {
 

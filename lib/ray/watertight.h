@@ -3,7 +3,7 @@
 
 #include <array>
 
-#include "base/quad.h"
+#include "base/exact_arithmetic.h"
 #include "ray/engine.h"
 
 namespace landfall {

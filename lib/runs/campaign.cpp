@@ -16,7 +16,7 @@
 #include "config/uncertainty_config.h"
 #include "evaluation/evaluate.h"
 #include "files/table_reader.h"
-#include "raster/size_text.h"
+#include "raster/grid_spec.h"
 #include "runs/redraw.h"
 #include "runs/region_input.h"
 

@@ -11,7 +11,7 @@
 #include "base/number_text.h"
 #include "config/config_path.h"
 #include "config/uncertainty_config.h"
-#include "files/scan_poses.h"
+#include "files/scan_gridding.h"
 #include "scene/scene.h"
 
 namespace landfall {

@@ -9,7 +9,7 @@
 
 #include "raster/grid_spec.h"
 #include "runs/cloud_import.h"
-#include "terrain/gdal/raster_links.h"
+#include "terrain/relief/dem_raster.h"
 #include "terrain/terrain_model.h"
 
 namespace landfall {

@@ -3,8 +3,8 @@
 
 #include <optional>
 
-#include "base/abbreviated.h"
 #include "base/error.h"
+#include "base/shown_text.h"
 #include "config/key_effects.h"
 
 namespace landfall {

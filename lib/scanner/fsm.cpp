@@ -4,7 +4,7 @@
 
 #include "base/random.h"
 #include "geometry/vector_check.h"
-#include "scanner/axes_jump.h"
+#include "scanner/mechanism.h"
 
 namespace landfall {
 namespace {

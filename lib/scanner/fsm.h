@@ -5,9 +5,7 @@
 #include <numbers>
 #include <vector>
 
-#include "scanner/deflection_limit.h"
-#include "scanner/encoder_harmonics.h"
-#include "scanner/mechanism_timing.h"
+#include "scanner/mechanism.h"
 #include "scanner/mirror_frame.h"
 #include "scanner/scanner.h"
 
@@ -42,7 +40,7 @@ struct FsmParameters {
 /// -focal_distance d0 along d and meets it at b = f + d ((c - f).m)/(d.m). With both at 0, b = 0. A ray that
 /// would meet the back of the mirror is lost.
 ///
-/// After a jump of the aim (scanner/mechanism_timing.h) pulses are blanked, and the tilts still differ from
+/// After a jump of the aim (scanner/mechanism.h) pulses are blanked, and the tilts still differ from
 /// the commanded ones by step_left() times the tilts before the jump minus the commanded ones. The encoder
 /// measures this difference. With a largest acceleration, the pulses until both tilts have caught up with the
 /// aim are blanked too. The encoder measures neither its own errors (noise, harmonics) nor tof_lag: state()

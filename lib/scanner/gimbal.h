@@ -4,11 +4,8 @@
 #include <numbers>
 #include <vector>
 
-#include "scanner/deflection_limit.h"
-#include "scanner/encoder_harmonics.h"
-#include "scanner/mechanism_timing.h"
+#include "scanner/mechanism.h"
 #include "scanner/scanner.h"
-#include "scanner/tilt_angles.h"
 
 namespace landfall {
 

@@ -4,7 +4,7 @@
 #include <Eigen/Core>
 
 #include "geometry/frames.h"
-#include "scanner/tilt_angles.h"
+#include "scanner/mechanism.h"
 
 namespace landfall {
 

@@ -5,9 +5,14 @@
 #include <optional>
 
 #include "geometry/frames.h"
-#include "scanner/pulse_time.h"
 
 namespace landfall {
+
+/// A pulse: its number, counted from 0, and its time since the first one.
+struct PulseTime {
+  std::int64_t pulse = 0;
+  double since_start_s = 0;
+};
 
 /// The last jump of the aim at or before a pulse.
 struct PatternJump {

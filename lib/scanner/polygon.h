@@ -5,7 +5,7 @@
 #include <numbers>
 #include <vector>
 
-#include "scanner/encoder_harmonics.h"
+#include "scanner/mechanism.h"
 #include "scanner/scanner.h"
 
 namespace landfall {

@@ -6,7 +6,7 @@
 #include <span>
 
 #include "geometry/frames.h"
-#include "scanner/pulse_time.h"
+#include "scanner/pattern.h"
 
 namespace landfall {
 
@@ -85,6 +85,16 @@ class Scanner {
   /// leave the resting scanner, `state` comes from state().
   virtual void steer(const ScannerState& state, std::span<const Direction<LidarFrame>> pixels,
                      std::span<Beam> beams) const = 0;
+};
+
+/// No steering: every pulse looks where the pixels look and ignores the aim. Both angles are 0.
+class Flash : public Scanner {
+ public:
+  [[nodiscard]] ScannerState state(const PulseContext&) const override { return {}; }
+  void steer(const ScannerState&, std::span<const Direction<LidarFrame>> pixels,
+             std::span<Beam> beams) const override {
+    for (std::size_t i = 0; i < pixels.size(); ++i) beams[i] = Beam{.direction = pixels[i]};
+  }
 };
 
 }  // namespace landfall

@@ -7,8 +7,8 @@
 #include <utility>
 
 #include "base/error.h"
+#include "base/number_table.h"
 #include "base/number_text.h"
-#include "base/timed_rows.h"
 #include "scanner/gimbal.h"
 
 namespace landfall {

@@ -6,9 +6,9 @@
 #include <vector>
 
 #include "base/number_table.h"
+#include "scanner/mechanism.h"
 #include "scanner/mirror_frame.h"
 #include "scanner/scanner.h"
-#include "scanner/tilt_angles.h"
 
 namespace landfall {
 

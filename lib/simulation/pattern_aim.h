@@ -5,7 +5,6 @@
 
 #include "geometry/frames.h"
 #include "scanner/pattern.h"
-#include "scanner/pulse_time.h"
 #include "scanner/scanner.h"
 
 namespace landfall {

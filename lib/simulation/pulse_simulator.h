@@ -18,7 +18,6 @@
 #include "scanner/scanner.h"
 #include "simulation/pulse_batch.h"
 #include "terrain/surface.h"
-#include "terrain/surface_albedo.h"
 #include "trajectory/trajectory.h"
 
 namespace landfall {

@@ -8,7 +8,7 @@
 #include <variant>
 #include <vector>
 
-#include "terrain/features/pattern.h"
+#include "terrain/populations/patterns.h"
 
 namespace landfall {
 

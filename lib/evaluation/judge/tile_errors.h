@@ -40,8 +40,6 @@ class TileErrors {
   [[nodiscard]] std::int64_t half_cols() const { return half_cols_; }
 
  private:
-  void load_row(std::int64_t row, const Tile& reached, std::int64_t first_col);
-
   Axis axis_;
   const Grid<double>& truth_;
   const Grid<double>& z_est_;

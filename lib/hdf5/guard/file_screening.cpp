@@ -1,4 +1,24 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include "hdf5/guard/file_screening.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <functional>
+#include <numeric>
+#include <set>
+#include <utility>
+#include <vector>
+
+#include "base/error.h"
+#include "base/json_text.h"
+#include "base/shown_text.h"
+#include "hdf5/chunk_codec.h"
+#include "hdf5/guard/file_seal.h"
+#include "hdf5/h5.h"
+#include "hdf5/h5_filters.h"
+
 // An object that does not exist is a normal result; one that cannot be read is an error. If HDF5 cannot
 // determine whether a name exists, the run ends. A value of another type or shape than expected (a number
 // instead of a text) counts as missing, because other programs may write it. An object whose header cannot
@@ -13,28 +33,16 @@
 // Claimed size of a dataset. 256 MiB, which costs little, or the size that deflate could have compressed
 // (1032 : 1) to the stored bytes. Chunks have at most 256 MiB, like blocks of rasters
 // (lib/terrain/gdal/reader.cpp): common writers use less than 10.
-#include "hdf5/guard/file_screening.h"
-
-#include <algorithm>
-#include <array>
-#include <cmath>
-#include <cstdint>
-#include <functional>
-#include <numeric>
-#include <optional>
-#include <set>
-#include <utility>
-#include <vector>
-
-#include "base/abbreviated.h"
-#include "base/error.h"
-#include "base/utf8.h"
-#include "hdf5/chunk_codec.h"
-#include "hdf5/h5.h"
-#include "hdf5/h5_filters.h"
 
 namespace landfall::h5 {
 namespace {
+
+bool is_hdf5(const RawFile& file) {
+  constexpr std::array<unsigned char, 8> kSignature = {0x89, 'H', 'D', 'F', '\r', '\n', 0x1a, '\n'};
+  if (file.size() < kSignature.size()) return false;
+  const std::vector<std::byte> start = file.read(0, kSignature.size());
+  return std::ranges::equal(start, std::as_bytes(std::span(kSignature)));
+}
 
 constexpr double kMebi = 0x1p20;
 constexpr double kMaxChunkBytes = 256 * kMebi;
@@ -242,6 +250,28 @@ class Screening {
 };
 
 }  // namespace
+
+MetadataGuard::MetadataGuard(const std::filesystem::path& path) : name_(path.string()), file_(path) {
+  try {
+    if (!is_hdf5(file_)) return;
+    check_.emplace(file_);
+    require_sound(seal_of(file_, check_->end()) != Seal::broken);
+    if (check_->applies())
+      check_->check_object(check_->root());
+    else
+      check_.reset();
+  } catch (const Damaged&) {
+    throw FormatError(name_ + ": is an HDF5 file that is truncated or damaged; make it again");
+  }
+}
+
+void MetadataGuard::check(std::uint64_t address, const std::string& path) {
+  try {
+    if (check_) check_->check_object(address);
+  } catch (const Damaged&) {
+    throw FormatError(name_ + ": " + path + " cannot be read: it is damaged");
+  }
+}
 
 void screen_file(hid_t file, const std::string& name, MetadataGuard& guard) {
   Screening(name, guard).screen(file);

@@ -3,11 +3,30 @@
 
 #include <hdf5.h>
 
+#include <filesystem>
+#include <optional>
 #include <string>
 
-#include "hdf5/guard/metadata_guard.h"
+#include "hdf5/guard/metadata_check.h"
 
 namespace landfall::h5 {
+
+/// Checks a file before libhdf5 reads it, which crashes on some damaged metadata. If the file has a seal
+/// (file_seal.h), all its metadata are compared with their hash when the guard is made. MetadataCheck checks
+/// the root group then, and each other object when it is asked for. Make a guard before HDF5 opens the file.
+class MetadataGuard {
+ public:
+  /// Throws FormatError, naming the file, if it is damaged. Accepts a file that is not HDF5.
+  explicit MetadataGuard(const std::filesystem::path& path);
+
+  /// Checks an object before HDF5 reads it. Throws FormatError, naming the file and `path`.
+  void check(std::uint64_t address, const std::string& path);
+
+ private:
+  std::string name_;
+  RawFile file_;
+  std::optional<MetadataCheck> check_;  ///< none: it does not apply to this file
+};
 
 /// Checks an HDF5 file before a reader opens its objects: all data must be in the named file, readable by
 /// this program alone, and of limited size.

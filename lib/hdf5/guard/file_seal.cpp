@@ -2,7 +2,7 @@
 // A seal at the end of each HDF5 file shows any changed byte of its metadata: lib/hdf5/guard/metadata_check.h
 // finds what libhdf5 cannot read, but not a flipped bit in an origin or a configuration. It lies behind
 // the end of the file that HDF5 knows, so that other programs do not see it and remove it when they change
-// the file; a file without it is read. Chunks have checksums of their own (lib/hdf5/fletcher32.h) and are
+// the file; a file without it is read. Chunks have checksums of their own (lib/hdf5/chunk_filters.h) and are
 // left out, so that opening a file takes milliseconds. An attribute could not hold the hash, because it
 // would have to be part of what is hashed.
 #include "hdf5/guard/file_seal.h"

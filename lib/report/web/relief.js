@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 
-// Shaded relief, as lib/picture/hillshade.cpp computes it: light from the north-west, 45 degrees high.
+// Shaded relief, as lib/picture/pixel_map.cpp computes it: light from the north-west, 45 degrees high.
 
 import {blocksOf, missingShares} from "./rasters.js";
 import {colorOf, NO_VALUE_COLOR} from "./scales.js";

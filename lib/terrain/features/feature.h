@@ -6,16 +6,9 @@
 #include <variant>
 #include <vector>
 
-#include "terrain/features/cone.h"
-#include "terrain/features/crater.h"
-#include "terrain/features/fracture.h"
-#include "terrain/features/hemisphere.h"
-#include "terrain/features/ice_block.h"
-#include "terrain/features/penitente_field.h"
-#include "terrain/features/pit.h"
-#include "terrain/features/pyramid.h"
-#include "terrain/features/ridge.h"
-#include "terrain/features/rock.h"
+#include "terrain/features/added_shapes.h"
+#include "terrain/features/draped_shapes.h"
+#include "terrain/features/standing_shapes.h"
 
 namespace landfall {
 
@@ -23,8 +16,8 @@ namespace landfall {
 /// (kRole), its largest distance from the centre (reach_m: half the width of a box that holds its footprint),
 /// its height at a point (relief_m: kNoRelief outside the footprint), its size for a list of objects, and a
 /// check of its parameters (validate). A shape with a yaw_rad also gives own_relief_m, the relief at a point
-/// in its own axes (turned_axes.h), so that the rotation is computed once for all nodes. A new shape is a
-/// file here and a name in this list.
+/// in its own axes (shape.h), so that the rotation is computed once for all nodes. A new shape is a
+/// struct in the header of its role and a name in this list.
 using FeatureShape =
     std::variant<Cone, Hemisphere, Pyramid, Rock, Crater, IceBlock, Ridge, Fracture, Pit, PenitenteField>;
 
@@ -39,7 +32,7 @@ struct Feature {
   friend bool operator==(const Feature&, const Feature&) = default;
 };
 
-/// The site that a pattern (pattern.h) fills, metres, frame D, and its random seed.
+/// The site that a pattern (populations/patterns.h) fills, metres, frame D, and its random seed.
 struct PatternSite {
   double west_m = 0;
   double east_m = 0;

@@ -7,9 +7,9 @@
 
 #include <cmath>
 
-#include "base/abbreviated.h"
 #include "base/error.h"
 #include "base/number_text.h"
+#include "base/shown_text.h"
 #include "terrain/gdal/length_unit.h"
 
 namespace landfall {

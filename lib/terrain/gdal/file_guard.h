@@ -7,11 +7,11 @@
 #include <optional>
 #include <string>
 
-#include "terrain/gdal/raster_links.h"
+#include "terrain/relief/dem_raster.h"
 
 namespace landfall {
 
-/// While a guard exists, GDAL opens only the local files of one raster (raster_links.h) and its own
+/// While a guard exists, GDAL opens only the local files of one raster (dem_raster.h) and its own
 /// resources; other files that a file refers to fail to open as if they were unreadable. Guards that exist at
 /// the same time allow what any of them allows. Python in a file and the standard input are always refused.
 class FileGuard {

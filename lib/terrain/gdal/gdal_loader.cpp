@@ -7,7 +7,6 @@
 #include "base/error.h"
 #include "base/parallel.h"
 #include "base/plugin_file.h"
-#include "base/thread_supply.h"
 #include "terrain/gdal/plugin.h"
 
 namespace landfall {

@@ -9,12 +9,10 @@
 #include "geometry/map_position.h"
 #include "output/output_path.h"
 #include "raster/grid_spec.h"
-#include "terrain/gdal/geotiff.h"
+#include "terrain/gdal/exported_layers.h"
 #include "terrain/gdal/point_frame.h"
-#include "terrain/gdal/point_layer.h"
 #include "terrain/gdal/polygon_file.h"
 #include "terrain/gdal/raster_grid.h"
-#include "terrain/gdal/raster_links.h"
 #include "terrain/relief/dem_raster.h"
 #include "terrain/relief/site_fit.h"
 #include "terrain/site_point.h"
@@ -35,7 +33,7 @@ namespace landfall {
 /// - without a CRS: the raster's axes times horizontal_scale_m; a raster without georeference counts columns
 ///   from its left and rows from its bottom edge.
 ///
-/// Opens no file that is not part of the raster (raster_links.h), connects to no other machine, and runs no
+/// Opens no file that is not part of the raster (dem_raster.h), connects to no other machine, and runs no
 /// code that a file contains.
 ///
 /// Throws UsageError for a horizontal_scale_m that is missing or not allowed, a band that does not exist, and

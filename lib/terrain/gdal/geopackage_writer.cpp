@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "terrain/gdal/geopackage_writer.h"
-
 #include <cpl_conv.h>
 #include <gdal_priv.h>
 #include <ogrsf_frmts.h>
@@ -11,6 +9,7 @@
 #include "base/error.h"
 #include "terrain/gdal/gdal_crs.h"
 #include "terrain/gdal/gdal_errors.h"
+#include "terrain/gdal/plugin.h"
 #include "terrain/gdal/registry.h"
 
 namespace landfall {

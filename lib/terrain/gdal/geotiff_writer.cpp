@@ -1,7 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Decisions: D131, D161
-#include "terrain/gdal/geotiff_writer.h"
-
 #include <cpl_conv.h>
 #include <cpl_string.h>
 #include <gdal_priv.h>
@@ -18,6 +16,7 @@
 #include "base/error.h"
 #include "terrain/gdal/gdal_crs.h"
 #include "terrain/gdal/gdal_errors.h"
+#include "terrain/gdal/plugin.h"
 #include "terrain/gdal/registry.h"
 
 namespace landfall {

@@ -1,12 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "terrain/gdal/open_raster.h"
 
-#include <cpl_conv.h>
 #include <cpl_string.h>
 #include <cpl_vsi.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstring>
 #include <filesystem>
@@ -16,7 +14,7 @@
 #include <system_error>
 
 #include "base/error.h"
-#include "base/regular_file.h"
+#include "base/file_path.h"
 #include "terrain/gdal/classic_netcdf.h"
 #include "terrain/gdal/raster_files.h"
 #include "terrain/gdal/registry.h"

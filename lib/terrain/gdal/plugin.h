@@ -7,12 +7,10 @@
 #include "base/progress.h"
 #include "geometry/map_position.h"
 #include "raster/grid_spec.h"
-#include "terrain/gdal/geotiff.h"
+#include "terrain/gdal/exported_layers.h"
 #include "terrain/gdal/point_frame.h"
-#include "terrain/gdal/point_layer.h"
 #include "terrain/gdal/polygon_file.h"
 #include "terrain/gdal/raster_grid.h"
-#include "terrain/gdal/raster_links.h"
 #include "terrain/relief/dem_raster.h"
 #include "terrain/relief/site_fit.h"
 #include "terrain/site_point.h"
@@ -44,6 +42,11 @@ struct GdalPlugin {
 /// raster_grid() and sample_raster() of gdal_loader.h.
 [[nodiscard]] RasterGrid grid_of_raster(const DemBase& asked, RasterLinks links);
 [[nodiscard]] SampledRaster sample_at_bins(const DemBase& truth, const RasterGrid& grid, RasterLinks links);
+
+/// write_geotiff() and write_geopackage() of gdal_loader.h.
+void write_cloud_optimized_geotiff(const std::string& path, const GeotiffContent& content,
+                                   const GeotiffOptions& options, const ProgressCallback& progress);
+void write_geopackage_points(const std::string& path, const PointLayer& layer);
 
 /// The name of the plugin's one object, of type GdalPlugin.
 inline constexpr const char* kGdalPluginSymbol = "landfall_gdal_plugin";

@@ -11,9 +11,9 @@
 #include <array>
 #include <cmath>
 
-#include "base/abbreviated.h"
 #include "base/error.h"
 #include "base/number_text.h"
+#include "base/shown_text.h"
 #include "terrain/gdal/gdal_errors.h"
 #include "terrain/gdal/registry.h"
 

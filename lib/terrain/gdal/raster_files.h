@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "terrain/gdal/raster_links.h"
+#include "terrain/relief/dem_raster.h"
 #include "terrain/terrain_model.h"
 
 namespace landfall {

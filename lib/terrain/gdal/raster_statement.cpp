@@ -10,9 +10,9 @@
 #include <limits>
 #include <string_view>
 
-#include "base/abbreviated.h"
 #include "base/error.h"
 #include "base/number_text.h"
+#include "base/shown_text.h"
 #include "terrain/gdal/elevation_scaling.h"
 #include "terrain/gdal/length_unit.h"
 

@@ -20,8 +20,6 @@
 
 #include "base/error.h"
 #include "terrain/gdal/fill_values.h"
-#include "terrain/gdal/geopackage_writer.h"
-#include "terrain/gdal/geotiff_writer.h"
 #include "terrain/gdal/map_position.h"
 #include "terrain/gdal/open_raster.h"
 #include "terrain/gdal/plugin.h"

@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "base/file_extension.h"
+#include "base/file_path.h"
 
 namespace landfall {
 

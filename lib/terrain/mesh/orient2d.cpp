@@ -5,7 +5,7 @@
 #include <cmath>
 #include <cstddef>
 
-#include "base/exact_pair.h"
+#include "base/exact_arithmetic.h"
 
 namespace landfall {
 namespace {

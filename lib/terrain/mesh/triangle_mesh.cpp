@@ -8,7 +8,7 @@
 #include <limits>
 #include <utility>
 
-#include "base/quad.h"
+#include "base/exact_arithmetic.h"
 #include "terrain/mesh/orient2d.h"
 
 namespace landfall {

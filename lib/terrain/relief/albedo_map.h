@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "raster/grid.h"
-#include "terrain/surface_albedo.h"
+#include "terrain/surface.h"
 
 namespace landfall {
 

@@ -9,7 +9,7 @@
 #include <array>
 #include <vector>
 
-#include "base/utf8.h"
+#include "base/json_text.h"
 #include "config/dem_config.h"
 #include "config/draws_config.h"
 #include "config/hazard_config.h"

@@ -9,10 +9,9 @@
 #include "files/table_reader.h"
 #include "fuzz_target.h"
 #include "memory_file.h"
-#include "scanner/table_pattern.h"
+#include "scanner/patterns.h"
 #include "scanner/table_scanner.h"
 #include "trajectory/table_trajectory.h"
-#include "trajectory/trajectory_columns.h"
 
 namespace landfall::fuzz {
 namespace {

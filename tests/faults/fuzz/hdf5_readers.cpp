@@ -16,13 +16,13 @@
 #include "files/hazard_file.h"
 #include "files/range_file.h"
 #include "files/scan_file.h"
-#include "files/scan_poses.h"
+#include "files/scan_gridding.h"
 #include "files/table_reader.h"
 #include "files/terrain_file.h"
 #include "landfall_files.h"
 #include "runs/campaign_parts.h"
 #include "runs/redraw.h"
-#include "trajectory/trajectory_columns.h"
+#include "trajectory/table_trajectory.h"
 
 namespace landfall::fuzz {
 namespace {

@@ -25,7 +25,6 @@
 #include "files/mesh_terrain_file.h"
 #include "files/plan_file.h"
 #include "files/scan_gridding.h"
-#include "files/scan_poses.h"
 #include "files/terrain_file.h"
 #include "hdf5/table.h"
 #include "ray/flat_ground.h"

@@ -11,8 +11,8 @@
 #include "detector/perspective.h"
 #include "plane_ground.h"
 #include "scanner/fsm.h"
-#include "scanner/line_search.h"
-#include "trajectory/constant_velocity.h"
+#include "scanner/patterns.h"
+#include "trajectory/trajectories.h"
 
 namespace landfall {
 

@@ -21,8 +21,8 @@
 #include "gridding/weighted_mean_accumulator.h"
 #include "plane_ground.h"
 #include "scanner/fsm.h"
-#include "scanner/line_search.h"
-#include "trajectory/constant_velocity.h"
+#include "scanner/patterns.h"
+#include "trajectory/trajectories.h"
 
 namespace landfall {
 namespace {

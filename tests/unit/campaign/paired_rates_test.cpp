@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "campaign/paired_rates.h"
+#include "campaign/pass_rate.h"
 
 #include <gtest/gtest.h>
 

@@ -8,13 +8,7 @@
 #include "config/scan_config.h"
 #include "config/schema.h"
 #include "constants.h"
-#include "scanner/line_search.h"
-#include "scanner/lissajous.h"
-#include "scanner/rosette.h"
-#include "scanner/spiral.h"
-#include "scanner/stare.h"
-#include "scanner/step_stare.h"
-#include "scanner/table_pattern.h"
+#include "scanner/patterns.h"
 
 namespace landfall {
 namespace {

@@ -14,9 +14,9 @@
 #include "detector/perspective.h"
 #include "refusal.h"
 #include "scanner/fsm.h"
-#include "scanner/line_search.h"
-#include "trajectory/constant_velocity.h"
+#include "scanner/patterns.h"
 #include "trajectory/dynamics.h"
+#include "trajectory/trajectories.h"
 
 namespace landfall {
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "detector/distortion.h"
+#include "detector/perspective.h"
 
 #include <gtest/gtest.h>
 

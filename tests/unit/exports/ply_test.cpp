@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "exports/ply.h"
+#include "exports/point_clouds.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "files/feature_file.h"
+#include "files/terrain_file.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

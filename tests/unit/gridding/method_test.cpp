@@ -15,7 +15,7 @@
 
 #include "base/error.h"
 #include "base/parallel.h"
-#include "gridding/median_accumulator.h"
+#include "gridding/accumulators.h"
 #include "map_layers.h"
 #include "return_columns.h"
 #include "test_seed.h"

@@ -15,7 +15,7 @@
 #include "base/error.h"
 #include "base/random.h"
 #include "hazards/site_search.h"
-#include "raster/grid_parts.h"
+#include "raster/grid.h"
 
 namespace landfall {
 namespace {

@@ -6,8 +6,7 @@
 #include <vector>
 
 #include "encoded_chunk.h"
-#include "hdf5/byte_shuffle.h"
-#include "hdf5/fletcher32.h"
+#include "hdf5/chunk_filters.h"
 
 namespace landfall {
 namespace {

@@ -9,7 +9,7 @@
 
 #include "base/error.h"
 #include "files/landfall_file.h"
-#include "hdf5/guard/metadata_guard.h"
+#include "hdf5/guard/file_screening.h"
 #include "hdf5/table.h"
 #include "temporary_folder.h"
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "hdf5/fletcher32.h"
+#include "hdf5/chunk_filters.h"
 
 #include <gtest/gtest.h>
 #include <hdf5.h>

@@ -8,7 +8,6 @@
 #include <limits>
 
 #include "constants.h"
-#include "picture/hillshade.h"
 
 namespace landfall {
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "picture/png.h"
+#include "picture/rgb_image.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

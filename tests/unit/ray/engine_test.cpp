@@ -10,7 +10,7 @@
 #include <numbers>
 #include <thread>
 
-#include "base/quad.h"
+#include "base/exact_arithmetic.h"
 #include "brute_force.h"
 #include "no_opencl.h"
 #include "ray/cgal_engine.h"

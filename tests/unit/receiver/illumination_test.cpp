@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "receiver/illumination.h"
+#include "receiver/link_budget.h"
 
 #include <gtest/gtest.h>
 
@@ -7,7 +7,6 @@
 #include <numbers>
 
 #include "base/error.h"
-#include "receiver/link_budget.h"
 
 namespace landfall {
 namespace {

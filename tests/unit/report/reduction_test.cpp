@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "report/reduction.h"
+#include "report/report_layer.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "scanner/flash.h"
+#include "scanner/scanner.h"
 
 #include <gtest/gtest.h>
 

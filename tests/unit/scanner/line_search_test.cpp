@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "scanner/line_search.h"
+#include "scanner/patterns.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "scanner/lissajous.h"
+#include "scanner/patterns.h"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "scanner/mechanism_timing.h"
+#include "scanner/mechanism.h"
 
 #include <gtest/gtest.h>
 
@@ -93,7 +93,8 @@ TEST(TransferTime, ClosedForms) {
     EXPECT_NEAR(transfer_time_s(0.5 * 0.3 * 0.3 / a, 0.3, a), 0.3 / a, 1e-12);
     EXPECT_NEAR(transfer_time_s(-0.5 * 0.3 * 0.3 / a, -0.3, a), 0.3 / a, 1e-12);
   }
-  EXPECT_NEAR(transfer_time_s(6.28 * kDegree, 0, 2e4), 4.68e-3, 1e-5);  // the example of docs/reference/lidar.md
+  EXPECT_NEAR(transfer_time_s(6.28 * kDegree, 0, 2e4), 4.68e-3,
+              1e-5);  // the example of docs/reference/lidar.md
 }
 
 // Property: T seconds of full acceleration and braking, switched once, end at the aim and at rest relative to

@@ -10,11 +10,11 @@
 #include "base/error.h"
 #include "detector/perspective.h"
 #include "points.h"
-#include "scanner/flash.h"
+#include "scanner/scanner.h"
 #include "simulation/simulation.h"
 #include "terrain/relief/triangulated_grid.h"
-#include "trajectory/constant_velocity.h"
 #include "trajectory/table_trajectory.h"
+#include "trajectory/trajectories.h"
 
 namespace landfall {
 namespace {

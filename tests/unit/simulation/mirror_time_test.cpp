@@ -12,15 +12,13 @@
 #include "detector/perspective.h"
 #include "scanner/fsm.h"
 #include "scanner/gimbal.h"
-#include "scanner/line_search.h"
 #include "scanner/palmer.h"
+#include "scanner/patterns.h"
 #include "scanner/polygon.h"
 #include "scanner/risley.h"
-#include "scanner/spiral.h"
-#include "scanner/stare.h"
 #include "scanner/table_scanner.h"
 #include "simulation/simulation.h"
-#include "trajectory/constant_velocity.h"
+#include "trajectory/trajectories.h"
 
 namespace landfall {
 namespace {

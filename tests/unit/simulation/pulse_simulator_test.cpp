@@ -13,8 +13,8 @@
 #include "constants.h"
 #include "detector/perspective.h"
 #include "points.h"
-#include "scanner/flash.h"
 #include "scanner/fsm.h"
+#include "scanner/scanner.h"
 #include "terrain/relief/triangulated_grid.h"
 
 namespace landfall {

@@ -12,11 +12,11 @@
 #include "base/error.h"
 #include "detector/perspective.h"
 #include "ray/flat_ground.h"
-#include "scanner/flash.h"
+#include "scanner/scanner.h"
 #include "simulation/pulse_simulator.h"
 #include "simulation/simulation.h"
 #include "terrain/relief/albedo_map.h"
-#include "trajectory/constant_velocity.h"
+#include "trajectory/trajectories.h"
 
 namespace landfall {
 namespace {

@@ -13,9 +13,9 @@
 #include "analytic_engines.h"
 #include "base/parallel.h"
 #include "detector/perspective.h"
-#include "scanner/flash.h"
+#include "scanner/scanner.h"
 #include "simulation/scan_plan.h"
-#include "trajectory/constant_velocity.h"
+#include "trajectory/trajectories.h"
 
 namespace landfall {
 namespace {

@@ -13,13 +13,12 @@
 #include "base/parallel.h"
 #include "detector/perspective.h"
 #include "points.h"
-#include "scanner/flash.h"
 #include "scanner/fsm.h"
-#include "scanner/line_search.h"
+#include "scanner/patterns.h"
+#include "scanner/scanner.h"
 #include "terrain/relief/triangulated_grid.h"
-#include "trajectory/constant_velocity.h"
-#include "trajectory/dispersed_trajectory.h"
 #include "trajectory/table_trajectory.h"
+#include "trajectory/trajectories.h"
 
 namespace landfall {
 namespace {

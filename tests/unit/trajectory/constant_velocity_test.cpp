@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "trajectory/constant_velocity.h"
+#include "trajectory/trajectories.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

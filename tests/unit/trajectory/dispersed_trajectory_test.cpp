@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "trajectory/dispersed_trajectory.h"
+#include "trajectory/trajectories.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -7,7 +7,6 @@
 #include <cmath>
 
 #include "base/error.h"
-#include "trajectory/constant_velocity.h"
 
 namespace landfall {
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "trajectory/trajectory_columns.h"
+#include "trajectory/table_trajectory.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
