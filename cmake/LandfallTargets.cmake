@@ -76,13 +76,13 @@ function(landfall_builds_fast target)
   target_compile_options(${target} PRIVATE $<$<CONFIG:Release>:-O1>)
 endfunction()
 
-# landfall_unity_groups(target SOURCES a.cpp ... APART b.cpp ... ALONE c.cpp ...): compiles up to 16 sources at a time.
+# landfall_unity_groups(target SOURCES a.cpp ... APART b.cpp ... ALONE c.cpp ...): compiles up to 24 sources at a time.
 function(landfall_unity_groups target)
   cmake_parse_arguments(arg "" "" "SOURCES;APART;ALONE" ${ARGN})
   list(REMOVE_ITEM arg_SOURCES ${arg_APART} ${arg_ALONE})
   foreach(group SOURCES APART)
     list(LENGTH arg_${group} count)
-    math(EXPR groups "(${count} + 15) / 16")
+    math(EXPR groups "(${count} + 23) / 24")
     set(place 0)
     foreach(source IN LISTS arg_${group})
       math(EXPR number "${place} * ${groups} / ${count}")
@@ -152,7 +152,7 @@ endfunction()
 
 # landfall_gtest(raster_test LABEL unit SOURCES a_test.cpp ... LINKS landfall::raster ... [ALONE b.cpp ...])
 # A program of unit tests; ctest runs it as one test, unit_raster.
-# With LANDFALL_UNITY up to 16 of its units are compiled together, as those of a library; ALONE: not these.
+# With LANDFALL_UNITY up to 24 of its units are compiled together, as those of a library; ALONE: not these.
 function(landfall_gtest name)
   cmake_parse_arguments(arg "" "LABEL" "SOURCES;LINKS;ALONE" ${ARGN})
   add_executable(${name} ${arg_SOURCES})
