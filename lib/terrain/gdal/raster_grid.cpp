@@ -34,9 +34,9 @@ std::string warp_command(const DemBase& dem, const std::string& target, double p
 }
 
 std::string plane_at(const LonLat& ground) {
-  constexpr double kDegrees = 180 / std::numbers::pi;
-  return "+proj=ortho +lat_0=" + short_number(ground.lat_rad * kDegrees) +
-         " +lon_0=" + short_number(std::remainder(ground.lon_rad * kDegrees, 360));
+  constexpr double kDegreesPerRadian = 180 / std::numbers::pi;
+  return "+proj=ortho +lat_0=" + short_number(ground.lat_rad * kDegreesPerRadian) +
+         " +lon_0=" + short_number(std::remainder(ground.lon_rad * kDegreesPerRadian, 360));
 }
 
 GeoTransform transform_of(const OpenRaster& raster, const RasterStatement& statement, const DemBase& dem) {
