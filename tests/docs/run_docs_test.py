@@ -103,7 +103,7 @@ class Run:
         self._start(script, aside, work)
 
     def _start(self, script, aside, work):
-        environment = dict(os.environ, LANDFALL_ROOT=ROOT, LANDFALL_BIN=BIN, MPLBACKEND="Agg",
+        environment = dict(os.environ, LANDFALL_ROOT=ROOT, LANDFALL_BIN=BIN, MPLBACKEND="Agg", PYTHONDONTWRITEBYTECODE="1",
                            PYTHONPATH=os.path.join(ROOT, "python"),
                            PATH=os.pathsep.join([os.path.join(aside, "bin"), BIN, os.path.join(ROOT, "python", "commands"), os.environ["PATH"]]))
         # If make started ctest, its variables must not affect the commands of the page.
