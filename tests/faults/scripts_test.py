@@ -85,7 +85,7 @@ class Names(StudyTest):
 
     def test_a_study_is_made_in_a_folder_of_any_name(self):
         for name in ("python", "schemas", "studies", "lib/report/web"):
-            shutil.copytree(os.path.join(ROOT, name), os.path.join(self.hostile, name))
+            shutil.copytree(os.path.join(ROOT, name), os.path.join(self.hostile, name), symlinks=True)
         shutil.copy(os.path.join(ROOT, "Makefile.studies"), self.hostile)
         tree = study({**SIGMAS, "list": [0.01, 0.02], "label": MARKUP}, title=MARKUP, description="$(touch hacked) " + MARKUP)
         with open(os.path.join(self.hostile, "studies", "tiny.json"), "w", encoding="utf-8") as file:
