@@ -30,7 +30,10 @@ class Durations(unittest.TestCase):
             rows = list(csv.DictReader(file))
         self.assertEqual({row["tier"] for row in rows}, {"commit", "slow"})
         self.assertEqual(len({row["test"] for row in rows}), len(rows))
-        slow = [row["test"] for row in rows if row["tier"] == "commit" and int(row["seconds"]) > LONGEST_OF_A_COMMIT_S]
+        # A commit needs all unit tests.
+        self.assertEqual([row["test"] for row in rows if row["test"].startswith("unit_") and row["tier"] != "commit"], [])
+        slow = [row["test"] for row in rows if row["tier"] == "commit" and not row["test"].startswith("unit_")
+                and int(row["seconds"]) > LONGEST_OF_A_COMMIT_S]
         self.assertEqual(slow, [], f"these take more than {LONGEST_OF_A_COMMIT_S} s: make them faster, or set their tier to slow")
 
     def test_keep_durations(self):
