@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "base/error.h"
+#include "evaluation/fail_flag.h"
 #include "evaluation/piecewise.h"
 #include "hazards/safety.h"
 

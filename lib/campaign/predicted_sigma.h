@@ -4,6 +4,7 @@
 #include "campaign/campaign_scene.h"
 #include "gridding/uncertainty.h"
 #include "hazards/return_centroids.h"
+#include "simulation/simulation.h"
 
 namespace landfall {
 
