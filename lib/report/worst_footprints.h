@@ -6,6 +6,9 @@
 #include <string>
 #include <vector>
 
+#include "evaluation/dem_layers.h"
+#include "evaluation/parameters.h"
+
 namespace landfall::html_report {
 
 /// value / limit. If the limit is 0: infinity, or 0 if the value is 0 too. NaN for NaN.
