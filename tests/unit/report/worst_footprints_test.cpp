@@ -9,6 +9,8 @@
 #include <limits>
 #include <random>
 
+#include "evaluation/evaluate.h"
+
 namespace landfall::html_report {
 namespace {
 
