@@ -11,7 +11,6 @@
 namespace landfall {
 namespace {
 
-constexpr std::size_t kHugePage = std::size_t{1} << 21U;
 constexpr std::size_t kMaxKept = std::size_t{128} << 20U;
 
 std::size_t whole_pages(std::size_t byte_count) {

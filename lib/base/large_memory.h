@@ -10,6 +10,9 @@ namespace landfall {
 /// From this size on, blocks use huge pages and are kept for reuse when they are given back.
 inline constexpr std::size_t kLargeBlock = std::size_t{1} << 20U;
 
+/// A huge page of x86-64, and of arm64 with pages of 4 KiB.
+inline constexpr std::size_t kHugePage = std::size_t{1} << 21U;
+
 /// Uninitialised memory, aligned to a huge page. The system clears and maps a new page on its first use,
 /// which costs more than one pass over a map; a reused block avoids that cost. At most 128 MiB are kept. May
 /// be called from any thread. Throws std::bad_alloc.

@@ -6,10 +6,10 @@
 #include <cstdint>
 #include <new>
 
+#include "base/large_memory.h"
+
 namespace landfall {
 namespace {
-
-constexpr std::size_t kHugePage = std::size_t{1} << 21U;
 
 void* next_huge_page(void* address) {
   const auto number = reinterpret_cast<std::uintptr_t>(address);
