@@ -71,9 +71,11 @@ function(landfall_uses_precompiled_strings target)
   endif()
 endfunction()
 
-# landfall_builds_fast(target): a target without loops that are worth more than the time of its compilation.
+# landfall_builds_fast(target [LOOPS]): a target without loops that are worth more than the time of its compilation: -Og takes a
+# quarter less of it than -O1. LOOPS: it has loops that -Og would slow down, but none that -O3 speeds up.
 function(landfall_builds_fast target)
-  target_compile_options(${target} PRIVATE $<$<CONFIG:Release>:-O1>)
+  cmake_parse_arguments(arg "LOOPS" "" "" ${ARGN})
+  target_compile_options(${target} PRIVATE $<$<CONFIG:Release>:$<IF:$<BOOL:${arg_LOOPS}>,-O1,-Og>>)
 endfunction()
 
 # landfall_unity_groups(target SOURCES a.cpp ... APART b.cpp ... ALONE c.cpp ...): compiles up to 24 sources at a time.
