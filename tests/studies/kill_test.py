@@ -105,17 +105,21 @@ class Kills(StudyTest):
             time.sleep(0.1)
         self.fail("processes of a killed make are still running")
 
-    def run_stage(self, kill):
-        folder = self.path("kill" if kill else "live")
-        for name in ("shared", "readers", "log", "metrics"):
-            os.makedirs(os.path.join(folder, name))
-        for name, text in {"shared/a.dem.h5": "a", "readers/a.dem.h5": "metrics/m.json", "tools.txt": "",
+    def stage(self, name, script, *options):
+        """(folder, command line) of a stage whose shell script makes metrics/m.json from a shared file, which nobody else needs."""
+        folder = self.path(name)
+        for part in ("shared", "readers", "log", "metrics"):
+            os.makedirs(os.path.join(folder, part))
+        for file, text in {"shared/a.dem.h5": "a", "readers/a.dem.h5": "metrics/m.json", "tools.txt": "",
                            "targets.txt": "metrics/m.json log/metrics-m.log shared/a.dem.h5\n"}.items():
-            with open(os.path.join(folder, name), "w", encoding="utf-8") as file:
-                file.write(text)
+            with open(os.path.join(folder, file), "w", encoding="utf-8") as output:
+                output.write(text)
         metrics, shared = os.path.join(folder, "metrics", "m.json"), os.path.join(folder, "shared", "a.dem.h5")
-        stage = [os.path.join(ROOT, "studies", "runners", "run-stage"), "--study", folder, "--kind", "metrics", "--id", "m", "--output", metrics,
-                 "--drop", shared, "--", "sh", "-c", f"sleep 0.5; echo 1 > {shlex.quote(metrics)}"]
+        return folder, [os.path.join(ROOT, "studies", "runners", "run-stage"), "--study", folder, "--kind", "metrics", "--id", "m",
+                        "--output", metrics, "--drop", shared, *options, "--", "bash", "-c", script.format(metrics=shlex.quote(metrics))]
+
+    def run_stage(self, kill):
+        folder, stage = self.stage("kill" if kill else "live", "sleep 0.5; echo 1 > {metrics}")
         make = subprocess.Popen(["sh", "-c", shlex.join(stage) + " & wait"], stdout=subprocess.DEVNULL)
         if kill:
             while not os.path.exists(os.path.join(folder, "log", "metrics-m.log")):
@@ -123,8 +127,17 @@ class Kills(StudyTest):
             make.kill()
         make.wait()
         self.wait_for_orphans()
-        self.assertTrue(os.path.exists(metrics))
-        return os.path.exists(shared)
+        self.assertTrue(os.path.exists(os.path.join(folder, "metrics", "m.json")))
+        return os.path.exists(os.path.join(folder, "shared", "a.dem.h5"))
+
+    def test_a_command_that_does_not_end_is_told_again(self):
+        script = "told=0; trap 'told=$((told + 1))' TERM; echo > {metrics}; until ((told == 3)); do sleep 0.01; done; exit 5"
+        folder, stage = self.stage("told", script, "--end-again", "0.2")
+        process = subprocess.Popen(stage, stderr=subprocess.DEVNULL)
+        while not os.path.exists(os.path.join(folder, "metrics", "m.json")):
+            time.sleep(0.01)
+        process.terminate()
+        self.assertEqual(process.wait(), 128 + signal.SIGTERM)
 
     def test_only_the_recipe_of_a_running_make_removes_shared_files(self):
         """A recipe that outlives its make keeps shared files, because the next make may use them."""
