@@ -118,12 +118,17 @@ class Kills(StudyTest):
         return folder, [os.path.join(ROOT, "studies", "runners", "run-stage"), "--study", folder, "--kind", "metrics", "--id", "m",
                         "--output", metrics, "--drop", shared, *options, "--", "bash", "-c", script.format(metrics=shlex.quote(metrics))]
 
+    def wait_for(self, path, process):
+        """Waits for a file that a running process makes."""
+        while not os.path.exists(path):
+            self.assertTrue(process.poll() is None or os.path.exists(path))
+            time.sleep(0.01)
+
     def run_stage(self, kill):
         folder, stage = self.stage("kill" if kill else "live", "sleep 0.5; echo 1 > {metrics}")
         make = subprocess.Popen(["sh", "-c", shlex.join(stage) + " & wait"], stdout=subprocess.DEVNULL)
         if kill:
-            while not os.path.exists(os.path.join(folder, "log", "metrics-m.log")):
-                time.sleep(0.01)
+            self.wait_for(os.path.join(folder, "log", "metrics-m.log"), make)
             make.kill()
         make.wait()
         self.wait_for_orphans()
@@ -134,8 +139,7 @@ class Kills(StudyTest):
         script = "told=0; trap 'told=$((told + 1))' TERM; echo > {metrics}; until ((told == 3)); do sleep 0.01; done; exit 5"
         folder, stage = self.stage("told", script, "--end-again", "0.2")
         process = subprocess.Popen(stage, stderr=subprocess.DEVNULL)
-        while not os.path.exists(os.path.join(folder, "metrics", "m.json")):
-            time.sleep(0.01)
+        self.wait_for(os.path.join(folder, "metrics", "m.json"), process)
         process.terminate()
         self.assertEqual(process.wait(), 128 + signal.SIGTERM)
 
