@@ -45,6 +45,14 @@ class Information(ToolTest):
             self.assertIn("libc.so", result.stderr, "LD_DEBUG does not list the loaded libraries")
             self.assertNotIn("libgdal", result.stderr, name)
 
+    def test_the_timer_of_libhwy_is_not_measured(self):
+        result = subprocess.run([tool("regrid"), "--version"], env={**os.environ, "LD_DEBUG": "bindings"},
+                                capture_output=True, text=True, check=True)
+        self.assertIn("libhwy", result.stderr, "LD_DEBUG does not list the bindings")
+        for line in result.stderr.splitlines():
+            if "platform15TimerResolution" in line:
+                self.assertRegex(line, r" to \S*/regrid \[0\]: ")
+
     def test_version_is_one_line_with_tool_and_number(self):
         for name in TOOLS:
             text = self.succeed(name, "--version").stdout
