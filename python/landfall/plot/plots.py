@@ -8,6 +8,7 @@ import os
 import tempfile
 
 import matplotlib.pyplot as plt
+from matplotlib.backends.backend_agg import FigureCanvasAgg
 
 from landfall import command, tools
 from landfall.errors import DataError, UsageError, printable
@@ -167,7 +168,9 @@ def save(figures, dpi):
     try:
         for path, figure in figures.items():
             os.makedirs(os.path.dirname(path) or ".", exist_ok=True)
-            figure.savefig(temporary[path], format="png", dpi=dpi, metadata={"Software": None})
+            # Figure.savefig would draw twice: once for the layout alone, which the drawing does as well.
+            figure.set_dpi(dpi)
+            FigureCanvasAgg(figure).print_png(temporary[path], metadata={"Software": None})
             command.sync(temporary[path])
         for path in figures:
             os.replace(temporary[path], path)
