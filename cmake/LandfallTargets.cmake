@@ -86,6 +86,7 @@ function(landfall_unity_groups target)
   endif()
   cmake_parse_arguments(arg "" "" "SOURCES;APART;ALONE" ${ARGN})
   list(REMOVE_ITEM arg_SOURCES ${arg_APART} ${arg_ALONE})
+  list(REMOVE_ITEM arg_APART ${arg_ALONE})
   foreach(group SOURCES APART)
     list(LENGTH arg_${group} count)
     math(EXPR groups "(${count} + 23) / 24")
@@ -108,8 +109,8 @@ endfunction()
 # A static library landfall::<module> that may include exactly what it links, of all units of the folder but EXCEPT, and of those that
 # the build makes. UNITY: most of its time is that of headers, so
 # that LANDFALL_UNITY compiles several of its units together; scripts/check_unity.py finds names that would collide. APART:
-# units that need libraries which the linker of a host simulator (lib/host) has not; they are compiled apart from those that
-# the lidar needs. ALONE: units that include themselves once per instruction set, or a header that no other unit shall see.
+# units that the lidar of a host simulator (lib/host) does not need, for they need libraries that it has not: they are compiled apart from
+# those that it needs, and its archive is without them. ALONE: units that include themselves once per instruction set, or a header that no other unit shall see.
 function(landfall_library module)
   cmake_parse_arguments(arg "UNITY" "PRECOMPILED" "EXCEPT;GENERATED;LINKS;PRIVATE_LINKS;APART;ALONE" ${ARGN})
   file(GLOB_RECURSE sources CONFIGURE_DEPENDS RELATIVE ${CMAKE_CURRENT_SOURCE_DIR} *.cpp)
@@ -118,6 +119,7 @@ function(landfall_library module)
   add_library(landfall_${module} STATIC ${sources})
   add_library(landfall::${module} ALIAS landfall_${module})
   target_link_libraries(landfall_${module} PUBLIC landfall_flags ${arg_LINKS} PRIVATE ${arg_PRIVATE_LINKS})
+  set_target_properties(landfall_${module} PROPERTIES LANDFALL_APART "${arg_APART}")
   if(arg_PRECOMPILED)
     target_precompile_headers(landfall_${module} REUSE_FROM precompiled_${arg_PRECOMPILED})
     landfall_uses_precompiled_strings(landfall_${module})

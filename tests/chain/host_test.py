@@ -84,6 +84,22 @@ class Host(unittest.TestCase):
         self.assertLess(np.quantile(difference, 0.95), 0.005)
         self.assertLess(difference.max(), 0.05)
 
+    def test_a_host_may_draw_in_any_object_of_the_archive(self):
+        """As hosts did that were compiled without optimisation: the linker takes the first copy of a function of the standard library."""
+        for name, text in [("CMakeLists.txt", """
+                cmake_minimum_required(VERSION 3.25)
+                project(whole LANGUAGES C CXX)
+                find_package(landfall REQUIRED)
+                add_executable(whole whole.cpp)
+                target_link_libraries(whole PRIVATE $<LINK_LIBRARY:WHOLE_ARCHIVE,landfall::lidar>)
+                """), ("whole.cpp", "int main() {}\n")]:
+            os.makedirs(self.path("whole"), exist_ok=True)
+            with open(self.path(f"whole/{name}"), "w", encoding="utf-8") as file:
+                file.write(text)
+        check("cmake", "-S", self.path("whole"), "-B", self.path("whole/build"), "-DCMAKE_PREFIX_PATH=" + self.prefix,
+              "-DCMAKE_CXX_COMPILER=" + os.environ["LANDFALL_CXX"])
+        check("cmake", "--build", self.path("whole/build"))
+
     def test_it_links_no_library_of_the_tools(self):
         needed = check("ldd", self.path("build/host_simulator"))
         for library in ["hdf5", "gdal", "gmp", "mpfr", "tbb", "xxhash"]:
