@@ -17,8 +17,8 @@
     run_docs_test.py --write PAGE ... also updates the output blocks of the page
     LANDFALL_TEST_LONG=1 run_docs_test.py PAGE    also runs the blocks that take minutes, and prints their times
 
-Shell blocks run in one `bash -euo pipefail` with the tools and python/commands on PATH. Each Python block runs in a python3 that
-finds the package landfall, after the earlier Python blocks of the page. page.py describes the comments that annotate blocks.
+Shell blocks run in one `bash -euo pipefail` with the tools and python/commands on PATH. The Python blocks of a page run in one
+python3 that finds the package landfall. page.py describes the comments that annotate blocks.
 """
 import json
 import os
@@ -40,21 +40,24 @@ GROUPS = {"readme": r"(docs/)?\w+\.md$", "lidar": r"docs/user/lidar/", "terrain"
           "studies": r"docs/user/studies/", "guides": r"docs/user/(tutorial|usability|gallery)", "tools": r"docs/user/",
           "quality": r"docs/(reference|quality)/"}
 PAGE_TIMEOUT_S = 7200 if pages.LONG else 300
-# Runs earlier blocks of the page again for their definitions, without their output.
-REPLAY = "import contextlib, os\nwith open(os.devnull, 'w') as _null, contextlib.redirect_stdout(_null):\n    exec({!r})\n"
+# Runs a Python block in the interpreter of the page (python_blocks.py), which the first block starts.
+PYTHON_BLOCK = """[ -n "${{PYTHON_PID-}}" ] || coproc PYTHON {{ exec python3 '{here}/python_blocks.py'; }}
+printf '%s\\t%s\\t%s\\n' "$PWD" '{path}' '{output}' >&"${{PYTHON[1]}}"
+read -r python_code <&"${{PYTHON[0]}}"
+[ "$python_code" = 0 ]
+"""
 
 
 def group_of(name):
     return next(group for group, pattern in GROUPS.items() if re.match(pattern, name))
 
 
-def python_commands(blocks, number, folder):
-    """Writes a Python block to a file, and returns the command that runs it."""
-    earlier = [block.text for block in blocks[:number] if block.language == "python" and block.is_run]
-    text = "".join(REPLAY.format(text) for text in earlier) + blocks[number].text
-    with open(os.path.join(folder, f"{number}.py"), "w", encoding="utf-8") as file:
-        file.write(text)
-    return f"python3 '{folder}/{number}.py'\n"
+def python_commands(block, number, folder):
+    """Writes a Python block to a file, and returns the commands that run it."""
+    path = os.path.join(folder, f"{number}.py")
+    with open(path, "w", encoding="utf-8") as file:
+        file.write("\n" * (block.line - 1) + block.text)  # messages give the lines of the page
+    return PYTHON_BLOCK.format(here=HERE, path=path, output=os.path.join(folder, f"{number}.out"))
 
 
 def commands_of(blocks, number, folder):
@@ -70,7 +73,7 @@ def commands_of(blocks, number, folder):
         if "check" in block.notes:
             text += f"command {block.notes['check']} -c '{path}' --check\n"
     if block.is_run:
-        text += python_commands(blocks, number, folder) if block.language == "python" else block.text
+        text += python_commands(block, number, folder) if block.language == "python" else block.text
     return text
 
 
