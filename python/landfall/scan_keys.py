@@ -24,7 +24,12 @@ def effect_of(*path, scan=None):
     of EFFECTS; of an unknown one that of the nearest known key above it."""
     if path[0] in SHARED:
         return "estimate"
-    return "beam" if scan and _moves_beams_in(scan_schema()["properties"].get(path[0], {}), scan) else _effect(scan_schema(), "beam", path)
+    return "beam" if scan and _moves_beams_in(scan_schema()["properties"].get(path[0], {}), scan) else _effect_at(path)
+
+
+@functools.cache
+def _effect_at(path):
+    return _effect(scan_schema(), "beam", path)
 
 
 def _moves_beams_in(section, scan):
