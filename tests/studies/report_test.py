@@ -258,7 +258,7 @@ def fake_study(test, *axes, **keys):
         metrics["accuracy"]["relative"]["z"]["max_m"] = largest
         metrics["pass"] = metrics["requirements"]["relative_elevation"]["pass"] = largest <= 0.05
         with open(os.path.join(folder, name), "w", encoding="utf-8") as file:
-            json.dump(metrics, file)
+            file.write(json.dumps(metrics))  # json.dump takes three times as long
     test.sweep("collect", folder)
     write_numbers(folder)
     return folder
