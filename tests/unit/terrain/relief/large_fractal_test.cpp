@@ -93,7 +93,7 @@ std::vector<double> squares_by_column(const FractalBase& law, std::int64_t lag, 
     const Grid<double> z = whole(law, {static_cast<std::uint64_t>(seed), 0});
     for (std::int64_t r = 0; r < kGrid.rows; ++r)
       for (std::int64_t c = 0; c + lag < kGrid.cols; ++c) {
-        sums[static_cast<std::size_t>(c % 384)] += std::pow(z.at({r, c + lag}) - z.at({r, c}), 2);
+        sums[static_cast<std::size_t>(c % 384)] += squared_step(z.at({r, c + lag}), z.at({r, c}));
         counts[static_cast<std::size_t>(c % 384)] += 1;
       }
   }
