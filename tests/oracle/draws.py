@@ -11,7 +11,8 @@ PHOTON_COUNT, PHOTON_TIME, BACKGROUND, TIMING_JITTER, PIXEL_OFFSET = 50, 51, 52,
 MASK = 2**64 - 1
 LOW = np.uint64(0xFFFFFFFF)
 HALF = np.uint64(32)
-MULTIPLIERS = (np.uint64(0xD2E7470EE14C6C93), np.uint64(0xCA5A826395121157))
+FIRST, SECOND = 0xD2E7470EE14C6C93, 0xCA5A826395121157
+MULTIPLIERS = (np.uint64(FIRST), np.uint64(SECOND))
 WEYL = (0x9E3779B97F4A7C15, 0xBB67AE8584CAA73B)
 
 
@@ -28,11 +29,11 @@ FEW = 16  # words of a counter, for which Python's integers are faster than arra
 
 def philox_of_integers(words, key):
     """philox() of one counter."""
-    a, b, c, d = words
-    for round_number in range(10):
-        k0, k1 = (key[n] + round_number * WEYL[n] & MASK for n in (0, 1))
-        first, second = int(MULTIPLIERS[0]) * a, int(MULTIPLIERS[1]) * c
+    (a, b, c, d), (k0, k1) = words, map(int, key)
+    for _ in range(10):
+        first, second = FIRST * a, SECOND * c
         a, b, c, d = second >> 64 ^ b ^ k0, second & MASK, first >> 64 ^ d ^ k1, first & MASK
+        k0, k1 = k0 + WEYL[0] & MASK, k1 + WEYL[1] & MASK
     return a, b, c, d
 
 
