@@ -107,10 +107,10 @@ endfunction()
 # landfall_library(module [UNITY [APART b.cpp ...] [ALONE c.cpp ...]] [EXCEPT d.cpp ...] [GENERATED e.cpp ...]
 #                  LINKS landfall::geometry ... [PRIVATE_LINKS ...] [PRECOMPILED name])
 # A static library landfall::<module> that may include exactly what it links, of all units of the folder but EXCEPT, and of those that
-# the build makes. UNITY: most of its time is that of headers, so
-# that LANDFALL_UNITY compiles several of its units together; scripts/check_unity.py finds names that would collide. APART:
-# units that the lidar of a host simulator (lib/host) does not need, for they need libraries that it has not: they are compiled apart from
-# those that it needs, and its archive is without them. ALONE: units that include themselves once per instruction set, or a header that no other unit shall see.
+# the build makes. UNITY: most of its time is that of headers, so that LANDFALL_UNITY compiles several of its units together;
+# scripts/check_unity.py finds names that would collide. APART: units that the lidar of a host simulator (lib/host) does not need, for
+# they need libraries that it has not: they are compiled apart from those that it needs, and its archive is without them. ALONE: units
+# that include themselves once per instruction set, or a header that no other unit shall see.
 function(landfall_library module)
   cmake_parse_arguments(arg "UNITY" "PRECOMPILED" "EXCEPT;GENERATED;LINKS;PRIVATE_LINKS;APART;ALONE" ${ARGN})
   file(GLOB_RECURSE sources CONFIGURE_DEPENDS RELATIVE ${CMAKE_CURRENT_SOURCE_DIR} *.cpp)
