@@ -24,7 +24,6 @@ BINS = 41
 RESOLUTION_M = 0.5
 RADIUS_M = 9.0
 PICTURES = ["accuracy", "coverage", "elevation_error", "verdict"]
-WITHOUT_TRUTH = ["coverage", "verdict"]
 
 
 def start_file(path, format_name, complete=1):
@@ -269,21 +268,21 @@ class PlotEvalTest(ScriptTest):
         self.expect_pictures("eval-", PICTURES)
 
     def test_prefix_and_dem(self):
-        make_evaluation(self.path("eval.h5"), truth=False)
+        make_evaluation(self.path("eval.h5"))
         make_dem(self.path("dem.h5"))
         self.expect_success("plot_eval.py", "eval.h5", "--dem", "dem.h5", "-o", "case_")
-        self.expect_pictures("case_", WITHOUT_TRUTH + ["dem"])
+        self.expect_pictures("case_", PICTURES + ["dem"])
 
     def test_folder(self):
-        make_evaluation(self.path("eval.h5"), truth=False)
+        make_evaluation(self.path("eval.h5"))
         written = self.expect_success("plot_eval.py", "eval.h5", "-o", self.folder)
-        self.assertEqual(sorted(written), sorted(self.path(f"{name}.png") for name in WITHOUT_TRUTH))
-        self.expect_pictures("", WITHOUT_TRUTH)
+        self.assertEqual(sorted(written), sorted(self.path(f"{name}.png") for name in PICTURES))
+        self.expect_pictures("", PICTURES)
 
     def test_a_folder_that_does_not_exist_yet(self):
-        make_evaluation(self.path("eval.h5"), truth=False)
+        make_evaluation(self.path("eval.h5"))
         self.expect_success("plot_eval.py", "eval.h5", "-o", self.path("new/"))
-        self.assertEqual(sorted(os.listdir(self.path("new"))), sorted(f"{name}.png" for name in WITHOUT_TRUTH))
+        self.assertEqual(sorted(os.listdir(self.path("new"))), sorted(f"{name}.png" for name in PICTURES))
         self.expect_failure(2, "does not exist", "plot_eval.py", "eval.h5", "-o", self.path("a/b/"))
 
     def test_no_holes(self):
@@ -299,22 +298,22 @@ class PlotEvalTest(ScriptTest):
     def test_dem_without_truth(self):
         make_evaluation(self.path("eval.h5"), truth=False)
         self.expect_success("plot_eval.py", "eval.h5")
-        self.expect_pictures("eval-", WITHOUT_TRUTH)
+        self.expect_pictures("eval-", ["coverage", "verdict"])
 
     def test_metrics_only(self):
         make_evaluation(self.path("eval.h5"), layers=False)
         with h5py.File(self.path("eval.h5"), "r+") as file:
             del file["x"], file["y"]
         self.expect_success("plot_eval.py", "eval.h5")
-        self.expect_pictures("eval-", WITHOUT_TRUTH)
+        self.expect_pictures("eval-", ["coverage", "verdict"])
 
     def test_one_existing_figure_prevents_all(self):
-        make_evaluation(self.path("eval.h5"), truth=False)
+        make_evaluation(self.path("eval.h5"))
         with open(self.path("eval-verdict.png"), "w", encoding="utf-8") as file:
             file.write("mine")
         self.expect_failure(2, "output eval-verdict.png exists", "plot_eval.py", "eval.h5")
         self.expect_success("plot_eval.py", "eval.h5", "--overwrite")
-        self.expect_pictures("eval-", WITHOUT_TRUTH)
+        self.expect_pictures("eval-", PICTURES)
 
     def test_errors(self):
         self.expect_failure(1, "eval.h5: no such file", "plot_eval.py", "eval.h5")
