@@ -335,15 +335,16 @@ class XdmfTest(ExportTest):
 
     def test_both_readers_of_paraview_read_a_grid(self):
         program("pvpython", "python3-paraview")
-        sources = [source for source in (CHAIN.terrain, CHAIN.dem, CHAIN.eval) for _ in range(2)]
-        paths = {source: self.export(self.copied(source), os.path.basename(source) + ".xmf") for source in sources[::2]}
-        files = [(reader, paths[source]) for reader, source in zip(["xdmf", "xdmf3"] * 3, sources)]
-        for found, source in zip(self.paraview(*files), sources):
+        sources = [CHAIN.terrain, CHAIN.dem, CHAIN.eval]
+        paths = [self.export(self.copied(source), os.path.basename(source) + ".xmf") for source in sources]
+        read = self.paraview(*((reader, path) for path in paths for reader in ("xdmf", "xdmf3")))
+        for source, both in zip(sources, zip(read[::2], read[1::2])):
             grid = columns(source, "/")
-            self.assert_close(found["bounds"], [grid["x"][0], grid["x"][-1], grid["y"][0], grid["y"][-1], 0, 0], 1e-9)
-            for name, values in grid.items():
-                if values.ndim == 2:
-                    self.assert_close(found["field_" + name], values.ravel(), 0, f"{source} {name}")
+            for found in both:
+                self.assert_close(found["bounds"], [grid["x"][0], grid["x"][-1], grid["y"][0], grid["y"][-1], 0, 0], 1e-9)
+                for name, values in grid.items():
+                    if values.ndim == 2:
+                        self.assert_close(found["field_" + name], values.ravel(), 0, f"{source} {name}")
 
     def test_the_xdmf_library_reads_a_grid(self):
         for source in [CHAIN.terrain, CHAIN.dem, CHAIN.eval]:

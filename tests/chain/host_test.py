@@ -35,10 +35,13 @@ class Host(unittest.TestCase):
         cls.addClassCleanup(shutil.rmtree, cls.folder)
         cls.prefix = cls.path("prefix")
         check("cmake", "--install", BUILD, "--component", "lidar", "--prefix", cls.prefix)
-        check("cmake", "-S", EXAMPLE, "-B", cls.path("build"), "-DCMAKE_PREFIX_PATH=" + cls.prefix,
-              "-DCMAKE_BUILD_TYPE=Release", "-DCMAKE_CXX_COMPILER=" + os.environ["LANDFALL_CXX"],
-              "-DCMAKE_CXX_FLAGS=-Wall -Wextra -Wpedantic -Werror")
-        check("cmake", "--build", cls.path("build"))
+        cls.build(EXAMPLE, "build", "-DCMAKE_BUILD_TYPE=Release", "-DCMAKE_CXX_FLAGS=-Wall -Wextra -Wpedantic -Werror")
+
+    @classmethod
+    def build(cls, source, name, *options):
+        check("cmake", "-S", source, "-B", cls.path(name), "-DCMAKE_PREFIX_PATH=" + cls.prefix,
+              "-DCMAKE_CXX_COMPILER=" + os.environ["LANDFALL_CXX"], *options)
+        check("cmake", "--build", cls.path(name))
 
     @classmethod
     def path(cls, name):
@@ -86,19 +89,18 @@ class Host(unittest.TestCase):
 
     def test_a_host_may_draw_in_any_object_of_the_archive(self):
         """As hosts did that were compiled without optimisation: the linker takes the first copy of a function of the standard library."""
-        for name, text in [("CMakeLists.txt", """
+        os.mkdir(self.path("whole"))
+        with open(self.path("whole/whole.cpp"), "w", encoding="utf-8") as file:
+            file.write("int main() {}\n")
+        with open(self.path("whole/CMakeLists.txt"), "w", encoding="utf-8") as file:
+            file.write("""
                 cmake_minimum_required(VERSION 3.25)
                 project(whole LANGUAGES C CXX)
                 find_package(landfall REQUIRED)
                 add_executable(whole whole.cpp)
                 target_link_libraries(whole PRIVATE $<LINK_LIBRARY:WHOLE_ARCHIVE,landfall::lidar>)
-                """), ("whole.cpp", "int main() {}\n")]:
-            os.makedirs(self.path("whole"), exist_ok=True)
-            with open(self.path(f"whole/{name}"), "w", encoding="utf-8") as file:
-                file.write(text)
-        check("cmake", "-S", self.path("whole"), "-B", self.path("whole/build"), "-DCMAKE_PREFIX_PATH=" + self.prefix,
-              "-DCMAKE_CXX_COMPILER=" + os.environ["LANDFALL_CXX"])
-        check("cmake", "--build", self.path("whole/build"))
+                """)
+        self.build(self.path("whole"), "whole/build")
 
     def test_it_links_no_library_of_the_tools(self):
         needed = check("ldd", self.path("build/host_simulator"))

@@ -28,8 +28,8 @@ class StructureFunction : public ::testing::TestWithParam<double> {};
 
 // nu(L)^2 = nu_0^2 (L / L_0)^(2 H) from 1 node to the width of the grid. The expectation may be 1 % off in
 // nu; the mean of 300 realisations, four standard errors more. With other seeds one of the 28 limits is
-// exceeded by chance in fewer than 1 of 100 runs. The realisations share a spectrum: to
-// make it takes a third of the time.
+// exceeded by chance in fewer than 1 of 100 runs. The realisations share a
+// spectrum, which takes a third of the time to make.
 TEST_P(StructureFunction, FollowsTheLawAtAllScales) {
   const FractalBase law{GetParam(), 0.3, 6};
   const GridSpec spec = GridSpec::centered(32, 0.5);
