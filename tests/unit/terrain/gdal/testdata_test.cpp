@@ -17,6 +17,7 @@
 #include "base/error.h"
 #include "gdal_rasters.h"
 #include "terrain/gdal/gdal_loader.h"
+#include "terrain/relief/structure_function.h"
 #include "terrain/relief/terrain_generator.h"
 
 namespace landfall {
@@ -205,17 +206,6 @@ TEST(TestdataHoles, LieWhereTheFileHasThem) {
   EXPECT_EQ(holes(pixels("gmt_holes.grd", {15, 15}, GridSpec::centered(15, 1), 3), 15, 15), discs);
 }
 
-/// The rms elevation difference of nodes `lag` apart, along rows and columns.
-double deviation(const Grid<double>& z, std::int64_t lag) {
-  double sum = 0;
-  std::size_t count = 0;
-  for (std::int64_t row = 0; row < z.spec().rows; ++row)
-    for (std::int64_t col = lag; col < z.spec().cols; ++col, count += 2)
-      sum += std::pow(z.at({row, col}) - z.at({row, col - lag}), 2) +
-             std::pow(z.at({col, row}) - z.at({col - lag, row}), 2);
-  return std::sqrt(sum / static_cast<double>(count));
-}
-
 // Hurst exponent: the slope of log deviation against log distance, by least squares over 1 .. 8 postings.
 double hurst_exponent(const Grid<double>& z) {
   const std::vector<std::int64_t> lags = {1, 2, 3, 4, 6, 8};
@@ -225,7 +215,7 @@ double hurst_exponent(const Grid<double>& z) {
   double xy = 0;
   for (const std::int64_t lag : lags) {
     const double u = std::log(static_cast<double>(lag));
-    const double v = std::log(deviation(z, lag));
+    const double v = std::log(std::sqrt(squared_deviation(z, lag)));
     x += u;
     y += v;
     xx += u * u;
@@ -237,10 +227,10 @@ double hurst_exponent(const Grid<double>& z) {
 
 TEST(TestdataRelief, HasTheStatisticsOfItsBody) {
   const Grid<double> europa = pixels("relief_europa_10m.tif", {52, 52}, GridSpec::centered(520, 10), 0);
-  EXPECT_NEAR(deviation(europa, 1), 2.13, 0.001);
+  EXPECT_NEAR(std::sqrt(squared_deviation(europa, 1)), 2.13, 0.001);
   EXPECT_NEAR(hurst_exponent(europa), 0.8, 0.03);
   const Grid<double> moon = pixels("relief_moon_1m.tif", {64, 64}, GridSpec::centered(64, 1), 0);
-  EXPECT_NEAR(deviation(moon, 17), 0.88, 0.001);
+  EXPECT_NEAR(std::sqrt(squared_deviation(moon, 17)), 0.88, 0.001);
   EXPECT_NEAR(hurst_exponent(moon), 0.76, 0.03);
 }
 
