@@ -40,12 +40,6 @@ GROUPS = {"readme": r"(docs/)?\w+\.md$", "lidar": r"docs/user/lidar/", "terrain"
           "studies": r"docs/user/studies/", "guides": r"docs/user/(tutorial|usability|gallery)", "tools": r"docs/user/",
           "quality": r"docs/(reference|quality)/"}
 PAGE_TIMEOUT_S = 7200 if pages.LONG else 300
-# Runs a Python block in the interpreter of the page (python_blocks.py), which the first block starts.
-PYTHON_BLOCK = """[ -n "${{PYTHON_PID-}}" ] || coproc PYTHON {{ exec python3 '{here}/python_blocks.py'; }}
-printf '%s\\t%s\\t%s\\n' "$PWD" '{path}' '{output}' >&"${{PYTHON[1]}}"
-read -r python_code <&"${{PYTHON[0]}}"
-[ "$python_code" = 0 ]
-"""
 
 
 def group_of(name):
@@ -53,11 +47,11 @@ def group_of(name):
 
 
 def python_commands(block, number, folder):
-    """Writes a Python block to a file, and returns the commands that run it."""
+    """Writes a Python block to a file, and returns the command that runs it."""
     path = os.path.join(folder, f"{number}.py")
     with open(path, "w", encoding="utf-8") as file:
         file.write("\n" * (block.line - 1) + block.text)  # messages give the lines of the page
-    return PYTHON_BLOCK.format(here=HERE, path=path, output=os.path.join(folder, f"{number}.out"))
+    return f"python_block '{path}' '{folder}/{number}.out'\n"
 
 
 def commands_of(blocks, number, folder):

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-# Functions for the setup comments of the pages (tests/docs/page.py).
+# Functions for the setup comments of the pages (tests/docs/page.py), and for their Python blocks.
 
 # Figures are coarse unless the page says how fine, because nobody looks at their pixels.
 for plot in "$LANDFALL_ROOT"/python/commands/plot_*.py; do
@@ -58,4 +58,12 @@ small_chain() {
 # Makes make print its commands to plan.txt instead of running them, because studies take minutes.
 plan_only() {
   make() { command make -n "$@" > plan.txt; }
+}
+
+# Runs the file of a Python block in the interpreter of the page, which the first block starts; what it prints is appended to a file.
+python_block() {
+  [ -n "${PYTHON_PID-}" ] || coproc PYTHON { exec python3 "$LANDFALL_ROOT/tests/docs/python_blocks.py"; }
+  printf '%s\t%s\t%s\n' "$PWD" "$1" "$2" >&"${PYTHON[1]}"
+  local code
+  read -r code <&"${PYTHON[0]}" && [ "$code" = 0 ]
 }
