@@ -9,8 +9,11 @@
 #include <array>
 #include <cmath>
 #include <functional>
+#include <map>
+#include <mutex>
 #include <numeric>
 #include <optional>
+#include <stdexcept>
 #include <utility>
 
 #include "base/error.h"
@@ -295,12 +298,15 @@ const Json& dereferenced(const Json& schema, const Json& node) {
 }
 
 const Json& embedded_schema(const std::string& name) {
-  static const Json schemas = [] {
-    Json all = Json::object();
-    for (const auto& schema : embedded::kSchemas) all[schema.name] = Json::parse(schema.text);
-    return all;
-  }();
-  return schemas.at(name + ".schema.json");
+  // Each is parsed when it is first asked for, because a tool asks for one or two of them.
+  static std::mutex mutex;
+  static std::map<std::string, Json> parsed;  // whose values stay where they are
+  const std::lock_guard lock(mutex);
+  const auto known = parsed.find(name);
+  if (known != parsed.end()) return known->second;
+  for (const auto& schema : embedded::kSchemas)
+    if (schema.name == name + ".schema.json") return parsed[name] = Json::parse(schema.text);
+  throw std::out_of_range("no schema is named " + name);
 }
 
 Json resolve_config(const JsonSource& source, const Json& schema) {
