@@ -53,6 +53,12 @@ class Information(ToolTest):
             if "platform15TimerResolution" in line:
                 self.assertRegex(line, r" to \S*/regrid \[0\]: ")
 
+    def test_no_library_is_taken_from_the_current_folder(self):
+        for name in ("libpng16.so.16", "libhdf5_serial.so.103"):
+            with open(self.path(name), "w", encoding="ascii") as file:
+                file.write("not a library")
+        subprocess.run([os.path.abspath(tool("regrid")), "--version"], cwd=self.path(""), capture_output=True, check=True)
+
     def test_version_is_one_line_with_tool_and_number(self):
         for name in TOOLS:
             text = self.succeed(name, "--version").stdout
