@@ -13,7 +13,7 @@
 namespace landfall {
 
 /// The JSON schema (draft-07) of a tool's configuration, embedded from schemas/NAME.schema.json; NAME is
-/// terrain, scan, regrid, eval, hazard or draws.
+/// terrain, scan, regrid, eval, hazard, draws or chain. Any other throws std::out_of_range.
 [[nodiscard]] const nlohmann::json& embedded_schema(const std::string& name);
 
 /// Checks a configuration against a schema and fills in the schema's defaults: the resolved configuration.
