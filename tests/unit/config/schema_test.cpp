@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <set>
+#include <stdexcept>
 
 #include "base/error.h"
 
@@ -36,6 +37,13 @@ TEST(Schema, EmptyConfigResolvesToTheContractsDefaults) {
   EXPECT_EQ(terrain.at("base"), Json::parse(R"({"type":"plane","elevation_m":0,"slope_x":0,"slope_y":0})"));
   const Json eval = resolve_config({"c", Json::object()}, embedded_schema("eval"));
   EXPECT_EQ(eval.at("limits").at("hole_bins"), 10);
+}
+
+TEST(Schema, EachIsOneObjectAndAnUnknownNameIsRefused) {
+  const Json& scan = embedded_schema("scan");
+  static_cast<void>(embedded_schema("terrain"));
+  EXPECT_EQ(&embedded_schema("scan"), &scan);
+  EXPECT_THROW(static_cast<void>(embedded_schema("lidar")), std::out_of_range);
 }
 
 TEST(Schema, AMessageNamesFilePathValueAndBound) {
