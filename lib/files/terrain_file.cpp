@@ -20,7 +20,7 @@ namespace landfall {
 namespace {
 
 TerrainIdentity identity_of(const LandfallFileReader& file) {
-  return {read_crs(file.root()), file.file_id(), file.chain()};
+  return {read_crs(file), file.file_id(), file.chain()};
 }
 
 constexpr const char* kGroup = "features";
@@ -108,7 +108,7 @@ NodeCounts write_terrain(LandfallFileWriter& file, TerrainStrips& strips, const 
 
 std::string raster_id(const DemRaster& raster) {
   Hash hash;
-  hash.update(without_map(raster.crs_wkt)).update(std::as_bytes(std::span(raster.samples.values)));
+  hash.update(without_place(raster.crs_wkt)).update(std::as_bytes(std::span(raster.samples.values)));
   std::vector<double> numbers = {static_cast<double>(raster.samples.size.cols)};
   for (const SitePoint& point : {SitePoint{0, 0}, SitePoint{1, 0}, SitePoint{0, 1}}) {
     const PixelPosition pixel = raster.mapping.pixel(point);

@@ -12,6 +12,7 @@
 #include "files/imported_scan.h"
 #include "imports/cloud_reader.h"
 #include "terrain/gdal/gdal_loader.h"
+#include "terrain/site_wkt.h"
 
 namespace landfall {
 namespace {
@@ -229,7 +230,7 @@ ImportedCloud import_cloud(const CloudImport& import, ImportOutput output) {
                              .pulse = info.has(CloudField::pulse),
                              .pixel = info.has(CloudField::pixel),
                              .clock = info.clock},
-                            frame.crs_wkt);
+                            raised(frame.crs_wkt, result.center[2] * frame.metres_per_height));
   output.phase("write", [&](const ProgressCallback& progress) {
     const SitePoints site(frame, result.center[2], import.path);
     ImportedPoints points;

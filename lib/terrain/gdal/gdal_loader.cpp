@@ -102,6 +102,18 @@ std::vector<MapPosition> map_positions(const std::string& site_wkt, const std::v
   return plugin().map_positions(site_wkt, points);
 }
 
+std::string raster_site(const DemBase& dem, RasterLinks links) {
+  return plugin_for(dem).raster_site(dem, links);
+}
+
+bool one_map(const std::string& a_wkt, const std::string& b_wkt) { return plugin().one_map(a_wkt, b_wkt); }
+
+SiteTransform site_transform(const std::string& from_wkt, const std::string& to_wkt) {
+  return plugin().site_transform(from_wkt, to_wkt);
+}
+
+std::string proj_text(const std::string& wkt) { return plugin().proj_text(wkt); }
+
 PolygonFile polygon_file(const PolygonFileRequest& request) {
   try {
     return plugin().polygons(request);

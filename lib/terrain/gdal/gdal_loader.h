@@ -13,6 +13,7 @@
 #include "terrain/gdal/point_frame.h"
 #include "terrain/gdal/polygon_file.h"
 #include "terrain/gdal/raster_grid.h"
+#include "terrain/gdal/site_relation.h"
 #include "terrain/relief/dem_raster.h"
 #include "terrain/relief/site_fit.h"
 #include "terrain/site_point.h"
@@ -105,6 +106,19 @@ void write_geopackage(const OutputOptions& options, const PointLayer& layer);
 [[nodiscard]] std::vector<MapPosition> map_positions(const std::string& site_wkt,
                                                      const std::vector<SitePoint>& points);
 [[nodiscard]] std::optional<std::string> no_map_positions(const std::string& site_wkt);
+
+/// The frame of the site that load_dem() would give, from the header alone. Throws as load_dem() does.
+[[nodiscard]] std::string raster_site(const DemBase& dem, RasterLinks links = RasterLinks::refused);
+
+/// Whether two CRSs are one horizontal CRS, whatever their names and texts.
+[[nodiscard]] bool one_map(const std::string& a_wkt, const std::string& b_wkt);
+
+/// The transformation from one site frame to another; empty where a frame is not tied to a body, between two
+/// bodies, and between datums of different ellipsoids whose shift is not known.
+[[nodiscard]] SiteTransform site_transform(const std::string& from_wkt, const std::string& to_wkt);
+
+/// A CRS as a PROJ text, for a command that a user can type; empty where it has none.
+[[nodiscard]] std::string proj_text(const std::string& wkt);
 
 /// The polygons of a vector file of the formats that docs/user/dem-eval.md lists, reprojected vertex by
 /// vertex to the DEM's frame if the file has a CRS; without one, or with a local one, their coordinates are x

@@ -3,6 +3,7 @@
 
 #include "terrain/gdal/point_frame.h"
 #include "terrain/relief/dem_raster.h"
+#include "terrain/site_wkt.h"
 
 namespace landfall {
 
@@ -18,7 +19,9 @@ PointFrame local_point_frame(const PointFrameRequest& request) {
   PointFrame frame;
   frame.center = request.center.value_or(rounded_center(request.low, request.high, 1));
   frame.metres_per_height = request.vertical_scale.value_or(1);
-  frame.crs_wkt = kLocalSiteCrsWkt;
+  frame.crs_wkt = with_place(
+      kLocalSiteCrsWkt,
+      {.center = {frame.center.x, frame.center.y, 0}, .metres_per_unit = 1, .vertical = {}, .map_wkt = {}});
   frame.assumed.emplace_back("has no CRS: its coordinates are taken as metres (--crs gives one)");
   return frame;
 }

@@ -1,12 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Decisions: D386
-// The remark holds the map's WKT with ' in place of ": readers of WKT that do not know doubled quotes pass
-// over it.
 #include "terrain/gdal/map_position.h"
 
 #include <ogr_spatialref.h>
 
-#include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <optional>
@@ -19,17 +16,11 @@
 namespace landfall {
 namespace {
 
-constexpr const char* kRemarkEnd = "\"]";
-
-/// The map of a site frame; none without a remark that names a projected one.
+/// The map of a site frame; none without a place that names a projected one.
 std::optional<OGRSpatialReference> map_of(const std::string& site_wkt) {
-  const std::size_t begin = site_wkt.rfind(kMapRemark);
-  if (begin == std::string::npos) return std::nullopt;
-  const std::size_t first = begin + kMapRemark.size();
-  std::string text = site_wkt.substr(first, site_wkt.find(kRemarkEnd, first) - first);
-  std::ranges::replace(text, '\'', '"');
   OGRSpatialReference map;
-  if (map.importFromWkt(text.c_str()) != OGRERR_NONE || map.IsProjected() == 0) return std::nullopt;
+  if (map.importFromWkt(map_wkt_of(site_wkt).c_str()) != OGRERR_NONE || map.IsProjected() == 0)
+    return std::nullopt;
   return map;
 }
 
@@ -44,14 +35,14 @@ constexpr double kDegrees = 180 / std::numbers::pi;
 
 }  // namespace
 
-std::string with_map(const std::string& site_wkt, const OGRSpatialReference& map) {
-  if (!site_wkt.starts_with("PROJCRS") || map.IsProjected() == 0) return site_wkt;
+std::string placed_on(const std::string& site_wkt, const OGRSpatialReference& map, const MapPoint& center,
+                      double metres_per_unit, const std::string& vertical) {
   OGRSpatialReference flat = map;
   flat.StripVertical();
-  std::string text = to_wkt(flat);
-  if (text.empty() || text.find('\'') != std::string::npos) return site_wkt;
-  std::ranges::replace(text, '"', '\'');
-  return site_wkt.substr(0, site_wkt.rfind(']')) + std::string(kMapRemark) + text + kRemarkEnd + "]";
+  return with_place(site_wkt, {.center = {center.x, center.y, 0},
+                               .metres_per_unit = metres_per_unit,
+                               .vertical = vertical,
+                               .map_wkt = to_wkt(flat)});
 }
 
 std::vector<MapPosition> map_positions_of(const std::string& site_wkt, const std::vector<SitePoint>& points) {

@@ -194,7 +194,7 @@ OpenRaster open_raster(const DemBase& dem, RasterLinks links, const GdalErrors& 
     require_no_stream(file);
     require_whole_classic_netcdf(file);
   }
-  auto checks = std::make_unique<DamageChecks>();
+  auto checks = std::make_unique<StrictReading>();
   auto guard = std::make_unique<FileGuard>(dem.path, links);
   constexpr unsigned kFlags = GDAL_OF_RASTER | GDAL_OF_READONLY | GDAL_OF_VERBOSE_ERROR;
   GDALDatasetUniquePtr dataset = guard->open(kFlags);

@@ -14,32 +14,33 @@
 
 namespace landfall {
 
-/// While one lives, GDAL's drivers check on this thread what they skip by default: the checksums of DTED, and
-/// damaged or truncated JPEG data. A value that the user has set (environment, configuration file) stays.
-class DamageChecks {
+/// While one lives, GDAL's drivers tell on this thread what they skip by default: wrong checksums of DTED,
+/// damaged or truncated JPEG data, and the vertical CRS of GeoTIFF 1.0. A value that the user has set
+/// (environment, configuration file) stays.
+class StrictReading {
  public:
-  DamageChecks() {
+  StrictReading() {
     for (std::size_t i = 0; i < kOptions.size(); ++i) {
       is_set_[i] = CPLGetConfigOption(kOptions[i], nullptr) == nullptr;
       if (is_set_[i]) CPLSetThreadLocalConfigOption(kOptions[i], "YES");
     }
   }
-  ~DamageChecks() {
+  ~StrictReading() {
     for (std::size_t i = 0; i < kOptions.size(); ++i)
       if (is_set_[i]) CPLSetThreadLocalConfigOption(kOptions[i], nullptr);
   }
-  DamageChecks(const DamageChecks&) = delete;
-  DamageChecks& operator=(const DamageChecks&) = delete;
+  StrictReading(const StrictReading&) = delete;
+  StrictReading& operator=(const StrictReading&) = delete;
 
  private:
-  static constexpr std::array<const char*, 2> kOptions = {"DTED_VERIFY_CHECKSUM",
-                                                          "GDAL_ERROR_ON_LIBJPEG_WARNING"};
+  static constexpr std::array<const char*, 3> kOptions = {
+      "DTED_VERIFY_CHECKSUM", "GDAL_ERROR_ON_LIBJPEG_WARNING", "GTIFF_REPORT_COMPD_CS"};
   std::array<bool, kOptions.size()> is_set_{};
 };
 
 struct OpenRaster {
-  std::unique_ptr<DamageChecks> checks;  ///< outlives the dataset, as the guard does
-  std::unique_ptr<FileGuard> guard;      ///< outlives the dataset
+  std::unique_ptr<StrictReading> checks;  ///< outlives the dataset, as the guard does
+  std::unique_ptr<FileGuard> guard;       ///< outlives the dataset
   GDALDatasetUniquePtr dataset;
   GDALRasterBand* band;
   RasterSize size;

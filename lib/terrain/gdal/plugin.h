@@ -11,6 +11,7 @@
 #include "terrain/gdal/point_frame.h"
 #include "terrain/gdal/polygon_file.h"
 #include "terrain/gdal/raster_grid.h"
+#include "terrain/gdal/site_relation.h"
 #include "terrain/relief/dem_raster.h"
 #include "terrain/relief/site_fit.h"
 #include "terrain/site_point.h"
@@ -34,6 +35,10 @@ struct GdalPlugin {
   std::vector<MapPosition> (*map_positions)(const std::string& site_wkt,
                                             const std::vector<SitePoint>& points);
   PolygonFile (*polygons)(const PolygonFileRequest& request);
+  std::string (*raster_site)(const DemBase& dem, RasterLinks links);
+  bool (*one_map)(const std::string& a_wkt, const std::string& b_wkt);
+  SiteTransform (*site_transform)(const std::string& from_wkt, const std::string& to_wkt);
+  std::string (*proj_text)(const std::string& wkt);
 };
 
 /// point_frame() of gdal_loader.h for points with a CRS.

@@ -15,7 +15,9 @@
 #include "base/number_text.h"
 #include "base/shown_text.h"
 #include "terrain/gdal/gdal_errors.h"
+#include "terrain/gdal/open_raster.h"
 #include "terrain/gdal/registry.h"
+#include "terrain/gdal/site_relation.h"
 
 namespace landfall {
 namespace {
@@ -99,6 +101,7 @@ OGRSpatialReference crs_of_keys(const PointCrs& points, const std::string& name)
   VSIFCloseL(VSIFileFromMemBuffer(kPath, reinterpret_cast<GByte*>(bytes.data()), bytes.size(), FALSE));
   OGRSpatialReference crs;
   {
+    const StrictReading with_vertical_crs;
     constexpr std::array<const char*, 2> kDrivers = {"GTiff", nullptr};
     const GDALDatasetUniquePtr dataset(
         GDALDataset::Open(kPath, GDAL_OF_RASTER | GDAL_OF_INTERNAL, kDrivers.data()));
@@ -164,6 +167,7 @@ ReadCrs read_point_crs(const PointCrs& points, const std::string& name) {
   read.metres_per_height = height_unit_of(read.crs);
   if (points.option.empty() && points.wkt.empty())
     if (const auto unit = height_unit_of_keys(points.key_directory)) read.metres_per_height = unit;
+  read.vertical = vertical_datum_of(read.crs);
   read.crs.StripVertical();
   read.crs.SetAxisMappingStrategy(OAMS_TRADITIONAL_GIS_ORDER);
   return read;

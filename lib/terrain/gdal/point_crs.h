@@ -15,6 +15,7 @@ namespace landfall {
 struct ReadCrs {
   OGRSpatialReference crs;
   std::optional<double> metres_per_height;
+  std::string vertical;  ///< name of the datum of the heights; empty: not known
 };
 
 /// Throws UsageError for an `option` that GDAL does not know, FormatError for a CRS of the file that it

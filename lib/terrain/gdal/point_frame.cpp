@@ -9,6 +9,7 @@
 
 #include "base/error.h"
 #include "base/number_text.h"
+#include "terrain/gdal/map_position.h"
 #include "terrain/gdal/map_projection.h"
 #include "terrain/gdal/plugin.h"
 #include "terrain/gdal/point_crs.h"
@@ -97,6 +98,7 @@ PointFrame point_frame_in_map(const PointFrameRequest& request) {
   else
     use_map(frame, crs, request);
   set_heights(frame, read, request, unit_m);
+  frame.crs_wkt = placed_on(frame.crs_wkt, crs, frame.center, frame.metres_per_unit, read.vertical);
   return frame;
 }
 

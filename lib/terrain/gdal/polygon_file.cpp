@@ -23,7 +23,7 @@ namespace {
 
 constexpr int kMaxVertices = 100'000;
 constexpr const char* kToUseXy =
-    "; for x and y of the DEM frame the file must have no CRS (GeoJSON: \"crs\": null)";
+    "; for x and y of the DEM frame the file must have no CRS (GeoJSON: \"crs\": null), or give --same-frame";
 
 /// Whether a GeoJSON has the member "crs": null, which GDAL reads as if it were not there.
 bool declares_no_crs(const std::string& path) {
@@ -90,7 +90,7 @@ class Reader {
   }
 
   void set_transformation(const OGRSpatialReference* crs) {
-    if (crs == nullptr || crs->IsLocal() != 0 || is_json_without_crs()) return;  // the DEM frame
+    if (request_.same_frame || crs == nullptr || crs->IsLocal() != 0 || is_json_without_crs()) return;
     file_.crs_name = crs->GetName() != nullptr ? crs->GetName() : "unnamed";
     const std::string its = "its coordinates are those of a map (" + file_.crs_name + ")";
     site_ = crs_to_export(request_.site_wkt);

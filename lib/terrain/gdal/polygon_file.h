@@ -10,8 +10,9 @@ namespace landfall {
 
 struct PolygonFileRequest {
   std::string path;
-  std::string layer;     ///< of the file; empty: its only one
-  std::string site_wkt;  ///< the CRS of the DEM's frame
+  std::string layer;        ///< of the file; empty: its only one
+  std::string site_wkt;     ///< the CRS of the DEM's frame
+  bool same_frame = false;  ///< coordinates are x and y of that frame whatever the file's CRS is
 };
 
 /// Polygons in x and y of the DEM frame.

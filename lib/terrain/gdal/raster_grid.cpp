@@ -15,10 +15,12 @@
 #include "base/hash.h"
 #include "base/number_text.h"
 #include "base/parallel.h"
+#include "terrain/gdal/map_position.h"
 #include "terrain/gdal/map_projection.h"
 #include "terrain/gdal/open_raster.h"
 #include "terrain/gdal/plugin.h"
 #include "terrain/gdal/raster_statement.h"
+#include "terrain/gdal/site_relation.h"
 #include "terrain/gdal/window_reader.h"
 
 namespace landfall {
@@ -184,10 +186,13 @@ SampledRaster sample_at_bins(const DemBase& truth, const RasterGrid& grid, Raste
   const OpenRaster raster = open_raster(truth, links, errors);
   const RasterStatement statement = raster_statement(raster, truth);
   const GeoTransform transform = transform_of(raster, statement, truth);
-  const auto to_truth = transformation(own_statement, grid.dem, statement, truth);
+  const auto to_truth = grid.same_frame ? nullptr : transformation(own_statement, grid.dem, statement, truth);
   const DemSamples samples = read_whole(raster, statement, truth, errors);
   SampledRaster result{.z = Grid<double>(grid.spec), .source_id = id_of(samples, transform)};
   result.is_reprojected = to_truth != nullptr;
+  if (const OGRSpatialReference* const crs = statement.georeference.crs)
+    result.crs_wkt = placed_on(kLocalSiteCrsWkt, *crs, transform.map_point(middle_of(raster.size)), 0,
+                               vertical_datum_of(*crs));
   result.assumed = statement.assumed;
   const double scale = truth.vertical_scale.value_or(1);
   std::vector<double> x(static_cast<std::size_t>(grid.spec.cols));

@@ -18,6 +18,7 @@ struct RasterGrid {
   MapPoint center;       ///< its centre, units of the raster's CRS
   DemBase dem;           ///< the raster with `center_pixel`, read without interpolation and with its own zero
   std::string crs_name;  ///< empty: none
+  bool same_frame = false;  ///< coordinates of another raster are those of this one whatever its CRS is
   std::vector<std::string> assumed{};  ///< sentences without the raster's name
 };
 
@@ -26,6 +27,7 @@ struct SampledRaster {
   Grid<double> z;               ///< metres; NaN off the raster and in its holes
   std::string source_id;        ///< a hash of its samples and georeference
   bool is_reprojected = false;  ///< its CRS is another one: GDAL transformed the bins' centres
+  std::string crs_wkt{};        ///< the frame of a site in its middle (terrain/site_wkt.h)
   std::vector<std::string> assumed{};
 };
 

@@ -210,6 +210,12 @@ SiteSize fit_dem_site(const DemBase& dem, const SiteRequest& request, RasterLink
                   dem.interpolation, request, dem.path);
 }
 
+std::string site_of_raster(const DemBase& dem, RasterLinks links) {
+  GdalErrors errors;
+  const OpenRaster raster = open_raster(dem, links, errors);
+  return frame_of(raster, raster_statement(raster, dem), dem, errors).crs_wkt;
+}
+
 }  // namespace
 }  // namespace landfall
 
@@ -225,4 +231,8 @@ const landfall::GdalPlugin landfall_gdal_plugin{LANDFALL_VERSION,
                                                 &landfall::write_cloud_optimized_geotiff,
                                                 &landfall::write_geopackage_points,
                                                 &landfall::map_positions_of,
-                                                &landfall::read_polygons};
+                                                &landfall::read_polygons,
+                                                &landfall::site_of_raster,
+                                                &landfall::is_one_map,
+                                                &landfall::transform_between,
+                                                &landfall::proj_text_of};

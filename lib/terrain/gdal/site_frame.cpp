@@ -15,6 +15,8 @@
 #include "terrain/gdal/map_position.h"
 #include "terrain/gdal/map_projection.h"
 #include "terrain/gdal/site_crs.h"
+#include "terrain/gdal/site_relation.h"
+#include "terrain/site_wkt.h"
 
 namespace landfall {
 namespace {
@@ -191,17 +193,17 @@ SiteFrame projected_frame(const Georeference& georeference, const GeoTransform& 
   const std::optional<MapProjection> projection = MapProjection::of(crs);
   if (projection) {
     if (auto site = ProjectedSite(georeference, transform, dem, center, *projection).frame()) {
-      site->crs_wkt = with_map(site->crs_wkt, crs);
       return std::move(*site);
     }
   } else if (crs.IsProjected() != 0) {
     assumed.emplace_back("its map projection is not known: a scale of 1 is assumed at the site");
   }
   return {SiteMapping(transform, center, metres_per_unit),
-          with_map(shifted_wkt(crs, projection, transform.map_point(center)), crs),
+          shifted_wkt(crs, projection, transform.map_point(center)),
           std::ranges::min(transform.edges()) * metres_per_unit,
           {},
-          std::move(assumed)};
+          std::move(assumed),
+          metres_per_unit};
 }
 
 double unreferenced_scale(const Georeference& georeference, const DemBase& dem) {
@@ -217,28 +219,42 @@ double unreferenced_scale(const Georeference& georeference, const DemBase& dem) 
   return *dem.horizontal_scale_m;
 }
 
+/// A raster without a georeference counts pixels, whose position is none on a map: its centre is 0, 0.
+SiteFrame local_frame(const Georeference& georeference, const GeoTransform& transform, const DemBase& dem,
+                      const PixelPosition& center) {
+  const double scale_m = unreferenced_scale(georeference, dem);
+  const MapPoint at = georeference.transform ? transform.map_point(center) : MapPoint{};
+  const MapPlace place{.center = {at.x, at.y, 0}, .metres_per_unit = scale_m, .vertical = {}, .map_wkt = {}};
+  return {SiteMapping(transform, center, scale_m),
+          with_place(kLocalSiteCrsWkt, place),
+          std::ranges::min(transform.edges()) * scale_m,
+          {},
+          {}};
+}
+
+SiteFrame map_frame(const Georeference& georeference, const GeoTransform& transform, const DemBase& dem,
+                    const PixelPosition& center) {
+  const OGRSpatialReference& crs = *georeference.crs;
+  if (dem.horizontal_scale_m) {
+    const char* name = crs.GetName();
+    throw UsageError(dem.path + ": horizontal_scale_m is for rasters without a CRS, this one has \"" +
+                     (name != nullptr ? name : "unnamed") + "\"");
+  }
+  if (crs.IsGeocentric()) throw FormatError(dem.path + ": its CRS is geocentric, not a map");
+  return crs.IsGeographic() ? geographic_frame(georeference, transform, dem, center)
+                            : projected_frame(georeference, transform, dem, center);
+}
+
 }  // namespace
 
 SiteFrame site_frame(const Georeference& georeference, const DemBase& dem) {
   const GeoTransform transform = usable_transform(georeference, dem);
   const PixelPosition center = center_pixel(georeference, transform, dem);
-  const OGRSpatialReference* crs = georeference.crs;
-  if (crs == nullptr) {
-    const double scale_m = unreferenced_scale(georeference, dem);
-    return {SiteMapping(transform, center, scale_m),
-            kLocalSiteCrsWkt,
-            std::ranges::min(transform.edges()) * scale_m,
-            {},
-            {}};
-  }
-  if (dem.horizontal_scale_m) {
-    const char* name = crs->GetName();
-    throw UsageError(dem.path + ": horizontal_scale_m is for rasters without a CRS, this one has \"" +
-                     (name != nullptr ? name : "unnamed") + "\"");
-  }
-  if (crs->IsGeographic()) return geographic_frame(georeference, transform, dem, center);
-  if (crs->IsGeocentric()) throw FormatError(dem.path + ": its CRS is geocentric, not a map");
-  return projected_frame(georeference, transform, dem, center);
+  if (georeference.crs == nullptr) return local_frame(georeference, transform, dem, center);
+  SiteFrame frame = map_frame(georeference, transform, dem, center);
+  frame.crs_wkt = placed_on(frame.crs_wkt, *georeference.crs, transform.map_point(center),
+                            frame.metres_per_unit, vertical_datum_of(*georeference.crs));
+  return frame;
 }
 
 }  // namespace landfall

@@ -44,6 +44,7 @@ struct SiteFrame {
   double posting_m = 0;
   RasterCover cover;
   std::vector<std::string> assumed;  ///< of the map, as in RasterStatement
+  double metres_per_unit = 0;  ///< of the map, where the site's axes are those of a map with a CRS; else 0
 };
 
 /// Throws UsageError and FormatError as load_dem() (lib/terrain/gdal/gdal_loader.h) does.

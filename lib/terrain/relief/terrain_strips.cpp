@@ -21,6 +21,7 @@
 #include "terrain/mesh/indexed_triangles.h"
 #include "terrain/relief/fractal.h"
 #include "terrain/relief/terrain_generator.h"
+#include "terrain/site_wkt.h"
 
 namespace landfall {
 namespace {
@@ -189,7 +190,10 @@ void TerrainStrips::make_fractals(const ProgressCallback& progress) {
 }
 
 std::string TerrainStrips::crs_wkt() const {
-  return dems_.empty() ? kLocalSiteCrsWkt : dems_.front().raster.crs_wkt;
+  if (dems_.empty()) return kLocalSiteCrsWkt;
+  double datum_m = 0;
+  for (const DemLayer& dem : dems_) datum_m += dem.datum_m;
+  return raised(dems_.front().raster.crs_wkt, datum_m);
 }
 
 std::vector<DemSource> TerrainStrips::dem_sources() const {
