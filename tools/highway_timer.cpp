@@ -3,6 +3,7 @@
 // starts. No benchmark runs in a tool, so the program has its own definition of this public function; the
 // dynamic linker takes it instead of the library's. Versions that declare it in timer.h are left as they are.
 #if !__has_include(<hwy/timer.h>)
+#include <cstdint>
 #include <hwy/nanobenchmark.h>
 
 std::uint64_t hwy::platform::TimerResolution() { return 1; }
