@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "cli/judged_region.h"
+#include "cli/meeting_options.h"
 #include "cli/outcomes.h"
 #include "cli/result_tables.h"
 #include "cli/tool.h"
@@ -42,6 +43,7 @@ struct Options {
   bool metrics_only = false;
   bool require_pass = false;
   bool table = false;
+  MeetingRules rules;
 };
 
 void bind(CLI::App& app, Options& o) {
@@ -56,6 +58,7 @@ void bind(CLI::App& app, Options& o) {
                "table on a terminal");
   app.add_flag("--require-pass", o.require_pass, "Exit with 3 unless every requirement passes");
   app.add_flag("--table", o.table, "Print the table of requirements; default on a terminal");
+  cli::bind_meeting_options(app, o.rules);
 }
 
 void check(const cli::CommonOptions& common, const Options& o) {
@@ -75,8 +78,8 @@ void check(const cli::CommonOptions& common, const Options& o) {
 DemInput read_inputs(cli::Session& session, const Options& o, Provenance& provenance) {
   DemInput dem = read_dem(o.dem);
   provenance.add_input("dem", dem.file_id, dem.chain);
-  dem.layers.region_mask =
-      cli::read_judged_region(session, {dem.layers.z_est.spec(), dem.crs_wkt}, provenance);
+  dem.layers.region_mask = cli::read_judged_region(
+      session, {o.dem, dem.layers.z_est.spec(), dem.crs_wkt, false, o.rules}, provenance);
   return dem;
 }
 
@@ -100,6 +103,7 @@ ExitCode run(cli::Session& session, const Options& o) {
   const auto report_file = session.side_output("--report", o.report, {o.dem});
   Provenance provenance = session.provenance();
   if (o.metrics_only) provenance.options = {{"metrics_only", true}};
+  cli::add_meeting_options(provenance.options, o.rules);
   DemInput dem;
   session.phase("read", [&](const ProgressCallback&) { dem = read_inputs(session, o, provenance); });
   const GridSpec grid = dem.layers.z_est.spec();

@@ -9,6 +9,7 @@
 
 #include "cli/hazard_input.h"
 #include "cli/judged_region.h"
+#include "cli/meeting_options.h"
 #include "cli/outcomes.h"
 #include "cli/result_tables.h"
 #include "cli/tool.h"
@@ -44,6 +45,7 @@ struct Options {
   bool no_truth = false;
   bool table = false;
   bool require_safe = false;
+  MeetingRules rules;
 };
 
 void bind(CLI::App& app, Options& o) {
@@ -69,6 +71,7 @@ void bind(CLI::App& app, Options& o) {
   app.add_flag("--require-safe", o.require_safe,
                "Exit with 3 unless a site has a p_touchdown of at least sites.min_p and the score meets "
                "every requirement of the configuration");
+  cli::bind_meeting_options(app, o.rules);
 }
 
 void check_output(const cli::CommonOptions& common, const Options& o) {
@@ -132,9 +135,11 @@ ExitCode run_in_strips(cli::Session& session, const Options& o, const HazardPara
     session.warn(o.map + ": --layers leaves out its 1-sigmas: sites count safe places, without p_safe");
   Provenance provenance = session.provenance();
   provenance.options = {{"layers", o.layers}};
+  cli::add_meeting_options(provenance.options, o.rules);
   provenance.add_input(reader.kind(), reader.file_id(), reader.chain());
   StripSource source = reader.source();
-  source.region = cli::read_judged_region(session, {source.spec, reader.crs_wkt(), true}, provenance);
+  source.region =
+      cli::read_judged_region(session, {o.map, source.spec, reader.crs_wkt(), true, o.rules}, provenance);
   LandfallFileWriter file(output, "hazards", provenance);
   HazardStripWriter writer(file, source.spec, reader.crs_wkt(), o.layers);
   HazardMap map;
@@ -165,6 +170,7 @@ ExitCode run(cli::Session& session, const Options& o) {
   const auto report_file = session.side_output("--report", o.report, inputs);
   Provenance provenance = session.provenance();
   if (o.no_truth) provenance.options = {{"no_truth", true}};
+  cli::add_meeting_options(provenance.options, o.rules);
   HazardSource source;
   HazardInput input;
   session.phase("read", [&](const ProgressCallback&) { source = read_hazard_source(o.map, !o.no_truth); });
@@ -172,8 +178,8 @@ ExitCode run(cli::Session& session, const Options& o) {
   if (score_file && !source.z_true)
     throw FormatError(o.map + ": has no true elevations (z_true), which --score needs");
   std::optional<BinMask> region =
-      cli::read_judged_region(session, {source.z.spec(), source.crs_wkt, true}, provenance);
-  input = cli::complete_hazard_input(session, {o.map, o.terrain}, source, parameters, provenance);
+      cli::read_judged_region(session, {o.map, source.z.spec(), source.crs_wkt, true, o.rules}, provenance);
+  input = cli::complete_hazard_input(session, {o.map, o.terrain, o.rules}, source, parameters, provenance);
   input.region = std::move(region);
   std::optional<LandfallFileWriter> file;
   if (output) file.emplace(*output, "hazards", provenance);

@@ -6,10 +6,12 @@
 #include <cmath>
 #include <optional>
 #include <system_error>
+#include <utility>
 #include <vector>
 
 #include "base/number_text.h"
 #include "base/shown_text.h"
+#include "cli/meeting_options.h"
 #include "cli/tool.h"
 #include "files/landfall_file.h"
 #include "imports/cloud_reader.h"
@@ -59,8 +61,7 @@ void bind(CLI::App& app, Options& o) {
   app.add_option("--terrain", o.raster.terrain, "True terrain (terrain.h5) of a raster")
       ->type_name("FILE")
       ->excludes(truth);
-  app.add_flag("--other-terrain", o.raster.other_terrain,
-               "Accept a --terrain whose site frame is another one than that of the raster");
+  cli::bind_meeting_options(app, o.raster.rules, "--other-terrain");
   app.add_option("--crs", o.cloud.crs,
                  "CRS of the points: EPSG:NUMBER, a PROJ text or WKT; default: that of the file")
       ->type_name("DEF");
@@ -141,7 +142,9 @@ void import_dem(cli::Session& session, const Options& o) {
   if (center.size() == 3) throw UsageError("--center: a raster keeps its heights: give E,N");
   if (!center.empty()) import.dem.center = std::array<double, 2>{center[0], center[1]};
   const OutputOptions output = session.output({o.cloud.path, import.truth, import.terrain});
-  report_dem(session, import_raster(import, {output, session.provenance(), session.phases()}));
+  Provenance provenance = session.provenance();
+  cli::add_meeting_options(provenance.options, import.rules);
+  report_dem(session, import_raster(import, {output, std::move(provenance), session.phases()}));
 }
 
 void require_foreign_files(const Options& o) {

@@ -11,6 +11,7 @@
 #include "cli/comparison_text.h"
 #include "cli/description_text.h"
 #include "cli/devices.h"
+#include "cli/meeting_options.h"
 #include "cli/tool.h"
 #include "files/bin_description.h"
 #include "files/comparison.h"
@@ -37,7 +38,7 @@ constexpr const char* kDescription =
 
 Files are read in pieces, so that the memory does not depend on their size. A file that is damaged, incomplete or not a landfall file is refused with a one-line message; the other files are still described.
 
---compare shows where two files of one kind differ: their configurations and those of the steps before them, requirements and metrics, the layers of equal grids, and the draws of equal seeds in pairs. All differences are B - A, B being the second file.
+--compare shows where two files of one kind differ: their configurations and those of the steps before them, requirements and metrics, the layers on the bins that both maps have in common once B is placed in the frame of A, and the draws of equal seeds in pairs. All differences are B - A, B being the second file.
 
 --at shows the layers of one bin of a DEM and, with --scan, each return that lies in it.
 
@@ -53,6 +54,7 @@ struct Options {
   bool check = false;
   bool devices = false;
   bool compare = false;
+  MeetingRules rules;
   std::string at;
   std::string scan;
 };
@@ -79,6 +81,7 @@ void bind(CLI::App& app, Options& o) {
   app.add_flag(
       "--devices", o.devices,
       "List the OpenCL devices instead: memory, double precision, and rays per second beside the CPU's");
+  cli::bind_meeting_options(app, o.rules);
 }
 
 nlohmann::ordered_json describe(cli::Session& session, const Options& o, const std::string& path) {
@@ -153,12 +156,12 @@ ExitCode print_json(const Options& o, const nlohmann::ordered_json& json, const 
 }
 
 ExitCode compare(cli::Session& session, const Options& o) {
-  if (!o.at.empty() || o.no_statistics || o.config || o.check)
-    throw UsageError("--compare takes only --json");
+  if (!o.at.empty() || o.config || o.check)
+    throw UsageError("--compare takes only --json, --no-statistics, --same-frame and --vertical-datum");
   if (o.files.size() != 2) throw UsageError("--compare needs two files, A and B");
   nlohmann::ordered_json json;
   session.phase("compare", [&](const ProgressCallback& progress) {
-    json = compare_files(o.files[0], o.files[1], progress);
+    json = compare_files(o.files[0], o.files[1], {o.rules, !o.no_statistics}, progress);
   });
   return print_json(o, json, cli::comparison_text);
 }

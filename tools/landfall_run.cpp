@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "cli/chain.h"
+#include "cli/meeting_options.h"
 #include "cli/standard_streams.h"
 #include "cli/tool.h"
 #include "config/chain_config.h"
@@ -42,6 +43,7 @@ struct Options {
   bool require_pass = false;
   bool require_safe = false;
   bool print_commands = false;
+  MeetingRules rules;
   bool replaces_terrain = false;  ///< --from, and the configuration has a section terrain
 };
 
@@ -58,6 +60,7 @@ void bind(CLI::App& app, Options& o) {
                "Exit with 3 unless a site has a p_touchdown of at least hazard.sites.min_p");
   app.add_flag("--print-commands", o.print_commands,
                "Print the commands of the single tools and run nothing");
+  cli::bind_meeting_options(app, o.rules);
 }
 
 /// Sections of --set may be presets too.
@@ -70,7 +73,7 @@ void complete(JsonSource& source, Options& o) {
 cli::ChainRequest request_of(const cli::Session& session, const Options& o) {
   const fs::path folder = session.options().output_path;
   if (folder.empty()) throw UsageError("-o/--output is required: the folder of the outputs");
-  return {folder, o.from, o.center, o.require_pass, o.require_safe};
+  return {folder, o.from, o.center, o.require_pass, o.require_safe, o.rules};
 }
 
 void make_folder(const fs::path& folder) {

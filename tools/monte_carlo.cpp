@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "cli/campaign_options.h"
+#include "cli/meeting_options.h"
 #include "cli/outcomes.h"
 #include "cli/result_tables.h"
 #include "cli/tool.h"
@@ -105,16 +106,20 @@ ExitCode run(cli::Session& session, const cli::CampaignOptions& o) {
   cli::check_campaign(session.options(), o);
   if (o.merges()) return merge(session, o);
   CampaignSources sources = o.sources();
-  sources.make_terrain = make_terrain;
+  sources.make_terrain = [&o](const TerrainConfig& config, Provenance& provenance, const auto& warn) {
+    return make_terrain(config, o.rules, provenance, warn);
+  };
   const std::optional<DrawSpan> part = o.part();
   std::vector<std::string> inputs = {sources.samples};
   for (const ScanPair& pair : sources.pairs) inputs.insert(inputs.end(), {pair.scan, pair.terrain});
   const OutputOptions output = session.output(inputs);
   const auto report_file = session.side_output("--report", o.report, inputs);
   const auto verdict_file = session.side_output("--verdict", o.verdict, inputs);
+  Provenance base = session.provenance();
+  cli::add_meeting_options(base.options, o.rules);
   CampaignOutput campaign{output,
                           session.config(),
-                          session.provenance(),
+                          std::move(base),
                           session.config_name(),
                           session.phases(),
                           [&](const std::string& text) { session.warn(text); },

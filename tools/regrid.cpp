@@ -4,6 +4,7 @@
 #include <optional>
 #include <utility>
 
+#include "cli/meeting_options.h"
 #include "cli/outcomes.h"
 #include "cli/tool.h"
 #include "config/uncertainty_config.h"
@@ -50,8 +51,7 @@ void bind(CLI::App& app, Options& o) {
       ->check(CLI::IsMember({"bin_center", "centroid"}));
   app.add_option("--method", o.method, "Gridding method; overrides the configuration")
       ->check(CLI::IsMember({"bilinear_nearest", "bilinear4", "mean", "min", "max", "median"}));
-  app.add_flag("--other-terrain", o.sources.other_terrain,
-               "Accept a --terrain other than the one that was scanned");
+  cli::bind_meeting_options(app, o.sources.rules, "--other-terrain");
   app.add_flag("--corrected", o.layers.corrected,
                "Also write z_corrected: z_est moved along the local slope to the bin centre");
   app.add_flag(
@@ -80,8 +80,9 @@ void set_values(nlohmann::json& config, const Options& o) {
   if (!o.method.empty()) config["method"] = o.method;
 }
 
-nlohmann::json content_options(const DemRequest& layers) {
+nlohmann::json content_options(const DemRequest& layers, const MeetingRules& rules) {
   nlohmann::json options;
+  cli::add_meeting_options(options, rules);
   if (!layers.layers.empty()) options["layers"] = layers.layers;
   if (layers.corrected) options["corrected"] = true;
   if (layers.uncertainty) options["uncertainty"] = true;
@@ -101,7 +102,7 @@ ExitCode run(cli::Session& session, const Options& o) {
   std::vector<std::string> inputs = o.sources.scans;
   inputs.push_back(o.sources.terrain);
   Provenance provenance = session.provenance();
-  provenance.options = content_options(o.layers);
+  provenance.options = content_options(o.layers, o.sources.rules);
   const BinnedReturns returns =
       make_dem(config, o.sources, o.layers,
                {session.output(inputs), std::move(provenance), session.config_name(), session.phases()});

@@ -4,6 +4,7 @@
 #include <utility>
 #include <vector>
 
+#include "cli/meeting_options.h"
 #include "cli/outcomes.h"
 #include "cli/tool.h"
 #include "config/import_config.h"
@@ -41,6 +42,7 @@ The relief is a plane, fractal ground, an imported raster, or a sum of these; fe
 struct Options {
   ImportOptions import;
   RasterLinks links = RasterLinks::refused;
+  MeetingRules rules;
 };
 
 void bind(CLI::App& app, Options& o) {
@@ -79,6 +81,7 @@ void bind(CLI::App& app, Options& o) {
       "--follow-links",
       [&o](std::int64_t count) { o.links = count > 0 ? RasterLinks::followed : RasterLinks::refused; },
       "Open local files that a raster refers to, such as the sources of a VRT");
+  cli::bind_meeting_options(app, o.rules);
 }
 
 /// True if --from names a terrain file, which is exported unchanged.
@@ -106,15 +109,17 @@ void check(const cli::Session& session, const ImportOptions& import) {
 }
 
 TerrainContent write(cli::Session& session, const Options& o) {
-  const auto output = [&session](const std::vector<std::string>& inputs) -> TerrainOutput {
-    return {session.output(inputs), session.provenance(), session.phases()};
+  const auto output = [&session, &o](const std::vector<std::string>& inputs) -> TerrainOutput {
+    Provenance provenance = session.provenance();
+    cli::add_meeting_options(provenance.options, o.rules);
+    return {session.output(inputs), std::move(provenance), session.phases()};
   };
   if (is_export(o.import)) return export_terrain(o.import.from, output({o.import.from}));
   const TerrainConfig config = terrain_config(session.config(), session.config_name());
   const std::vector<std::string> inputs = input_files(config, session.options().output_path, o.links);
   TerrainOutput terrain = output(inputs);
   if (inputs.empty()) leave_current(terrain.file.path, "terrain", terrain.provenance);  // before the work
-  return build_terrain(config, o.links, std::move(terrain));
+  return build_terrain(config, {o.links, o.rules}, std::move(terrain));
 }
 
 }  // namespace

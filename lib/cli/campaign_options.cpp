@@ -8,6 +8,7 @@
 #include <memory>
 
 #include "base/error.h"
+#include "cli/meeting_options.h"
 
 namespace landfall::cli {
 namespace {
@@ -34,6 +35,7 @@ DrawSpan span_of(const std::string& text) {
 
 CampaignSources CampaignOptions::sources() const {
   CampaignSources sources{{}, samples};
+  sources.rules = rules;
   if (engine != "cpu")
     sources.device = {.on_failure = engine == "opencl" ? DeviceFailure::throws : DeviceFailure::falls_back,
                       .use = std::make_shared<DeviceUse>()};
@@ -79,6 +81,7 @@ void bind_campaign(CLI::App& app, CampaignOptions& o) {
   app.add_flag("--table", o.table, "Print how many draws passed each requirement; default on a terminal");
   app.add_flag("--require-pass", o.require_pass,
                "Exit with 3 unless every draw passes, or the sequential test accepts");
+  bind_meeting_options(app, o.rules);
 }
 
 void check_campaign(const CommonOptions& common, const CampaignOptions& o) {

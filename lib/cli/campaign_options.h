@@ -18,6 +18,7 @@ struct CampaignOptions {
   std::string engine = "cpu";
   bool table = false;
   bool require_pass = false;
+  MeetingRules rules;
 
   [[nodiscard]] bool merges() const { return !inputs.empty() && inputs.front() == "merge"; }
   /// Whether each draw traces its own rays.

@@ -8,6 +8,7 @@
 
 #include "base/file_path.h"
 #include "base/number_text.h"
+#include "cli/meeting_options.h"
 #include "files/landfall_file.h"
 #include "files/provenance.h"
 #include "output/output_path.h"
@@ -79,6 +80,14 @@ bool is_there(const fs::path& path) {
   return fs::exists(fs::symlink_status(path, unreachable));
 }
 
+/// Adds the rules for files that meet to the stages that have such options.
+std::vector<ChainStage> with_rules(std::vector<ChainStage> stages, const MeetingRules& rules) {
+  const Words words = meeting_words(rules);
+  for (ChainStage& stage : stages)
+    if (stage.tool != "scan-sim") stage.arguments.insert(stage.arguments.end(), words.begin(), words.end());
+  return stages;
+}
+
 }  // namespace
 
 std::vector<ChainStage> chain_stages(const Json& config, const ChainRequest& request) {
@@ -103,14 +112,14 @@ std::vector<ChainStage> chain_stages(const Json& config, const ChainRequest& req
               {{"--metrics", folder / "metrics.json"}, {"--report", folder / "report.html"}});
   if (request.require_pass) eval.requirement = "--require-pass";
 
-  if (config.at("hazard").is_null()) return stages;
+  if (config.at("hazard").is_null()) return with_rules(std::move(stages), request.rules);
   ChainStage& hazards =
       stages.emplace_back(ChainStage{"hazard-map", {dem, "--terrain", terrain, "--table"}, {}});
   add_section(hazards.arguments, config.at("hazard"));
   add_outputs(hazards, folder / "hazards.h5",
               {{"--sites", folder / "sites.json"}, {"--report", folder / "hazards.html"}});
   if (request.require_safe) hazards.requirement = "--require-safe";
-  return stages;
+  return with_rules(std::move(stages), request.rules);
 }
 
 std::string shell_command(const ChainStage& stage) {

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "cli/session.h"
+#include "files/meeting.h"
 
 namespace landfall::cli {
 
@@ -19,6 +20,7 @@ struct ChainRequest {
   std::string center;  ///< its site, "X,Y"; empty: the middle
   bool require_pass = false;
   bool require_safe = false;
+  MeetingRules rules = {};
 };
 
 /// One tool of a chain with its arguments.

@@ -123,6 +123,28 @@ std::string side_line(const char* name, const Comparison& side) {
          side["file_id"].get<std::string>() + "\n";
 }
 
+/// "centre 500000, 5400000 of WGS 84 / UTM zone 32N".
+std::string place_text(const Comparison& place) {
+  const auto number = [](const Comparison& value) {
+    return value.is_null() ? std::string("not known") : print("%.10g", value.get<double>());
+  };
+  std::string text = "centre " + number(place["center"][0]) + ", " + number(place["center"][1]);
+  text += place["map"].is_null() ? ", no CRS" : " of " + place["map"].get<std::string>();
+  if (place["height_m"].is_null() || place["height_m"] != 0) text += ", height " + number(place["height_m"]);
+  return text + (place["vertical_datum"].is_null() ? "" : ", " + place["vertical_datum"].get<std::string>());
+}
+
+std::string meeting_text(const Comparison& a, const Comparison& b, const Comparison& json) {
+  std::string text = "\nplace: A " + place_text(a["place"]) + "\n       B " + place_text(b["place"]) + "\n";
+  for (const Comparison& said : json["placement"]["said"]) text += "  B " + said.get<std::string>() + "\n";
+  if (json.contains("not_compared"))
+    return text + "layers are not compared: " + json["not_compared"].get<std::string>() + "\n";
+  const Comparison& bins = json["common_bins"];
+  return text + "bins in common: " + value_text(bins["columns"]) + " x " + value_text(bins["rows"]) +
+         print(", x %.10g to %.10g m, y %.10g to %.10g m\n", bins["x_m"][0].get<double>(),
+               bins["x_m"][1].get<double>(), bins["y_m"][0].get<double>(), bins["y_m"][1].get<double>());
+}
+
 std::string return_lines(const Comparison& returns) {
   std::string text =
       print("\nreturns in it; ranges and z_est in metres\n%6s %5s %8s %-12s %10s %9s %9s %6s %6s\n", "pulse",
@@ -168,9 +190,8 @@ std::string comparison_text(const Comparison& json) {
   if (json.contains("pairs")) text += pair_lines(json["pairs"]);
   if (json.contains("same_seeds") && !json["same_seeds"].get<bool>())
     text += "\nthe draws have other seeds in B: they are not compared in pairs\n";
+  if (json.contains("placement")) text += meeting_text(json["a"], json["b"], json);
   if (json.contains("layers")) text += layer_lines(json["layers"]);
-  if (json.contains("same_grid") && !json["same_grid"].get<bool>())
-    text += "\nthe grids differ: layers are not compared\n";
   return shown_lines(text);
 }
 

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "base/number_text.h"
-#include "scene/scene.h"
+#include "scene/placed_scene.h"
 
 namespace landfall::cli {
 namespace {
@@ -26,11 +26,20 @@ void fill_from_terrain(Session& session, const HazardInputFiles& files, const Ha
     terrain = open_scene({.terrain = files.terrain, .use = SceneUse::surface}, progress);
   });
   provenance.add_input("terrain", terrain.file_id, terrain.chain);
+  const Meeting meeting = meet(meeting_kind("terrain_of_dem"), {files.map, source.crs_wkt},
+                               {files.terrain, terrain.crs_wkt}, files.rules);
+  std::vector<std::string> said;
+  add_said(said, files.terrain, meeting);
+  for (const std::string& line : said) session.warn(line);
+  terrain = placed_scene(std::move(terrain), meeting.placement);
   if (!is_upstream(source.chain, terrain.file_id))
     session.warn(files.terrain + " is not the terrain that " + files.map + " was made from");
   const TruthCentroids centroids = read_truth_centroids(files.map);
   for (const TruthPosition& at : truth_positions(z_true, centroids.x, centroids.y, holes)) {
-    if (terrain.window) terrain.window->require({at.x_m, at.x_m, at.y_m, at.y_m});
+    if (terrain.window) {
+      const SitePoint place = meeting.placement.to_second({at.x_m, at.y_m});
+      terrain.window->require({place.x_m, place.x_m, place.y_m, place.y_m});
+    }
     z_true.at(at.bin) = terrain.surface->elevation(at.x_m, at.y_m);
   }
 }

@@ -5,12 +5,14 @@
 
 #include "cli/tool.h"
 #include "files/hazard_file.h"
+#include "files/meeting.h"
 
 namespace landfall::cli {
 
 /// The files of hazard-map; the terrain may be empty.
 struct HazardInputFiles {
   std::string map, terrain;
+  MeetingRules rules = {};
 };
 
 /// The input of map_hazards(): takes the layers of the source, fills small holes in them, and gives the true

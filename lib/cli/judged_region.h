@@ -9,7 +9,7 @@
 namespace landfall::cli {
 
 /// read_region() of the session's configuration; warns of what was taken for granted about its file.
-[[nodiscard]] std::optional<BinMask> read_judged_region(Session& session, const RegionMap& map,
+[[nodiscard]] std::optional<BinMask> read_judged_region(Session& session, RegionMap map,
                                                         Provenance& provenance);
 
 }  // namespace landfall::cli

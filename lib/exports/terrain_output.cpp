@@ -12,6 +12,7 @@
 #include "files/raster_screening.h"
 #include "meshio/mesh_file.h"
 #include "terrain/gdal/gdal_loader.h"
+#include "terrain/site_wkt.h"
 
 namespace landfall {
 namespace {
@@ -102,10 +103,40 @@ std::vector<std::string> posting_warnings(const DemBase& dem, const DemRaster& r
   return {};
 }
 
+/// Brings further rasters of a terrain to the site of the first: the same centre on the same map.
+class RasterPlaces {
+ public:
+  RasterPlaces(const RasterRules& rules, Warn warn) : rules_(rules), warn_(std::move(warn)) {}
+
+  /// The raster around the first one's centre. Throws FormatError for one that does not meet the first.
+  [[nodiscard]] DemBase placed(DemBase dem) {
+    const Sited own{dem.path, raster_site(dem, rules_.links)};
+    if (!first_) first_ = own;
+    const Meeting meeting = meet(meeting_kind("base_rasters"), *first_, own, rules_.meeting);
+    const std::array<double, 3>& shift_m = meeting.placement.shift_m();
+    if (shift_m[0] == 0 && shift_m[1] == 0) return dem;
+    const std::optional<MapPlace> site = place_of(first_->crs_wkt);
+    dem.center_pixel.reset();
+    dem.center = {site->center[0] * site->metres_per_unit, site->center[1] * site->metres_per_unit};
+    for (double& coordinate : *dem.center) coordinate /= place_of(own.crs_wkt)->metres_per_unit;
+    std::vector<std::string> lines;
+    add_said(lines, dem.path, meeting);
+    for (const std::string& line : lines) warn_(line);
+    return dem;
+  }
+
+ private:
+  RasterRules rules_;
+  Warn warn_;
+  std::optional<Sited> first_;
+};
+
 /// Loads rasters, and records and warns of what it finds in them.
-DemLoader recording_dem_loader(RasterLinks links, Provenance& provenance, const Warn& warn) {
-  return [links, &provenance, warn](const DemBase& dem, const GridSpec& site) {
-    screen_raster(dem, links);
+DemLoader recording_dem_loader(const RasterRules& rules, Provenance& provenance, const Warn& warn) {
+  const auto places = std::make_shared<RasterPlaces>(rules, warn);
+  return [links = rules.links, places, &provenance, warn](const DemBase& asked, const GridSpec& site) {
+    screen_raster(asked, links);
+    const DemBase dem = places->placed(asked);
     DemRaster raster = dem_loader(links)(dem, site);
     provenance.add_input("raster", raster_id(raster), {}, raster.source.assumed);
     for (const std::string& assumed : raster.source.assumed) warn(dem.path + ": " + assumed);
@@ -164,14 +195,14 @@ std::vector<std::string> input_files(const TerrainConfig& config, const std::fil
   return files;
 }
 
-TerrainContent build_terrain(const TerrainConfig& config, RasterLinks links, TerrainOutput output) {
+TerrainContent build_terrain(const TerrainConfig& config, const RasterRules& rules, TerrainOutput output) {
   const bool is_own = format_of(output.file.path) == Format::landfall;
   if (config.mesh) return build_mesh(*config.mesh, output);
   std::vector<std::string> warnings;
   if (config.model.albedo && !is_own)
     warnings.push_back("/albedo has no effect: only a .h5 or .nc terrain has that layer");
   const DemLoader load = recording_dem_loader(
-      links, output.provenance, [&](const std::string& warning) { warnings.push_back(warning); });
+      rules, output.provenance, [&](const std::string& warning) { warnings.push_back(warning); });
   if (is_own && config.grid.rows * config.grid.cols > StripSize().max_nodes) {
     TerrainContent content = build_in_strips(config, load, output);
     content.warnings = std::move(warnings);
@@ -192,7 +223,8 @@ TerrainContent build_terrain(const TerrainConfig& config, RasterLinks links, Ter
   return content;
 }
 
-TerrainInput make_terrain(const TerrainConfig& config, Provenance& provenance, const Warn& warn) {
+TerrainInput make_terrain(const TerrainConfig& config, const MeetingRules& rules, Provenance& provenance,
+                          const Warn& warn) {
   TerrainInput made;
   if (config.mesh) {
     CleanMesh read = read_clean_mesh(*config.mesh, provenance, warn, {});
@@ -201,8 +233,8 @@ TerrainInput make_terrain(const TerrainConfig& config, Provenance& provenance, c
     made.surface = made.mesh;
     return made;
   }
-  GeneratedTerrain terrain = generate_terrain(config.model, config.grid,
-                                              recording_dem_loader(RasterLinks::refused, provenance, warn));
+  GeneratedTerrain terrain =
+      generate_terrain(config.model, config.grid, recording_dem_loader({.meeting = rules}, provenance, warn));
   made.crs_wkt = std::move(terrain.crs_wkt);
   if (terrain.albedo) made.albedo = albedo_map(*std::move(terrain.albedo));
   made.grid = std::make_shared<const TriangulatedGrid>(std::move(terrain.nodes));

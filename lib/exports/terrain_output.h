@@ -12,11 +12,18 @@
 #include "base/progress.h"
 #include "config/terrain_config.h"
 #include "files/landfall_file.h"
+#include "files/meeting.h"
 #include "files/terrain_file.h"
 #include "terrain/mesh/polygon_soup.h"
 #include "terrain/relief/dem_raster.h"
 
 namespace landfall {
+
+/// How the rasters of a terrain are read.
+struct RasterRules {
+  RasterLinks links = RasterLinks::refused;
+  MeetingRules meeting = {};
+};
 
 /// A terrain's output and the data that it needs besides the terrain.
 struct TerrainOutput {
@@ -42,12 +49,13 @@ struct TerrainContent {
 /// Makes the terrain of a configuration and writes it; a terrain of more than StripSize::max_nodes nodes is
 /// written to .h5 strip by strip. Throws UsageError if the output's extension is unknown or if the output for
 /// a mesh is a GeoTIFF, and as generate_terrain(), read_mesh_file(), clean_mesh() and the writers do.
-TerrainContent build_terrain(const TerrainConfig& config, RasterLinks links, TerrainOutput output);
+TerrainContent build_terrain(const TerrainConfig& config, const RasterRules& rules, TerrainOutput output);
 
 /// Makes the terrain of a configuration in memory, with the values that terrain.h5 would hold, and no
 /// identity. Adds its rasters or its mesh to the inputs of `provenance`. `warn` gets
 /// TerrainContent::warnings. Throws as generate_terrain(), read_mesh_file() and clean_mesh() do.
-[[nodiscard]] TerrainInput make_terrain(const TerrainConfig& config, Provenance& provenance,
+[[nodiscard]] TerrainInput make_terrain(const TerrainConfig& config, const MeetingRules& rules,
+                                        Provenance& provenance,
                                         const std::function<void(const std::string&)>& warn);
 
 /// Writes the terrain of a terrain.h5 in another format. Throws UsageError if the output's extension is .h5,

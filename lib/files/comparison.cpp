@@ -7,11 +7,14 @@
 #include <map>
 #include <optional>
 #include <string>
+#include <string_view>
+#include <tuple>
 #include <utility>
 #include <vector>
 
 #include "base/error.h"
 #include "campaign/pass_rate.h"
+#include "dictionary/layers.h"
 #include "evaluation/error_statistics.h"
 #include "evaluation/quantile/order_statistics.h"
 #include "files/contents.h"
@@ -19,6 +22,8 @@
 #include "files/field_json.h"
 #include "files/file_description.h"
 #include "files/grid_file.h"
+#include "files/grid_mapping.h"
+#include "terrain/site_wkt.h"
 
 namespace landfall {
 namespace {
@@ -178,28 +183,128 @@ Json class_json(const Grid<double>& a, const Grid<double>& b) {
   return {{"bins", a.spec().size()}, {"differing", differing}};
 }
 
-/// Adds the layers that both have, or why there are none.
-void add_layers(Json& json, const LandfallFileReader& a, const LandfallFileReader& b,
-                const ProgressCallback& progress) {
-  if (!has_grid(a) || !has_grid(b)) return;
-  const GridLayerReader grid_a(a);
-  const GridLayerReader grid_b(b);
-  json["same_grid"] = grid_a.spec() == grid_b.spec();
-  if (grid_a.spec() != grid_b.spec()) return;
-  json["layers"] = Json::array();
-  const std::vector<ContentInfo> layers = layers_of(a, grid_a.spec());
-  const std::vector<ContentInfo> others = layers_of(b, grid_b.spec());
-  std::size_t done = 0;
-  for (const ContentInfo& layer : layers) {
-    report(progress, static_cast<double>(done++) / static_cast<double>(layers.size()));
-    if (std::ranges::find(others, layer.name, &ContentInfo::name) == others.end()) continue;
-    const Grid<double> values_a = grid_a.read<double>(layer.name);
-    const Grid<double> values_b = grid_b.read<double>(layer.name);
-    Json entry = {{"layer", layer.name}, {"unit", layer.units}};
-    entry.update(is_class(layer) ? class_json(values_a, values_b) : difference_json(values_a, values_b));
-    json["layers"].push_back(std::move(entry));
-  }
+/// The first name in a WKT; null without one.
+Json name_in(const std::string& wkt) {
+  const std::size_t begin = wkt.find('"');
+  const std::size_t end = begin == std::string::npos ? begin : wkt.find('"', begin + 1);
+  return end == std::string::npos ? Json() : Json(wkt.substr(begin + 1, end - begin - 1));
 }
+
+/// The place of a site for a person: the name of its map and the centre on it.
+Json place_json(const std::string& crs_wkt) {
+  const MapPlace place = place_of(crs_wkt).value_or(unplaced(crs_wkt));
+  const auto number = [](double value) { return std::isfinite(value) ? Json(value) : Json(); };
+  Json json;
+  json["map"] = name_in(place.map_wkt.empty() && !is_local_crs(crs_wkt) ? crs_wkt : place.map_wkt);
+  json["center"] = {number(place.center[0]), number(place.center[1])};
+  json["height_m"] = number(place.center[2]);
+  json["vertical_datum"] = place.vertical.empty() ? Json() : Json(place.vertical);
+  return json;
+}
+
+/// The bins that two grids have in common.
+GridSpec common_bins(const GridSpec& a, const GridSpec& b) {
+  const auto overlap = [](std::int64_t first_a, std::int64_t count_a, std::int64_t first_b,
+                          std::int64_t count_b) {
+    const std::int64_t first = std::max(first_a, first_b);
+    return std::pair(first,
+                     std::max<std::int64_t>(0, std::min(first_a + count_a, first_b + count_b) - first));
+  };
+  GridSpec common = a;
+  std::tie(common.first_row, common.rows) = overlap(a.first_row, a.rows, b.first_row, b.rows);
+  std::tie(common.first_col, common.cols) = overlap(a.first_col, a.cols, b.first_col, b.cols);
+  return common;
+}
+
+/// A layer on the common bins; `raise` is added to it.
+Grid<double> on_bins(Grid<double> layer, const GridSpec& placed, const GridSpec& common, double raise) {
+  if (raise != 0)
+    for (double& value : layer.values()) value += raise;
+  if (placed == common) return layer;
+  Grid<double> part(common);
+  for (std::int64_t row = 0; row < common.rows; ++row) {
+    const auto from = layer.row(row + common.first_row - placed.first_row)
+                          .subspan(static_cast<std::size_t>(common.first_col - placed.first_col));
+    std::ranges::copy_n(from.begin(), common.cols, part.row(row).begin());
+  }
+  return part;
+}
+
+/// By what a layer changes when its map is placed in another frame: coordinates of that axis.
+double shift_of(const std::string& kind, const std::string& layer, const Placement& placement) {
+  const dictionary::Layer* const words = dictionary::find_layer(kind, layer);
+  const std::string_view axis = words == nullptr ? "" : words->axis;
+  return axis.empty() ? 0 : placement.shift_m()[static_cast<std::size_t>(axis[0] - 'x')];
+}
+
+/// Two grids, the second placed in the frame of the first.
+class GridPair {
+ public:
+  GridPair(const LandfallFileReader& a, const LandfallFileReader& b, const MeetingRules& rules)
+      : file_a_(a), file_b_(b), grid_a_(a), grid_b_(b) {
+    meeting_ = meeting_of(meeting_kind("compared"), {a.name(), grid_a_.crs_wkt()},
+                          {b.name(), grid_b_.crs_wkt()}, rules);
+    const auto placed = placed_grid(grid_b_.spec(), grid_a_.spec(), meeting_.placement);
+    placed_b_ = placed.value_or(grid_b_.spec());
+    common_ = common_bins(grid_a_.spec(), placed_b_);
+    if (!meeting_.refusal.empty())
+      reason_ = meeting_.refusal;
+    else if (!placed && grid_a_.spec().resolution_m != grid_b_.spec().resolution_m)
+      reason_ = "the bins of " + b.name() + " have another size";
+    else if (!placed)
+      reason_ = "the bins of " + b.name() + " fall between those of " + a.name();
+    else if (common_.size() == 0)
+      reason_ = "the maps have no bin in common";
+  }
+
+  /// Adds the places, the common bins and, with `statistics`, the layers, or why there are none.
+  void add_to(Json& json, const std::string& kind, bool statistics, const ProgressCallback& progress) const {
+    json["a"]["place"] = place_json(grid_a_.crs_wkt());
+    json["b"]["place"] = place_json(grid_b_.crs_wkt());
+    json["placement"] = {{"shift_m", meeting_.placement.shift_m()}, {"said", meeting_.said}};
+    json["same_grid"] = reason_.empty() && placed_b_ == grid_a_.spec();
+    if (!reason_.empty()) {
+      json["not_compared"] = reason_;
+      return;
+    }
+    json["common_bins"] = {{"rows", common_.rows},
+                           {"columns", common_.cols},
+                           {"first_in_a", first_in(grid_a_.spec())},
+                           {"first_in_b", first_in(placed_b_)},
+                           {"x_m", {common_.x(0), common_.x(common_.cols - 1)}},
+                           {"y_m", {common_.y(0), common_.y(common_.rows - 1)}}};
+    if (statistics) add_layers(json, kind, progress);
+  }
+
+ private:
+  /// Row and column of the first common bin in a grid.
+  [[nodiscard]] Json first_in(const GridSpec& grid) const {
+    return {common_.first_row - grid.first_row, common_.first_col - grid.first_col};
+  }
+  void add_layers(Json& json, const std::string& kind, const ProgressCallback& progress) const {
+    json["layers"] = Json::array();
+    const std::vector<ContentInfo> layers = layers_of(file_a_, grid_a_.spec());
+    const std::vector<ContentInfo> others = layers_of(file_b_, grid_b_.spec());
+    std::size_t done = 0;
+    for (const ContentInfo& layer : layers) {
+      report(progress, static_cast<double>(done++) / static_cast<double>(layers.size()));
+      if (std::ranges::find(others, layer.name, &ContentInfo::name) == others.end()) continue;
+      const Grid<double> a = on_bins(grid_a_.read<double>(layer.name), grid_a_.spec(), common_, 0);
+      const Grid<double> b = on_bins(grid_b_.read<double>(layer.name), placed_b_, common_,
+                                     shift_of(kind, layer.name, meeting_.placement));
+      Json entry = {{"layer", layer.name}, {"unit", layer.units}};
+      entry.update(is_class(layer) ? class_json(a, b) : difference_json(a, b));
+      json["layers"].push_back(std::move(entry));
+    }
+  }
+
+  const LandfallFileReader& file_a_;
+  const LandfallFileReader& file_b_;
+  GridLayerReader grid_a_, grid_b_;
+  Meeting meeting_;
+  GridSpec placed_b_, common_;
+  std::string reason_;  ///< why no bins are compared; empty if they are
+};
 
 Json pair_json(const std::string& name, const std::vector<double>& a, const std::vector<double>& b) {
   const PairedCounts counts = paired_counts(b, a);  // the difference is B - A
@@ -242,7 +347,7 @@ void add_draws(Json& json, const std::filesystem::path& a, const std::filesystem
 }  // namespace
 
 Json compare_files(const std::filesystem::path& a, const std::filesystem::path& b,
-                   const ProgressCallback& progress) {
+                   const ComparisonRequest& request, const ProgressCallback& progress) {
   const Json of_a = describe_file(a, {.statistics = false});
   const Json of_b = describe_file(b, {.statistics = false});
   if (of_a["kind"] != of_b["kind"])
@@ -264,7 +369,11 @@ Json compare_files(const std::filesystem::path& a, const std::filesystem::path& 
     json["metrics"] = numbers_json(of_a["verdict"], of_b["verdict"]);
     add_draws(json, a, b);
   }
-  add_layers(json, LandfallFileReader(a, kLandfallKinds), LandfallFileReader(b, kLandfallKinds), progress);
+  const LandfallFileReader file_a(a, kLandfallKinds);
+  const LandfallFileReader file_b(b, kLandfallKinds);
+  if (has_grid(file_a) && has_grid(file_b))
+    GridPair(file_a, file_b, request.rules)
+        .add_to(json, json["kind"].get<std::string>(), request.statistics, progress);
   return json;
 }
 

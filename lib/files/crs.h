@@ -3,6 +3,7 @@
 
 #include <string>
 
+#include "files/landfall_file.h"
 #include "hdf5/h5.h"
 
 namespace landfall {
@@ -18,11 +19,11 @@ enum class CfFrame {
 /// where CF has one. An empty `wkt` writes the local frame of a site without a CRS.
 CfFrame write_crs(hid_t root, const std::string& wkt);
 
-/// Whether two site frames may be the same: their projections have equal parameters, or one is tied to no
-/// body.
-[[nodiscard]] bool may_be_one_frame(const std::string& a, const std::string& b);
+/// Whether two site frames are the same: their projections have equal parameters.
+[[nodiscard]] bool is_one_frame(const std::string& a, const std::string& b);
 
-/// The site frame; the local frame if the file gives none.
-[[nodiscard]] std::string read_crs(hid_t root);
+/// The site frame with its place (terrain/site_wkt.h); the local frame if the file gives none. The place of a
+/// local frame that version 0.2.0 wrote comes from the configurations of the file's history.
+[[nodiscard]] std::string read_crs(const LandfallFileReader& file);
 
 }  // namespace landfall

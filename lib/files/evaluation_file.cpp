@@ -6,11 +6,13 @@
 #include <cmath>
 #include <functional>
 #include <limits>
+#include <tuple>
 #include <type_traits>
 #include <utility>
 #include <vector>
 
 #include "base/error.h"
+#include "files/crs.h"
 #include "files/metrics_json.h"
 #include "hdf5/infinite_values.h"
 #include "hdf5/table.h"
@@ -55,9 +57,19 @@ void write_holes(const LandfallFileWriter& file, const GridSpec& spec, const std
               rows, file.compression());
 }
 
+/// The shape (y, x) of a layer of a mask.
+std::array<std::int64_t, 2> shape_of(const h5::Handle& dataset, const std::string& where) {
+  const h5::Handle space(H5Dget_space(dataset.get()), H5Sclose);
+  hsize_t size[2] = {0, 0};
+  if (H5Sget_simple_extent_ndims(space.get()) != 2 ||
+      H5Sget_simple_extent_dims(space.get(), size, nullptr) < 0)
+    throw FormatError(where + " does not have the shape (y, x)");
+  return {static_cast<std::int64_t>(size[0]), static_cast<std::int64_t>(size[1])};
+}
+
 /// Throws FormatError unless the file's coordinates of this name, if it has any, are those expected.
 void check_axis(hid_t file, const std::string& path, const std::string& name,
-                const std::vector<double>& expected, double resolution_m) {
+                const std::vector<double>& expected, double resolution_m, bool is_moved) {
   if (!h5::exists(file, name)) return;
   const h5::Handle dataset = h5::open_dataset(file, name);
   const h5::Handle space(H5Dget_space(dataset.get()), H5Sclose);
@@ -67,41 +79,88 @@ void check_axis(hid_t file, const std::string& path, const std::string& name,
   if (same_size && !h5::read_values(dataset.get(), H5T_NATIVE_DOUBLE, found.data()))
     h5::fail_reading(file, name);
   if (!same_size || !std::ranges::equal(found, expected, near))
-    throw FormatError(path + ": /" + name + " differs from the DEM's");
+    throw FormatError(path + ": /" + name + " differs from the DEM's" +
+                      (is_moved ? " by no whole number of bins" : ""));
 }
 
-void check_axes(hid_t file, const std::string& path, const GridSpec& spec) {
+/// Throws FormatError unless the coordinates of a mask, less its shift, are those of the grid.
+void check_axes(hid_t file, const std::string& path, const GridSpec& spec,
+                const std::array<double, 3>& shift_m) {
   std::vector<double> x(static_cast<std::size_t>(spec.cols));
   std::vector<double> y(static_cast<std::size_t>(spec.rows));
-  for (std::size_t i = 0; i < x.size(); ++i) x[i] = spec.x(static_cast<std::int64_t>(i));
-  for (std::size_t i = 0; i < y.size(); ++i) y[i] = spec.y(static_cast<std::int64_t>(i));
-  check_axis(file, path, "x", x, spec.resolution_m);
-  check_axis(file, path, "y", y, spec.resolution_m);
+  for (std::size_t i = 0; i < x.size(); ++i) x[i] = spec.x(static_cast<std::int64_t>(i)) - shift_m[0];
+  for (std::size_t i = 0; i < y.size(); ++i) y[i] = spec.y(static_cast<std::int64_t>(i)) - shift_m[1];
+  check_axis(file, path, "x", x, spec.resolution_m, shift_m[0] != 0);
+  check_axis(file, path, "y", y, spec.resolution_m, shift_m[1] != 0);
+}
+
+/// The first bin of a mask along an axis, in the map's bins.
+std::int64_t first_bin(hid_t file, const std::string& where, std::int64_t count, double shift_bins,
+                       double resolution_m) {
+  const std::string name = where.substr(where.rfind('/') + 1);
+  const h5::Handle axis = h5::open_dataset(file, name);
+  if (!axis) throw FormatError(where + " is missing, and the mask has another centre than the DEM");
+  const h5::Handle space(H5Dget_space(axis.get()), H5Sclose);
+  std::vector<double> values(static_cast<std::size_t>(count));
+  if (H5Sget_simple_extent_npoints(space.get()) != count ||
+      !h5::read_values(axis.get(), H5T_NATIVE_DOUBLE, values.data()))
+    h5::fail_reading(file, name);
+  const double first = values.empty() ? 0 : values.front() / resolution_m + shift_bins;
+  if (!(std::abs(first) < 1e9)) throw FormatError(where + " lies beyond the DEM");
+  return std::llround(first);
+}
+
+/// The grid of a mask in the map's bins: the map's own, or that of a mask that is moved.
+GridSpec mask_grid(hid_t file, const std::string& path, const MaskedMap& map, const Placement& placement,
+                   const std::array<std::int64_t, 2>& shape, const std::string& layer) {
+  const std::array<double, 3>& shift_m = placement.shift_m();
+  GridSpec mask = map.grid;
+  if (!placement.is_identity()) {
+    const double s = mask.resolution_m;
+    std::tie(mask.rows, mask.cols) = std::pair(shape[0], shape[1]);
+    mask.first_col = first_bin(file, path + ": /x", mask.cols, shift_m[0] / s, s);
+    mask.first_row = first_bin(file, path + ": /y", mask.rows, shift_m[1] / s, s);
+  }
+  check_axes(file, path, mask, shift_m);
+  if (shape != std::array{mask.rows, mask.cols})
+    throw FormatError(path + ": layer /" + layer + " is not of the DEM's shape (" +
+                      std::to_string(mask.rows) + ", " + std::to_string(mask.cols) + ")");
+  return mask;
+}
+
+/// The frame of a mask, which may be the file of any tool; none if it gives none.
+std::optional<std::string> frame_of_mask(const std::filesystem::path& path, hid_t file) {
+  if (!h5::exists(file, "crs")) return std::nullopt;
+  if (is_landfall_file(path)) return read_crs(LandfallFileReader(path, kLandfallKinds));
+  return h5::read_text_attribute(h5::open_dataset(file, "crs").get(), "crs_wkt");
 }
 
 }  // namespace
 
 RegionMask read_region_mask(const std::filesystem::path& path, const std::string& layer,
-                            const GridSpec& spec) {
+                            const MaskedMap& map) {
   h5::initialise();
   const h5::Handle file = h5::open_file(path);
-  check_axes(file.get(), path.string(), spec);
+  const std::string name = path.string();
   const h5::Handle dataset = h5::open_dataset(file.get(), layer);
-  if (!dataset) throw FormatError(path.string() + ": no layer /" + layer);
-  const h5::Handle space(H5Dget_space(dataset.get()), H5Sclose);
-  hsize_t size[2] = {0, 0};
-  if (H5Sget_simple_extent_ndims(space.get()) != 2 ||
-      H5Sget_simple_extent_dims(space.get(), size, nullptr) < 0 ||
-      size[0] != static_cast<hsize_t>(spec.rows) || size[1] != static_cast<hsize_t>(spec.cols))
-    throw FormatError(path.string() + ": layer /" + layer + " is not of the DEM's shape (" +
-                      std::to_string(spec.rows) + ", " + std::to_string(spec.cols) + ")");
-  Grid<double> values(spec);
+  if (!dataset) throw FormatError(name + ": no layer /" + layer);
+  Meeting meeting;
+  if (const auto frame = frame_of_mask(path, file.get()))
+    meeting = meet(meeting_kind("mask"), {map.name, map.crs_wkt}, {name, *frame}, map.rules);
+  const GridSpec grid = mask_grid(file.get(), name, map, meeting.placement,
+                                  shape_of(dataset, name + ": layer /" + layer), layer);
+  Grid<double> values(grid);
   if (!h5::read_values(dataset.get(), H5T_NATIVE_DOUBLE, values.values().data()))
-    throw FormatError(path.string() + ": reading layer /" + layer + " failed: " + h5::reading_failure());
-  RegionMask result{BinMask(spec), h5::read_text_attribute(file.get(), "file_id").value_or("")};
+    throw FormatError(name + ": reading layer /" + layer + " failed: " + h5::reading_failure());
+  RegionMask result{BinMask(map.grid), h5::read_text_attribute(file.get(), "file_id").value_or(""),
+                    std::move(meeting.said)};
   if (result.file_id.empty()) result.file_id = content_id(path);
-  std::ranges::transform(values.values(), result.mask.values().begin(),
-                         [](double v) -> std::int8_t { return v != 0 && !std::isnan(v) ? 1 : 0; });
+  for (std::int64_t row = 0; row < map.grid.rows; ++row)
+    for (std::int64_t col = 0; col < map.grid.cols; ++col) {
+      const BinIndex at{map.grid.first_row + row - grid.first_row, map.grid.first_col + col - grid.first_col};
+      const double value = grid.contains(at) ? values.at(at) : 0;
+      result.mask.at({row, col}) = value != 0 && !std::isnan(value) ? 1 : 0;
+    }
   return result;
 }
 

@@ -9,6 +9,7 @@
 #include "evaluation/uncertainty.h"
 #include "files/grid_file.h"
 #include "files/landfall_file.h"
+#include "files/meeting.h"
 
 namespace landfall {
 
@@ -42,15 +43,26 @@ class DemWindowReader {
   GridLayerReader layers_;
 };
 
+/// The map that a mask is for.
+struct MaskedMap {
+  std::string name;  ///< for messages
+  const GridSpec& grid;
+  const std::string& crs_wkt;
+  MeetingRules rules = {};
+};
+
 /// The bins of a grid whose value in a layer of an HDF5 file is neither 0 nor NaN. The file may be any HDF5
-/// file that has the layer in the shape (y, x); coordinates /x and /y, if it has them, must equal the grid's.
-/// Throws FormatError.
+/// file that has the layer in the shape (y, x). Without a frame of its own (/crs), or in the map's frame,
+/// coordinates /x and /y, if it has them, must equal the grid's. With another centre on the same map it is
+/// moved by whole bins, and bins of the grid beyond it are not in the region. Throws FormatError, also for
+/// frames that do not meet (meeting.h).
 struct RegionMask {
   BinMask mask;
   std::string file_id;
+  std::vector<std::string> said = {};  ///< of the meeting
 };
 [[nodiscard]] RegionMask read_region_mask(const std::filesystem::path& path, const std::string& layer,
-                                          const GridSpec& spec);
+                                          const MaskedMap& map);
 
 /// z_true_map - z_est, z_sigma_abs, z_sigma_rel and, if it exists, count of a dem.h5; nothing if one of the
 /// first three is missing. Throws FormatError.

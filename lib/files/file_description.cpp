@@ -55,7 +55,7 @@ Json head(const std::filesystem::path& path, const LandfallFileReader& file) {
                {"size_bytes", std::filesystem::file_size(path)},
                {"file_id", file.file_id()},
                {"source", text_attribute(file.root(), "source")}};
-  const std::string wkt = read_crs(file.root());
+  const std::string wkt = read_crs(file);
   json["crs"] = {{"name", crs_name(wkt)}, {"wkt", wkt}};
   const Json origin = map_position_json(map_positions(wkt, {SitePoint{}}).front());
   if (!origin.empty()) json["crs"]["origin"] = origin;

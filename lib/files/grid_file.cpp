@@ -296,7 +296,7 @@ void GridLayerWriter::write_tiled(const std::vector<TiledLayer>& layers, const F
 }
 
 GridLayerReader::GridLayerReader(const LandfallFileReader& file)
-    : file_(file), spec_(read_spec(file)), crs_wkt_(read_crs(file.root())) {}
+    : file_(file), spec_(read_spec(file)), crs_wkt_(read_crs(file)) {}
 
 bool GridLayerReader::has(const std::string& name) const { return h5::exists(file_.root(), name); }
 

@@ -106,7 +106,7 @@ bool RangeFile::has_several_returns() const { return points_.has(name_of(&PointC
 bool RangeFile::has_exact_ranges() const { return points_.element_size(kRange) == sizeof(double); }
 
 TerrainIdentity RangeFile::terrain() const {
-  TerrainIdentity terrain{read_crs(file_.root())};
+  TerrainIdentity terrain{read_crs(file_)};
   if (file_.chain().empty()) return terrain;
   for (const nlohmann::json& input : file_.chain().back().value("inputs", nlohmann::json::array()))
     if (input.value("role", "") == "terrain") terrain.file_id = input.value("file_id", "");

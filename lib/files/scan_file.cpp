@@ -218,7 +218,7 @@ ScanReader::ScanReader(const std::filesystem::path& path)
       columns_(points_, columns_of_a_dem(is_imported_, has_times_)),
       pulse_times_(is_imported_ ? PulseTimes{.epoch_s = imported_epoch_s(file_)}
                                 : read_pulse_times_since_first(file_)),
-      crs_wkt_(read_crs(file_.root())),
+      crs_wkt_(read_crs(file_)),
       row_count_(points_.row_count(row_column())) {
   for (const std::string& column : columns_of_a_dem(is_imported_, has_times_))
     if (points_.row_count(column) != row_count_)

@@ -13,13 +13,12 @@
 #include "base/available_memory.h"
 #include "base/error.h"
 #include "base/parallel.h"
-#include "files/crs.h"
 #include "gridding/weighted_mean_accumulator.h"
 #include "hdf5/table.h"
 #include "raster/grid_spec.h"
 #include "returns/columns.h"
 
-// A terrain that was not scanned is refused as truth unless `--other-terrain` is given, because its z_true
+// A terrain that was not scanned is refused as truth unless `--same-frame` is given, because its z_true
 // would be that of another site.
 
 namespace landfall {
@@ -79,17 +78,47 @@ EdgeSample sample_edges(const GridPoints& points, double resolution_m) {
   return sample;
 }
 
+/// Removes returns without a position; returns their number.
+std::int64_t drop_unplaced(ScanPoints& points) {
+  std::size_t next = 0;
+  const std::size_t count = points.t.size();
+  for (std::size_t i = 0; i < count; ++i) {
+    if (std::isnan(points.columns.x_est[i]) || std::isnan(points.columns.x_true[i])) continue;
+    points.t[next] = points.t[i];
+    for (const auto member : kCoordinates) (points.columns.*member)[next] = (points.columns.*member)[i];
+    ++next;
+  }
+  points.t.resize(next);
+  for (const auto member : kCoordinates) (points.columns.*member).resize(next);
+  return static_cast<std::int64_t>(count - next);
+}
+
+/// Brings a batch to the frame of the first scan; returns how many of its returns have no place there.
+std::int64_t place_batch(const Placement& placement, ScanPoints& points) {
+  if (placement.is_identity()) return 0;
+  placement.to_first(points.columns.x_est, points.columns.y_est);
+  placement.to_first(points.columns.x_true, points.columns.y_true);
+  placement.raise(points.columns.z_est);
+  return placement.is_reprojected() ? drop_unplaced(points) : 0;
+}
+
 /// Grids a batch while the next one is read.
-void grid_pass(const std::vector<Batch>& todo, double resolution_m, GriddedScans& gridded,
+void grid_pass(const std::vector<Batch>& todo, const GriddingRequest& request, GriddedScans& gridded,
                const ProgressCallback& progress) {
+  gridded.without_place = 0;
   std::array<ScanPoints, 2> slots;
   read_ahead(
       todo.size(), slots.size(),
-      [&](std::size_t i, std::size_t slot) { todo[i].scan->read(todo[i].begin, todo[i].count, slots[slot]); },
+      [&](std::size_t i, std::size_t slot) {
+        todo[i].scan->read(todo[i].begin, todo[i].count, slots[slot]);
+        if (!request.placements.empty())
+          gridded.without_place += place_batch(request.placements[todo[i].number], slots[slot]);
+      },
       [&](std::size_t i, std::size_t slot) {
         const GridPoints points = slots[slot].view();
         gridded.bins->add(points);
-        if (todo[i].begin == 0) gridded.edges[todo[i].number] = sample_edges(points, resolution_m);
+        if (todo[i].begin == 0)
+          gridded.edges[todo[i].number] = sample_edges(points, request.grid.resolution_m);
         if (gridded.moments) gridded.moments->add(points, *gridded.nearest);
         report(progress,
                gridded.bins->progress(static_cast<double>(i + 1) / static_cast<double>(todo.size())));
@@ -134,14 +163,21 @@ Scans open_scans(const std::vector<std::string>& paths, Provenance& provenance) 
   return scans;
 }
 
+ScanPlacements place_scans(const Scans& scans, const MeetingRules& rules) {
+  ScanPlacements placements;
+  for (const auto& scan : scans) {
+    Meeting meeting = meet(meeting_kind("scans"), sited(*scans.front()), sited(*scan), rules);
+    add_said(placements.said, scan->file().name(), meeting);
+    placements.of.push_back(std::move(meeting.placement));
+  }
+  return placements;
+}
+
 void require_scans_of(const Scans& scans, const TerrainIdentity& terrain, const std::string& terrain_path) {
   for (const auto& scan : scans) {
-    if (!scan->has_truth() && !may_be_one_frame(scan->crs_wkt(), terrain.crs_wkt))
-      throw FormatError(scan->file().name() + ": its site frame is not that of " + terrain_path +
-                        ": import it with the --center and --crs of the terrain, or give --other-terrain");
     if (const std::string scanned = terrain_id_of(*scan); !scanned.empty() && scanned != terrain.file_id)
       throw FormatError(scan->file().name() + ": is a scan of another terrain than " + terrain_path +
-                        "; give the scanned one, or --other-terrain");
+                        "; give the scanned one, or --same-frame");
   }
 }
 
@@ -151,7 +187,7 @@ GriddedScans grid_scans(const Scans& scans, const GriddingRequest& request,
   GriddedScans gridded = empty_bins(request);
   const std::vector<Batch> todo = batches(scans);
   gridded.edges.resize(scans.size());
-  do grid_pass(todo, request.grid.resolution_m, gridded, progress);
+  do grid_pass(todo, request, gridded, progress);
   while (gridded.bins->end_pass());
   return gridded;
 }

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "base/progress.h"
+#include "files/meeting.h"
 #include "files/scan_file.h"
 #include "files/terrain_file.h"
 #include "gridding/method.h"
@@ -27,14 +28,26 @@ using Scans = std::vector<std::unique_ptr<ScanReader>>;
 /// earliest of their first pulses.
 [[nodiscard]] Scans open_scans(const std::vector<std::string>& paths, Provenance& provenance);
 
-/// Throws FormatError, naming the scan, if its history names another terrain than this one, or if it is
-/// imported and its map is another one than the terrain's.
+/// A scan at a meeting.
+[[nodiscard]] inline Sited sited(const ScanReader& scan) { return {scan.file().name(), scan.crs_wkt()}; }
+
+/// How each scan's coordinates become those of the first scan's frame (meeting.h).
+struct ScanPlacements {
+  std::vector<Placement> of;
+  std::vector<std::string> said;
+};
+
+/// Throws FormatError for scans that do not meet the first one.
+[[nodiscard]] ScanPlacements place_scans(const Scans& scans, const MeetingRules& rules);
+
+/// Throws FormatError, naming the scan, if its history names another terrain than this one.
 void require_scans_of(const Scans& scans, const TerrainIdentity& terrain, const std::string& terrain_path);
 
 struct GriddingRequest {
   GridSpec grid;
   Method method = Method::bilinear_nearest;
   bool moments = false;  ///< also what an uncertainty map needs; only with the method bilinear_nearest
+  std::vector<Placement> placements = {};  ///< of the scans; empty: all are in one frame
 };
 
 /// Returns of the beginning of a scan, and how many of them lie on an edge between two bins.
@@ -50,11 +63,13 @@ struct GriddedScans {
   std::optional<MomentAccumulator> moments;
   Grid<Slope> slopes{};                           ///< slope_layer() of the bins; grid_scans() leaves it empty
   std::unique_ptr<UncertaintyMap> uncertainty{};  ///< refers to the above, which must not move any more
+  std::int64_t without_place = 0;                 ///< returns beyond the horizon of the first scan's site
   std::vector<EdgeSample> edges{};  ///< of each scan: its first returns, at most 65,536; within 1e-9 bins
 };
 
 /// Grids the scans one after the other, batch by batch, while the next batch is read; the memory needed does
-/// not depend on their size. Throws as ScanReader::read() and Accumulator::add() do.
+/// not depend on their size. Points that have no place in the first scan's frame are left out. Throws as
+/// ScanReader::read() and Accumulator::add() do.
 [[nodiscard]] GriddedScans grid_scans(const Scans& scans, const GriddingRequest& request,
                                       const ProgressCallback& progress = {});
 

@@ -125,15 +125,16 @@ void add_to(std::vector<DrawColumn>& columns, const std::vector<NamedNumber>& ro
 
 }  // namespace
 
-Campaign::Campaign(const RangeFile& scan, const std::string& terrain, const DrawsConfig& config,
+Campaign::Campaign(const RangeFile& scan, GroundSource ground, const DrawsConfig& config,
                    const DrawSpan& span, std::optional<std::int64_t> pair,
                    const std::optional<OpenClOptions>& device, Provenance& provenance,
                    const ProgressCallback& progress)
     : config_(config),
       pair_(pair),
+      source_(std::move(ground)),
       regrid_(regrid_config(config.stages().regrid, config.name() + ": /regrid")) {
   provenance.add_input("scan", scan.file().file_id(), scan.file().chain());
-  scene_ = open_scene({.terrain = terrain, .use = SceneUse::surface});
+  scene_ = open_scene({.terrain = source_.terrain, .use = SceneUse::surface});
   provenance.add_input("terrain", scene_.file_id, scene_.chain);
   const GridSpec& grid = regrid_.grid;
   if (scene_.window)
@@ -199,7 +200,8 @@ void Campaign::prepare(const TerrainSurface* ground, const std::optional<OpenClO
                  "choose a smaller half_width_m or larger bins");
   const std::string eval = config_.name() + ": /eval";
   const std::optional<BinMask> mask =
-      read_region(region_config(config_.stages().eval, eval), {grid, scene_.crs_wkt}, eval, provenance);
+      read_region(region_config(config_.stages().eval, eval),
+                  {"the DEM", grid, scene_.crs_wkt, false, source_.rules, source_.warn}, eval, provenance);
   const EvaluationParameters evaluation = evaluation_config(config_.stages().eval, eval);
   at_path(eval + "/", [&] { region_ = judged_region(evaluation, grid, mask ? &*mask : nullptr); });
   runner_ = std::make_unique<DrawRunner>(
@@ -214,7 +216,8 @@ void Campaign::prepare(const TerrainSurface* ground, const std::optional<OpenClO
 std::optional<BinMask> Campaign::hazard_region(Provenance& provenance) const {
   if (!config_.has_hazards()) return std::nullopt;
   const std::string name = config_.name() + ": /hazard";
-  return read_region(region_config(config_.stages().hazard, name), {regrid_.grid, scene_.crs_wkt, true}, name,
+  return read_region(region_config(config_.stages().hazard, name),
+                     {"the DEM", regrid_.grid, scene_.crs_wkt, true, source_.rules, source_.warn}, name,
                      provenance);
 }
 

@@ -13,6 +13,7 @@
 #include "config/draws_config.h"
 #include "config/terrain_config.h"
 #include "files/draws_file.h"
+#include "files/meeting.h"
 #include "files/range_file.h"
 #include "scene/scene.h"
 
@@ -35,11 +36,12 @@ struct DrawSpan {
 using TerrainMaker = std::function<TerrainInput(const TerrainConfig&, Provenance&,
                                                 const std::function<void(const std::string&)>& warn)>;
 
-/// The ground of draws that trace.
+/// The ground of a campaign; that of a traced scan is a file.
 struct GroundSource {
   std::string terrain;  ///< terrain.h5; empty: the section terrain of the campaign
   TerrainMaker make;    ///< for the section
   std::function<void(const std::string&)> warn;
+  MeetingRules rules = {};  ///< of regions
 };
 
 /// A campaign over one traced scan, or one whose draws trace: its inputs in memory, and its draws.
@@ -55,7 +57,7 @@ class Campaign {
   /// terrain, and adds both to the inputs of `provenance`. Throws UsageError, naming the key, unless every
   /// draw of `span` has the rays of the scan, and can be made by `device` if one is given (DeviceGridder);
   /// FormatError as the readers do, or for a terrain other than the one that was scanned.
-  Campaign(const RangeFile& scan, const std::string& terrain, const DrawsConfig& config, const DrawSpan& span,
+  Campaign(const RangeFile& scan, GroundSource ground, const DrawsConfig& config, const DrawSpan& span,
            std::optional<std::int64_t> pair, const std::optional<OpenClOptions>& device,
            Provenance& provenance, const ProgressCallback& progress);
 
@@ -84,7 +86,7 @@ class Campaign {
 
   const DrawsConfig& config_;
   std::optional<std::int64_t> pair_;
-  GroundSource source_;  ///< of draws that trace
+  GroundSource source_;
   Scene scene_;
   std::shared_ptr<const SurfaceAlbedo> albedo_;
   std::int64_t ground_draw_ = -1;  ///< the draw whose ground the scene is, where it varies

@@ -16,10 +16,14 @@
 namespace landfall {
 namespace {
 
+/// The option that says which draws a part has.
+constexpr const char* kPart = "draws";
+
 /// A part's step in its own history, without what differs between parts.
 nlohmann::json campaign_of(const DrawsInput& part) {
   nlohmann::json step = part.chain.back();
-  step.erase("options");
+  if (step.contains("options") && step["options"].is_object()) step["options"].erase(kPart);
+  if (step.contains("options") && step["options"].empty()) step.erase("options");
   step.erase("file_id");
   return step;
 }
@@ -94,7 +98,7 @@ CampaignState::CampaignState(const std::filesystem::path& output, Provenance pro
 
 Provenance CampaignState::provenance_of(const DrawTable& table) const {
   Provenance provenance = provenance_;
-  provenance.options = part_options(table.first, table.end());
+  provenance.options.update(part_options(table.first, table.end()));
   return provenance;
 }
 
@@ -128,7 +132,7 @@ void CampaignState::remove() const noexcept {
 }
 
 nlohmann::json part_options(std::int64_t first, std::int64_t end) {
-  return {{"draws", std::to_string(first) + ":" + std::to_string(end)}};
+  return {{kPart, std::to_string(first) + ":" + std::to_string(end)}};
 }
 
 MergedDraws merge_draws(const std::vector<std::string>& paths, Provenance& provenance) {
@@ -140,6 +144,8 @@ MergedDraws merge_draws(const std::vector<std::string>& paths, Provenance& prove
   const nlohmann::json& step = parts.front().input.chain.back();
   const nlohmann::json config = config_of(parts.front());
   provenance.config = step.at("config");
+  if (const nlohmann::json whole = campaign_of(parts.front().input); whole.contains("options"))
+    provenance.options = whole.at("options");
   if (config.at("stop").at("type") != "fixed")
     throw UsageError(paths.front() + ": a campaign with a sequential test has no parts");
   const auto scans = std::ranges::count(step.at("inputs"), "scan", [](const nlohmann::json& input) {

@@ -24,7 +24,10 @@ class ScanSequence {
   /// `resolved` is the configuration of monte-carlo.
   ScanSequence(const CampaignSources& sources, nlohmann::json resolved, const std::string& name,
                const NumberTable* samples, std::function<void(const std::string&)> warn)
-      : device_(sources.device), make_terrain_(sources.make_terrain), warn_(std::move(warn)) {
+      : device_(sources.device),
+        make_terrain_(sources.make_terrain),
+        rules_(sources.rules),
+        warn_(std::move(warn)) {
     if (sources.pairs.size() > 1) resolved["layers"] = false;
     for (const ScanPair& pair : sources.pairs)
       scans_.push_back(std::make_unique<Scan>(pair, resolved, name, samples));
@@ -108,17 +111,18 @@ class ScanSequence {
     const DrawSpan span = {std::clamp<std::int64_t>(span_.first - begin, 0, draws),
                            std::clamp<std::int64_t>(span_.end - begin, 0, draws)};
     const auto number = has_pairs() ? std::optional(static_cast<std::int64_t>(pair)) : std::nullopt;
+    GroundSource ground{scan.terrain, make_terrain_, warn_, rules_};
     if (scan.file)
-      campaign_ = std::make_unique<Campaign>(*scan.file, scan.terrain, scan.config, span, number, device_,
-                                             provenance, progress);
+      campaign_ = std::make_unique<Campaign>(*scan.file, std::move(ground), scan.config, span, number,
+                                             device_, provenance, progress);
     else
-      campaign_ = std::make_unique<Campaign>(GroundSource{scan.terrain, make_terrain_, warn_}, scan.config,
-                                             span, provenance);
+      campaign_ = std::make_unique<Campaign>(std::move(ground), scan.config, span, provenance);
     loaded_ = pair;
   }
 
   std::optional<OpenClOptions> device_;
   TerrainMaker make_terrain_;
+  MeetingRules rules_;
   std::function<void(const std::string&)> warn_;
   std::vector<std::unique_ptr<Scan>> scans_;
   nlohmann::json json_;
@@ -215,7 +219,7 @@ CampaignResult run_campaign(const CampaignSources& sources, const std::optional<
                [&](const ProgressCallback& progress) { scans.check(span, output.provenance, progress); });
   const CampaignState state(output.file.path, output.provenance, span.first);
   if (span.first != 0 || span.end != scans.row_count())
-    output.provenance.options = part_options(span.first, span.end);
+    output.provenance.options.update(part_options(span.first, span.end));
   LandfallFileWriter file(output.file, "draws", output.provenance);
   std::optional<Draws> kept = state.load(output.warn);
   Draws draws = kept ? *std::move(kept) : scans.of(span.first).empty(span.first);

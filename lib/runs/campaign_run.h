@@ -29,6 +29,7 @@ struct CampaignSources {
   /// The OpenCL device that draws errors and grids the returns; none: the CPU does.
   std::optional<OpenClOptions> device{};
   TerrainMaker make_terrain{};  ///< for draws that trace
+  MeetingRules rules{};
 };
 
 struct CampaignOutput {

@@ -12,7 +12,7 @@
 #include "config/config_path.h"
 #include "config/uncertainty_config.h"
 #include "files/scan_gridding.h"
-#include "scene/scene.h"
+#include "scene/placed_scene.h"
 
 namespace landfall {
 namespace {
@@ -24,12 +24,25 @@ struct UncertaintyInputs {
   std::string left_out;  ///< errors of the scans, comma-separated
 };
 
-UncertaintyInputs uncertainty_inputs(const Scans& scans, DemOutput& output) {
+/// The poses of a scan in the frame of the first scan.
+ScanPoses placed_poses(const ScanReader& scan, const Placement& placement) {
+  ScanPoses poses = read_scan_poses(scan);
+  if (placement.is_reprojected())
+    throw UsageError(
+        "--uncertainty: " + scan.file().name() +
+        " is in another map projection than the first scan, in which its attitudes are not known");
+  const auto& [x_m, y_m, z_m] = placement.shift_m();
+  for (Eigen::Vector3d& position : poses.position_m) position += Eigen::Vector3d(x_m, y_m, z_m);
+  return poses;
+}
+
+UncertaintyInputs uncertainty_inputs(const Scans& scans, const std::vector<Placement>& placements,
+                                     DemOutput& output) {
   std::vector<ScanOrigin> origins;
   std::vector<ScanPoses> poses;
-  for (const auto& scan : scans) {
-    origins.push_back({scan->file().name(), scan->file().config()});
-    poses.push_back(read_scan_poses(*scan));
+  for (std::size_t i = 0; i < scans.size(); ++i) {
+    origins.push_back({scans[i]->file().name(), scans[i]->file().config()});
+    poses.push_back(placed_poses(*scans[i], placements[i]));
   }
   nlohmann::json& config = output.provenance.config;
   const UncertaintyParameters parameters = uncertainty_parameters(config, output.config_name, origins);
@@ -87,17 +100,20 @@ std::string returns_used(const Scans& scans) {
 }
 
 /// The terrain of the true elevations; without one the scene has no surface.
-Scene open_truth(const DemSources& sources, const Scans& scans, const GridSpec& grid, DemOutput& output) {
+Scene open_truth(const DemSources& sources, const Scans& scans, const GridSpec& grid, DemOutput& output,
+                 std::vector<std::string>& warnings) {
   if (sources.terrain.empty()) return {};
   Scene truth;
   output.phase("terrain", [&](const ProgressCallback& progress) {
     truth = open_scene({.terrain = sources.terrain, .use = SceneUse::surface}, progress);
   });
   output.provenance.add_input("terrain", truth.file_id, truth.chain);
-  if (!sources.other_terrain) require_scans_of(scans, truth, sources.terrain);
-  if (truth.window)
-    truth.window->require({grid.x(0), grid.x(grid.cols - 1), grid.y(0), grid.y(grid.rows - 1)});
-  return truth;
+  if (!sources.rules.same_frame) require_scans_of(scans, truth, sources.terrain);
+  const Meeting meeting = meet(meeting_kind("terrain_of_scans"), sited(*scans.front()),
+                               {sources.terrain, truth.crs_wkt}, sources.rules);
+  add_said(warnings, sources.terrain, meeting);
+  require_window(truth, grid, meeting.placement);
+  return placed_scene(std::move(truth), meeting.placement);
 }
 
 /// Computes the maps from which the corrected elevations and the sigmas are taken.
@@ -136,15 +152,16 @@ BinnedReturns make_dem(const RegridConfig& config, const DemSources& sources, De
                        DemOutput output) {
   const Scans scans = open_scans(sources.scans, output.provenance);
   require_possible(scans, config, layers);
+  ScanPlacements placements = place_scans(scans, sources.rules);
+  std::vector<std::string> warnings = std::move(placements.said);
   std::optional<UncertaintyInputs> uncertainty;
-  std::vector<std::string> warnings;
   if (layers.uncertainty) {
-    uncertainty = uncertainty_inputs(scans, output);
-    warnings = warnings_of(*uncertainty);
+    uncertainty = uncertainty_inputs(scans, placements.of, output);
+    for (std::string& warning : warnings_of(*uncertainty)) warnings.push_back(std::move(warning));
     if (!uncertainty->left_out.empty())
       layers.left_out = "leaves out errors of the scans: " + uncertainty->left_out;
   }
-  const Scene truth = open_truth(sources, scans, config.grid, output);
+  const Scene truth = open_truth(sources, scans, config.grid, output, warnings);
   layers.epoch_s = scans.front()->epoch_s();
   layers.true_points = std::ranges::all_of(scans, [](const auto& scan) { return scan->has_truth(); });
   layers.times = std::ranges::all_of(scans, [](const auto& scan) { return scan->has_times(); });
@@ -154,8 +171,12 @@ BinnedReturns make_dem(const RegridConfig& config, const DemSources& sources, De
   LandfallFileWriter file(output.file, "dem", output.provenance);
   GriddedScans gridded;
   output.phase("grid", [&](const ProgressCallback& progress) {
-    gridded = grid_scans(scans, {config.grid, config.method, layers.uncertainty}, progress);
+    gridded = grid_scans(scans, {config.grid, config.method, layers.uncertainty, std::move(placements.of)},
+                         progress);
   });
+  if (gridded.without_place > 0)
+    warnings.push_back(grouped(gridded.without_place) + " returns have no place in the site frame of " +
+                       scans.front()->file().name() + " (beyond its horizon) and are left out");
   for (std::string& warning : edge_warnings(scans, gridded.edges, config.grid.resolution_m))
     warnings.push_back(std::move(warning));
   if (layers.uncertainty || layers.corrected) compute_error_maps(gridded, uncertainty, output.phase);

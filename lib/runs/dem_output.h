@@ -7,6 +7,7 @@
 
 #include "config/dem_config.h"
 #include "files/dem_file.h"
+#include "files/meeting.h"
 
 namespace landfall {
 
@@ -14,7 +15,7 @@ namespace landfall {
 struct DemSources {
   std::vector<std::string> scans;  ///< scan.h5, at least one
   std::string terrain;             ///< terrain.h5 for the layers of the truth; empty: none
-  bool other_terrain = false;      ///< accept a terrain other than the one that was scanned
+  MeetingRules rules = {};         ///< same_frame also accepts a terrain other than the one that was scanned
 };
 
 /// A DEM's output and the data that it needs besides the scans.
@@ -29,7 +30,7 @@ struct BinnedReturns {
   std::int64_t inside_count = 0;
   std::int64_t outside_count = 0;  ///< off the grid
   std::int64_t empty_bins = 0;
-  std::vector<std::string> warnings = {};  ///< about the sigmas
+  std::vector<std::string> warnings = {};  ///< about frames, sigmas and edges of bins
   /// Which returns of a pixel the scans hold, and the DEM uses: their values of /receiver/returns, "one" for
   /// scans without a receiver; "first, all" if they differ.
   std::string returns_used = {};

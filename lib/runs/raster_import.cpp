@@ -6,12 +6,11 @@
 #include <utility>
 
 #include "base/error.h"
-#include "files/crs.h"
 #include "files/grid_file.h"
 #include "files/raster_screening.h"
 #include "files/terrain_file.h"
 #include "raster/by_rows.h"
-#include "scene/scene.h"
+#include "scene/placed_scene.h"
 #include "terrain/bin_elevations.h"
 #include "terrain/gdal/gdal_loader.h"
 
@@ -37,23 +36,38 @@ Grid<double> values_of(const DemRaster& raster, const RasterGrid& grid) {
   return z;
 }
 
-Truth truth_of_terrain(const RasterImport& import, const GridSpec& spec, const std::string& crs_wkt,
-                       Provenance& provenance) {
-  const Scene scene = open_scene({.terrain = import.terrain, .use = SceneUse::surface});
-  provenance.add_input("terrain", scene.file_id, scene.chain);
-  if (!import.other_terrain && !may_be_one_frame(crs_wkt, scene.crs_wkt))
-    throw FormatError(import.dem.path + ": its site frame is not that of " + import.terrain +
-                      ": give the --center of the terrain, or --other-terrain");
-  if (scene.window)
-    scene.window->require({spec.x(0), spec.x(spec.cols - 1), spec.y(0), spec.y(spec.rows - 1)});
-  return {bin_elevations(*scene.surface, spec), "elevation of the terrain at the bin centre"};
+/// The DEM of an import and what its truth must fit.
+struct ImportedRaster {
+  const RasterImport& import;
+  const RasterGrid& grid;
+  const std::string& crs_wkt;
+};
+
+/// Checks the place of a truth; returns where it lies in the DEM's frame.
+Placement place_truth(const ImportedRaster& dem, const char* kind, const Sited& truth,
+                      std::vector<std::string>& warnings) {
+  Meeting meeting = meet(meeting_kind(kind), {dem.import.dem.path, dem.crs_wkt}, truth, dem.import.rules);
+  add_said(warnings, truth.name, meeting);
+  return std::move(meeting.placement);
 }
 
-Truth truth_of_raster(const RasterImport& import, const RasterGrid& grid, Provenance& provenance,
-                      std::vector<std::string>& warnings) {
+Truth truth_of_terrain(const ImportedRaster& dem, Provenance& provenance,
+                       std::vector<std::string>& warnings) {
+  const std::string& path = dem.import.terrain;
+  Scene scene = open_scene({.terrain = path, .use = SceneUse::surface});
+  provenance.add_input("terrain", scene.file_id, scene.chain);
+  const Placement placement = place_truth(dem, "terrain_of_raster", {path, scene.crs_wkt}, warnings);
+  require_window(scene, dem.grid.spec, placement);
+  scene = placed_scene(std::move(scene), placement);
+  return {bin_elevations(*scene.surface, dem.grid.spec), "elevation of the terrain at the bin centre"};
+}
+
+Truth truth_of_raster(const ImportedRaster& dem, Provenance& provenance, std::vector<std::string>& warnings) {
+  const RasterImport& import = dem.import;
   DemBase base{.path = import.truth, .center = {}, .center_pixel = {}, .horizontal_scale_m = {}};
   screen_raster(base, import.links);
-  SampledRaster sampled = sample_raster(base, grid, import.links);
+  SampledRaster sampled = sample_raster(base, dem.grid, import.links);
+  static_cast<void>(place_truth(dem, "truth_of_raster", {import.truth, sampled.crs_wkt}, warnings));
   for (const std::string& sentence : sampled.assumed) warnings.push_back(import.truth + ": " + sentence);
   provenance.add_input("raster", sampled.source_id, nlohmann::json::array(), sampled.assumed);
   return {std::move(sampled.z), "bilinear interpolation of " + file_name(import.truth) +
@@ -106,7 +120,8 @@ nlohmann::json config_of(const RasterImport& import, const RasterGrid& grid, con
 
 ImportedDem import_raster(const RasterImport& import, ImportOutput output) {
   screen_raster(import.dem, import.links);
-  const RasterGrid grid = raster_grid(import.dem, import.links);
+  RasterGrid grid = raster_grid(import.dem, import.links);
+  grid.same_frame = import.rules.same_frame;
   ImportedDem result{.grid = grid.spec, .center = {grid.center.x, grid.center.y}};
   std::optional<DemRaster> raster;
   Grid<double> z;
@@ -121,10 +136,11 @@ ImportedDem import_raster(const RasterImport& import, ImportOutput output) {
   output.provenance.add_input("raster", raster_id(*raster), nlohmann::json::array(), std::move(assumed));
   std::optional<Truth> truth;
   output.phase("truth", [&](const ProgressCallback&) {
+    const ImportedRaster dem{import, grid, raster->crs_wkt};
     if (!import.terrain.empty())
-      truth = truth_of_terrain(import, grid.spec, raster->crs_wkt, output.provenance);
+      truth = truth_of_terrain(dem, output.provenance, result.warnings);
     else if (!import.truth.empty())
-      truth = truth_of_raster(import, grid, output.provenance, result.warnings);
+      truth = truth_of_raster(dem, output.provenance, result.warnings);
   });
   for (const double value : z.values()) result.empty_bins += std::isnan(value) ? 1 : 0;
   if (result.empty_bins == static_cast<std::int64_t>(z.values().size()))

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "files/meeting.h"
 #include "raster/grid_spec.h"
 #include "runs/cloud_import.h"
 #include "terrain/relief/dem_raster.h"
@@ -19,7 +20,7 @@ struct RasterImport {
   DemBase dem;          ///< `center`: the origin, moved to the nearest pixel centre
   std::string truth{};  ///< a raster
   std::string terrain{};
-  bool other_terrain = false;  ///< accept a terrain whose site frame is another one
+  MeetingRules rules = {};
   RasterLinks links = RasterLinks::refused;
 };
 

@@ -10,21 +10,27 @@
 namespace landfall {
 namespace {
 
-constexpr const char* kRole = "region";
+/// Adds the file of a region to the inputs, and warns of what was taken for granted about it.
+void record(const RegionSource& source, const RegionMap& map, const std::string& file_id,
+            std::vector<std::string> assumed, Provenance& provenance) {
+  if (map.warn)
+    for (const std::string& sentence : assumed) map.warn(source.path + ": " + sentence);
+  provenance.add_input("region", file_id, nlohmann::json::array(), std::move(assumed));
+}
 
-BinMask mask_of(const RegionSource& source, const GridSpec& grid, Provenance& provenance) {
-  RegionMask read = read_region_mask(source.path, source.layer, grid);
-  provenance.add_input(kRole, read.file_id, nlohmann::json::array());
+BinMask mask_of(const RegionSource& source, const RegionMap& map, Provenance& provenance) {
+  RegionMask read = read_region_mask(source.path, source.layer, {map.name, map.grid, map.crs_wkt, map.rules});
+  record(source, map, read.file_id, std::move(read.said), provenance);
   return std::move(read.mask);
 }
 
-std::vector<Polygon> polygons_of(const RegionSource& source, const std::string& crs_wkt,
-                                 Provenance& provenance) {
+std::vector<Polygon> polygons_of(const RegionSource& source, const RegionMap& map, Provenance& provenance) {
   if (source.path.empty()) return source.polygons;
-  PolygonFile file = polygon_file({source.path, source.layer, crs_wkt});
+  PolygonFile file = polygon_file({source.path, source.layer, map.crs_wkt, map.rules.same_frame});
   std::vector<std::string> assumed;
-  if (file.crs_name.empty()) assumed.emplace_back("has no CRS: its coordinates are x and y of the DEM frame");
-  provenance.add_input(kRole, content_id(source.path), nlohmann::json::array(), std::move(assumed));
+  if (file.crs_name.empty() && !map.rules.same_frame)
+    assumed.emplace_back("has no CRS: its coordinates are x and y of the DEM frame");
+  record(source, map, content_id(source.path), std::move(assumed), provenance);
   return std::move(file.polygons);
 }
 
@@ -34,8 +40,8 @@ std::optional<BinMask> read_region(const RegionConfig& region, const RegionMap& 
                                    Provenance& provenance) {
   if (!region.source) return std::nullopt;
   const RegionSource& source = *region.source;
-  if (source.shape == RegionShape::mask) return mask_of(source, map.grid, provenance);
-  const std::vector<Polygon> polygons = polygons_of(source, map.crs_wkt, provenance);
+  if (source.shape == RegionShape::mask) return mask_of(source, map, provenance);
+  const std::vector<Polygon> polygons = polygons_of(source, map, provenance);
   if (map.is_clipped) return clipped_polygons(map.grid, polygons);
   return polygon_region(map.grid, polygons, source.path.empty() ? name + ": /region/vertices" : source.path);
 }

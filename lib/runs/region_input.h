@@ -1,19 +1,24 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <functional>
 #include <optional>
 #include <string>
 
 #include "config/region_config.h"
+#include "files/meeting.h"
 #include "files/provenance.h"
 
 namespace landfall {
 
 /// The map on which a region is judged.
 struct RegionMap {
+  std::string name;  ///< for messages
   const GridSpec& grid;
   const std::string& crs_wkt;
   bool is_clipped = false;  ///< whether a polygon may reach beyond the map
+  MeetingRules rules = {};
+  std::function<void(const std::string&)> warn = {};  ///< gets what was taken for granted about a file
 };
 
 /// The bins of a region that is a mask or polygons; nothing for other shapes. A file is added to the

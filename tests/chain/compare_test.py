@@ -111,7 +111,7 @@ class Compare(ChainTest):
         found = self.compare(self.chain.dem, self.path("d.h5"))
         self.assertFalse(found["same_grid"])
         self.assertNotIn("layers", found)
-        self.assertIn("the grids differ", self.succeed("landfall-info", "--compare", self.chain.dem, self.path("d.h5")).stdout)
+        self.assertIn("have another size", self.succeed("landfall-info", "--compare", self.chain.dem, self.path("d.h5")).stdout)
 
     def test_refusals(self):
         self.refuse(2, "landfall-info", "--compare", self.chain.dem, self.chain.eval, words=["two files of one kind", ": dem, ", ": evaluation"])

@@ -514,8 +514,11 @@ class Rasters(Imports):
         with h5py.File(self.out) as file:
             x, y = np.meshgrid(file["x"][()] + 7.5, file["y"][()] + 5)
             np.testing.assert_allclose(file["z_true"][()], 10 + x + 2 * y, atol=1e-6)
-        self.refuse(1, "landfall-import", self.dem, "-o", self.path("x.h5"), "--terrain", terrain, "--center", "500008,5400005",
-                    words=["its site frame is not that of"], output=self.path("x.h5"))
+        moved = self.imported_dem(self.dem, "--terrain", terrain, "--center", "500008,5400005")
+        self.assertIn("t.h5: is moved by (-0.5, 0, 0) m", moved)
+        with h5py.File(self.out) as file:
+            x, y = np.meshgrid(file["x"][()] + 8, file["y"][()] + 5)
+            np.testing.assert_allclose(file["z_true"][()][:, 1:], (10 + x + 2 * y)[:, 1:], atol=1e-6)
         self.imported_dem(self.dem, "--terrain", terrain, "--center", "500008,5400005", "--other-terrain")
 
     def test_the_truth_of_another_place_is_refused(self):

@@ -222,13 +222,13 @@ class Regrid(ChainTest):
         self.refuse_dem(2, self.chain.scan, "--layers", "z_est,zest", words=["--layers", "'zest'", "z_est"])
         self.refuse_dem(2, self.chain.scan, "--layers", "z_true", words=["z_true", "--terrain"])
 
-    def test_a_different_terrain_needs_other_terrain(self):
+    def test_a_different_terrain_needs_same_frame(self):
         self.succeed("terrain-gen", *self.chain.inputs("terrain-gen"), "--set", "base.elevation_m=0", "-o",
                      self.path("t.h5"))
-        self.refuse_dem(1, self.chain.scan, "--terrain", self.path("t.h5"), words=["scan.h5", "t.h5",
-                                                                                  "--other-terrain"])
-        self.succeed("regrid", self.chain.scan, "--terrain", self.path("t.h5"), "--other-terrain", "-o",
-                     self.path("d.h5"), "-c", self.chain.config("regrid"))
+        self.refuse_dem(1, self.chain.scan, "--terrain", self.path("t.h5"), words=["scan.h5", "t.h5", "--same-frame"])
+        for option in ("--same-frame", "--other-terrain"):
+            self.succeed("regrid", self.chain.scan, "--terrain", self.path("t.h5"), option, "-O", "-o", self.path("d.h5"),
+                         "-c", self.chain.config("regrid"))
 
     def test_a_return_that_is_not_finite_is_named_by_row(self):
         for value in (np.nan, np.inf):

@@ -1,9 +1,11 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Draws two DEMs on equal grids side by side, A and B, and the difference B - A."""
+"""Draws two DEMs side by side, A and B, and the difference B - A on the bins that both have."""
+import json
+import os
 
 import numpy as np
 
-from landfall import files
+from landfall import files, tools
 from landfall.errors import DataError
 from landfall.plot import maps, plots, reduction, scales
 
@@ -12,8 +14,13 @@ SIGN = "B - A"
 LAYERS = ["z_est", "z_true", "z_corrected", "z_true_map"]
 
 
-parse = plots.parser_of("plot_compare.py", __doc__, {"dem_a": "A", "dem_b": "B"}, lambda parser: parser.add_argument(
-    "--layer", default="z_est", choices=LAYERS, help="elevations to compare; default z_est"), "-compared.png")
+def add_options(parser):
+    parser.add_argument("--layer", default="z_est", choices=LAYERS, help="elevations to compare; default z_est")
+    parser.add_argument("--same-frame", action="store_true", help="take both as one frame, whatever their CRSs and centres are")
+    parser.add_argument("--vertical-datum", choices=["as-is"], help="compare heights on different or unknown vertical datums as they are")
+
+
+parse = plots.parser_of("plot_compare.py", __doc__, {"dem_a": "A", "dem_b": "B"}, add_options, "-compared.png")
 
 
 def read(path, layer):
@@ -25,13 +32,30 @@ def read(path, layer):
     return grid, values
 
 
-def read_both(options):
-    """(grid, layer of A, layer of B)."""
-    grid, a = read(options.dem_a, options.layer)
-    other, b = read(options.dem_b, options.layer)
-    if (grid.shape, grid.resolution_m, grid.half_width_m) != (other.shape, other.resolution_m, other.half_width_m):
-        raise DataError(f"{options.dem_b}: has another grid than {options.dem_a}")
-    return grid, a, b
+def place(options):
+    """How B lies in the frame of A, by landfall-info --compare: the check of place is one for all tools."""
+    words = ["--same-frame"] if options.same_frame else []
+    words += ["--vertical-datum", options.vertical_datum] if options.vertical_datum else []
+    dems = [os.path.join(".", dem) if dem.startswith("-") else dem for dem in (options.dem_a, options.dem_b)]
+    return json.loads(tools.run_tool(tools.find("landfall-info"), "--compare", *dems, "--json", "--no-statistics", *words).stdout)
+
+
+def cut(grid, values, first, bins):
+    rows, cols = (slice(start, start + count) for start, count in zip(first, (bins["rows"], bins["columns"])))
+    return type(grid)(grid.x[cols], grid.y[rows], grid.resolution_m), values[rows, cols]
+
+
+def read_common(options):
+    """(grid of A, layer of A, layer of B in the frame of A) on the bins in common, and lines that say what was compared."""
+    (grid_a, a), (grid_b, b) = read(options.dem_a, options.layer), read(options.dem_b, options.layer)
+    placed = place(options)
+    if "not_compared" in placed:
+        return (grid_a, a), (grid_b, b), [f"not compared: {placed['not_compared']}"]
+    bins, lines = placed["common_bins"], [f"B {said}" for said in placed["placement"]["said"]]
+    if not placed["same_grid"]:
+        lines.append(f"bins in common: {bins['columns']:,} x {bins['rows']:,}; A has {a.shape[1]:,} x {a.shape[0]:,}, B {b.shape[1]:,} x {b.shape[0]:,}")
+    grid, a = cut(grid_a, a, bins["first_in_a"], bins)
+    return (grid, a), (grid, cut(grid_b, b, bins["first_in_b"], bins)[1] + placed["placement"]["shift_m"][2]), lines
 
 
 def draw_side(ax, grid, name, values, scale):
@@ -70,14 +94,16 @@ def draw_difference(axes, grid, difference):
 
 
 def figure_of(options):
-    grid, a, b = read_both(options)
-    difference = b - a
-    title = f"{options.layer} of two DEMs; B - A of {statistics_text(difference)}"
-    figure, axes = maps.new_figure((2, 2), (14, 13), title)
+    (grid_a, a), (grid_b, b), lines = read_common(options)
+    is_compared = grid_a is grid_b
+    title = f"{options.layer} of two DEMs" + (f"; B - A of {statistics_text(b - a)}" if is_compared else "")
+    rows, height = (2, 13) if is_compared else (1, 7.5)
+    figure, axes = maps.new_figure((rows, 2), (14, height), "\n".join([title, *lines]))
     scale = scales.elevation_scale([a, b], [maps.reduced(axes[0, 0], z, reduction.shrink_mean) for z in (a, b)])
-    draw_side(axes[0, 0], grid, f"A: {options.dem_a}", a, scale)
-    draw_side(axes[0, 1], grid, f"B: {options.dem_b}", b, scale)
-    draw_difference(axes[1], grid, difference)
+    draw_side(axes[0, 0], grid_a, f"A: {options.dem_a}", a, scale)
+    draw_side(axes[0, 1], grid_b, f"B: {options.dem_b}", b, scale)
+    if is_compared:
+        draw_difference(axes[1], grid_a, b - a)
     return figure
 
 

@@ -98,7 +98,7 @@ void judge_dem(const Path& path) {
   static_cast<void>(windows.read(spec));
   static_cast<void>(windows.count());
   static_cast<void>(read_uncertainty(path));
-  static_cast<void>(read_region_mask(path, "z_est", spec));
+  static_cast<void>(read_region_mask(path, "z_est", {"map", spec, kLocalSiteCrsWkt}));
 }
 
 void export_grid(const Path& path) {

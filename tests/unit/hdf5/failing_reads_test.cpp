@@ -124,7 +124,7 @@ TEST(FailingReads, MaskAndWhetherItIsOfTheGrid) {
   const TemporaryFolder folder;
   write_dem_file(folder / "a.h5");
   const auto tell = [](const auto& path) {
-    const RegionMask mask = read_region_mask(path, "z_true", kGrid);
+    const RegionMask mask = read_region_mask(path, "z_true", {"map", kGrid, kLocalSiteCrsWkt});
     return mask.file_id + std::to_string(mask.mask.values()[3]);
   };
   EXPECT_GT(refusals(folder / "a.h5", tell), 10);
