@@ -9,7 +9,7 @@ import unittest
 
 ROOT = os.environ.get("LANDFALL_ROOT", os.path.join(os.path.dirname(os.path.abspath(__file__)), "../.."))
 PAGE = os.path.join(ROOT, "docs/reference/places.md")
-MARK = "<!-- meetings: tests/docs/places_test.py --write -->\n"
+MARK = "## Who meets whom\n"
 MOVES = {"metres": "moved", "bins": "moved by whole bins", "centre": "taken around the first one's centre", "map": "read at its own coordinates"}
 
 
