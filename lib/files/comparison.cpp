@@ -22,8 +22,7 @@
 #include "files/field_json.h"
 #include "files/file_description.h"
 #include "files/grid_file.h"
-#include "files/grid_mapping.h"
-#include "terrain/site_wkt.h"
+#include "files/place_json.h"
 
 namespace landfall {
 namespace {
@@ -181,25 +180,6 @@ Json class_json(const Grid<double>& a, const Grid<double>& b) {
   std::int64_t differing = 0;
   for (std::size_t i = 0; i < a.spec().size(); ++i) differing += a.values()[i] != b.values()[i] ? 1 : 0;
   return {{"bins", a.spec().size()}, {"differing", differing}};
-}
-
-/// The first name in a WKT; null without one.
-Json name_in(const std::string& wkt) {
-  const std::size_t begin = wkt.find('"');
-  const std::size_t end = begin == std::string::npos ? begin : wkt.find('"', begin + 1);
-  return end == std::string::npos ? Json() : Json(wkt.substr(begin + 1, end - begin - 1));
-}
-
-/// The place of a site for a person: the name of its map and the centre on it.
-Json place_json(const std::string& crs_wkt) {
-  const MapPlace place = place_of(crs_wkt).value_or(unplaced(crs_wkt));
-  const auto number = [](double value) { return std::isfinite(value) ? Json(value) : Json(); };
-  Json json;
-  json["map"] = name_in(place.map_wkt.empty() && !is_local_crs(crs_wkt) ? crs_wkt : place.map_wkt);
-  json["center"] = {number(place.center[0]), number(place.center[1])};
-  json["height_m"] = number(place.center[2]);
-  json["vertical_datum"] = place.vertical.empty() ? Json() : Json(place.vertical);
-  return json;
 }
 
 /// The bins that two grids have in common.

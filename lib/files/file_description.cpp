@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "files/file_description.h"
+#include "files/place_json.h"
 
 #include <algorithm>
 #include <array>
@@ -56,7 +57,7 @@ Json head(const std::filesystem::path& path, const LandfallFileReader& file) {
                {"file_id", file.file_id()},
                {"source", text_attribute(file.root(), "source")}};
   const std::string wkt = read_crs(file);
-  json["crs"] = {{"name", crs_name(wkt)}, {"wkt", wkt}};
+  json["crs"] = {{"name", crs_name(wkt)}, {"wkt", wkt}, {"place", place_json(wkt)}};
   const Json origin = map_position_json(map_positions(wkt, {SitePoint{}}).front());
   if (!origin.empty()) json["crs"]["origin"] = origin;
   return json;

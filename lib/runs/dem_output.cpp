@@ -128,6 +128,24 @@ void compute_error_maps(GriddedScans& gridded, const std::optional<UncertaintyIn
   });
 }
 
+/// A terrain without an elevation in any bin with a return is that of another place.
+void require_truth(const Accumulator& bins, const TerrainSurface& truth, const std::string& terrain) {
+  const GridSpec& grid = bins.spec();
+  std::vector<BinValues> row(static_cast<std::size_t>(grid.cols));
+  bool any_return = false;
+  for (std::int64_t r = 0; r < grid.rows; ++r) {
+    bins.values({r, 0}, row);
+    for (std::int64_t c = 0; c < grid.cols; ++c) {
+      if (row[static_cast<std::size_t>(c)].count == 0) continue;
+      any_return = true;
+      if (std::isfinite(truth.elevation(grid.x(c), grid.y(r)))) return;
+    }
+  }
+  if (any_return)
+    throw FormatError(terrain +
+                      ": has no elevation at any bin with a return: is it the terrain of another place?");
+}
+
 /// Imported points have no poses and no true positions.
 void require_possible(const Scans& scans, const RegridConfig& config, const DemRequest& layers) {
   const auto truths = std::ranges::count_if(scans, [](const auto& scan) { return scan->has_truth(); });
@@ -174,6 +192,10 @@ BinnedReturns make_dem(const RegridConfig& config, const DemSources& sources, De
     gridded = grid_scans(scans, {config.grid, config.method, layers.uncertainty, std::move(placements.of)},
                          progress);
   });
+  if (gridded.without_place > 0 && gridded.bins->inside_count() + gridded.bins->outside_count() == 0)
+    throw FormatError("no return of the scans has a place in the site frame of " +
+                      scans.front()->file().name());
+  if (truth.surface) require_truth(*gridded.bins, *truth.surface, sources.terrain);
   if (gridded.without_place > 0)
     warnings.push_back(grouped(gridded.without_place) + " returns have no place in the site frame of " +
                        scans.front()->file().name() + " (beyond its horizon) and are left out");

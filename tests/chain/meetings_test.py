@@ -150,8 +150,8 @@ class Truths(MeetingTest):
     def test_a_scan_and_the_terrain_of_another_place(self):
         a, _ = self.strips()
         self.warnings("terrain-gen", "--from", self.raster("far.tif", (600000, 5400000)), "-o", self.path("far.h5"))
-        self.warnings("regrid", self.imported(a, "--crs", UTM), "--terrain", self.path("far.h5"), "-o", self.path("d.h5"), *GRID)
-        self.assertTrue(np.isnan(columns(self.path("d.h5"))["z_true"]).all(), "no truth 100 km away")
+        self.refuse(1, "regrid", self.imported(a, "--crs", UTM), "--terrain", self.path("far.h5"), "-o", self.path("d.h5"), *GRID,
+                    words=["far.h5: has no elevation at any bin with a return"], output=self.path("d.h5"))
         self.refuse(1, "regrid", self.imported(a), "--terrain", self.path("far.h5"), "-o", self.path("e.h5"), *GRID,
                     words=["far.h5: has a CRS", "a.h5 has none"], output=self.path("e.h5"))
 
