@@ -63,7 +63,7 @@ void bind(CLI::App& app, Options& o) {
       ->excludes(truth);
   cli::bind_meeting_options(app, o.raster.rules, "--other-terrain");
   app.add_option("--crs", o.cloud.crs,
-                 "CRS of the points: EPSG:NUMBER, a PROJ text or WKT; default: that of the file")
+                 "CRS of the data: EPSG:NUMBER, a PROJ text or WKT; default: that of the file")
       ->type_name("DEF");
   app.add_option("--columns", o.cloud.columns,
                  "Columns of a text, PLY or PCD by name or number; FIELD is x, y, z, intensity, "
@@ -132,11 +132,11 @@ std::optional<double> vertical_scale_of(const std::string& text) {
 }
 
 void import_dem(cli::Session& session, const Options& o) {
-  if (!o.cloud.crs.empty() || !o.cloud.columns.empty())
-    throw UsageError("--crs and --columns are for points; " + o.cloud.path +
-                     " is read as a raster: assign a CRS with gdal_translate -a_srs");
+  if (!o.cloud.columns.empty())
+    throw UsageError("--columns is for points; " + o.cloud.path + " is read as a raster");
   RasterImport import = o.raster;
   import.dem.path = o.cloud.path;
+  import.dem.crs = o.cloud.crs;
   import.dem.vertical_scale = vertical_scale_of(o.vertical_scale);
   const std::vector<double> center = center_of(o.center);
   if (center.size() == 3) throw UsageError("--center: a raster keeps its heights: give E,N");

@@ -67,6 +67,8 @@ void bind(CLI::App& app, Options& o) {
   of_raster(
       "--horizontal-scale", import.horizontal_scale, "M",
       "Metres per unit of the coordinates (per pixel without a georeference), for a raster without a CRS");
+  of_raster("--crs", import.crs, "DEF",
+            "CRS of the raster in place of its own: EPSG:NUMBER, a PROJ text or WKT");
   of_raster(
       "--nodata", import.nodata, "VALUE",
       "Samples that are holes, beside those that the raster declares; none: keep numbers that look like "

@@ -50,6 +50,7 @@ Json imported_base(const ImportOptions& options) {
     base["vertical_scale"] = number_of(options.vertical_scale, "--vertical-scale");
   if (!options.horizontal_scale.empty())
     base["horizontal_scale_m"] = number_of(options.horizontal_scale, "--horizontal-scale");
+  if (!options.crs.empty()) base["crs"] = options.crs;
   if (options.nodata == "none") base["nodata"] = options.nodata;
   if (!options.nodata.empty() && options.nodata != "none")
     base["nodata"] = number_of(options.nodata, "--nodata");

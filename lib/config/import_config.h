@@ -22,6 +22,7 @@ struct ImportOptions {
   std::string datum;
   std::string vertical_scale;
   std::string horizontal_scale;
+  std::string crs;
   std::string nodata;  ///< a number or "none"
   std::string half_width;
   std::string resolution;

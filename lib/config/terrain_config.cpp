@@ -52,6 +52,7 @@ DemBase site_raster(const Json& json) {
   raster.interpolation = interpolation_of(json.at("interpolation").get<std::string>());
   if (json.contains("horizontal_scale_m"))
     raster.horizontal_scale_m = json.at("horizontal_scale_m").get<double>();
+  raster.crs = json.value("crs", "");
   if (json.contains("nodata")) {
     raster.keeps_undeclared_fills = json.at("nodata").is_string();  // "none"
     if (!raster.keeps_undeclared_fills) raster.nodata = json.at("nodata").get<double>();

@@ -111,6 +111,7 @@ nlohmann::json config_of(const RasterImport& import, const RasterGrid& grid, con
                            {"center", {grid.center.x, grid.center.y}},
                            {"crs", grid.crs_name.empty() ? nlohmann::json() : nlohmann::json(grid.crs_name)},
                            {"resolution_m", grid.spec.resolution_m}};
+  if (!import.dem.crs.empty()) config["given_crs"] = import.dem.crs;
   if (import.dem.vertical_scale) config["vertical_scale"] = *import.dem.vertical_scale;
   if (!import.truth.empty()) config["truth"] = file_name(import.truth);
   return config;

@@ -52,6 +52,7 @@ struct DemBase {
   std::optional<double> vertical_scale{};
   /// Metres per unit of the raster's coordinates (per pixel without any), for a raster without a CRS.
   std::optional<double> horizontal_scale_m;
+  std::string crs{};  ///< a definition in place of the raster's own CRS; empty: its own
   /// Samples, before scale and offset, that are holes beside those that the raster declares.
   std::optional<double> nodata{};
   /// Whether samples that look like fill values, but are not declared, are elevations; else they are refused.

@@ -239,6 +239,25 @@ class Rasters(MeetingTest):
         self.succeed("terrain-gen", "--set", "base=" + base, *grid, "--same-frame")
 
 
+class GivenCrs(MeetingTest):
+    def test_a_raster_without_a_crs_gets_one(self):
+        text, named = self.raster("none", (500000, 5400000), crs=None), self.raster("utm.tif", (500000, 5400000))
+        for name, options in (("a", [text, "--crs", UTM]), ("b", [named])):
+            self.warnings("terrain-gen", "--from", *options, "-o", self.path(f"{name}.h5"))
+            self.warnings("landfall-import", *options, "-o", self.path(f"{name}.dem.h5"))
+        for end in (".h5", ".dem.h5"):
+            found = json.loads(self.succeed("landfall-info", "--compare", self.path("a" + end), self.path("b" + end), "--json").stdout)
+            self.assertEqual((found["same_grid"], found["placement"]["said"], found["a"]["place"]), (True, [], found["b"]["place"]))
+
+    def test_a_crs_that_contradicts_the_raster_is_used_with_a_warning(self):
+        raster = self.raster("utm.tif", (500000, 5400000))
+        for arguments in (["terrain-gen", "--from", raster], ["landfall-import", raster]):
+            said = self.warnings(*arguments, "--crs", "EPSG:32633", "-o", self.path("a.h5"), "-O")
+            self.assertIn("its CRS is WGS 84 / UTM zone 32N, but crs gives WGS 84 / UTM zone 33N, which is used", said)
+            self.assertEqual(said.count("CRS"), 1)
+            self.refuse(2, *arguments, "--crs", "EPSG:x", "-o", self.path("b.h5"), words=["utm.tif: crs: 'EPSG:x' is not a CRS"])
+
+
 class Compared(MeetingTest):
     def dems(self, *corners, crs=UTM, z=plane):
         for name, corner in zip("ab", corners):

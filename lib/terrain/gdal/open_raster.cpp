@@ -16,6 +16,7 @@
 #include "base/error.h"
 #include "base/file_path.h"
 #include "terrain/gdal/classic_netcdf.h"
+#include "terrain/gdal/point_crs.h"
 #include "terrain/gdal/raster_files.h"
 #include "terrain/gdal/registry.h"
 #include "terrain/mesh/mesh_name.h"
@@ -211,6 +212,8 @@ OpenRaster open_raster(const DemBase& dem, RasterLinks links, const GdalErrors& 
   const RasterSize size{dataset->GetRasterYSize(), dataset->GetRasterXSize()};
   OpenRaster raster{std::move(checks), std::move(guard), std::move(dataset), band, size};
   require_usable(raster, dem);
+  if (!dem.crs.empty())
+    raster.given_crs = std::make_unique<OGRSpatialReference>(crs_of_text(dem.crs, dem.path + ": crs"));
   return raster;
 }
 

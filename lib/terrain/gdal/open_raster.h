@@ -3,6 +3,7 @@
 
 #include <cpl_conv.h>
 #include <gdal_priv.h>
+#include <ogr_spatialref.h>
 
 #include <array>
 #include <memory>
@@ -44,13 +45,14 @@ struct OpenRaster {
   GDALDatasetUniquePtr dataset;
   GDALRasterBand* band;
   RasterSize size;
+  std::unique_ptr<OGRSpatialReference> given_crs = nullptr;  ///< in place of its own (DemBase::crs)
 };
 
 /// Opens the band of a DemBase and checks it by its header, before a sample is read. Throws UsageError for
-/// a band that does not exist; FormatError where the raster or a file that it names is a pipe or device,
-/// where it cannot be opened, needs a file that may not be followed, is smaller than 2 x 2, is
-/// complex-valued, has blocks of more than 256 MiB or is shorter than its header implies. Messages suggest
-/// a remedy.
+/// a band that does not exist and for a DemBase::crs that is none; FormatError where the raster or a file
+/// that it names is a pipe or device, where it cannot be opened, needs a file that may not be followed, is
+/// smaller than 2 x 2, is complex-valued, has blocks of more than 256 MiB or is shorter than its header
+/// implies. Messages suggest a remedy.
 [[nodiscard]] OpenRaster open_raster(const DemBase& dem, RasterLinks links, const GdalErrors& errors);
 
 /// GDAL before 3.7 has no type for signed bytes: it reads them as unsigned ones and says so.

@@ -134,16 +134,6 @@ std::optional<double> height_unit_of(const OGRSpatialReference& crs) {
   return metres;
 }
 
-OGRSpatialReference crs_of_option(const std::string& text) {
-  const GdalErrors errors;
-  OGRSpatialReference crs;
-  const char* const options[] = {"ALLOW_NETWORK_ACCESS=NO", "ALLOW_FILE_ACCESS=NO", nullptr};
-  if (crs.SetFromUserInput(text.c_str(), options) != OGRERR_NONE)
-    throw UsageError("--crs: '" + shown_word(text) + "' is not a CRS: give EPSG:NUMBER, a PROJ text or WKT" +
-                     (errors.any() ? " (" + errors.reason() + ")" : ""));
-  return crs;
-}
-
 OGRSpatialReference crs_of_wkt(const std::string& wkt, const std::string& name) {
   const GdalErrors errors;
   OGRSpatialReference crs;
@@ -154,12 +144,24 @@ OGRSpatialReference crs_of_wkt(const std::string& wkt, const std::string& name) 
 
 }  // namespace
 
+OGRSpatialReference crs_of_text(const std::string& text, const std::string& name) {
+  const GdalErrors errors;
+  OGRSpatialReference crs;
+  const char* const options[] = {"ALLOW_NETWORK_ACCESS=NO", "ALLOW_FILE_ACCESS=NO", nullptr};
+  if (crs.SetFromUserInput(text.c_str(), options) != OGRERR_NONE)
+    throw UsageError(name + ": '" + shown_word(text) +
+                     "' is not a CRS: give EPSG:NUMBER, a PROJ text or WKT" +
+                     (errors.any() ? " (" + errors.reason() + ")" : ""));
+  crs.SetAxisMappingStrategy(OAMS_TRADITIONAL_GIS_ORDER);
+  return crs;
+}
+
 ReadCrs read_point_crs(const PointCrs& points, const std::string& name) {
   prepare_gdal_to_read(name, Unguarded::withheld);
   const GdalErrors errors;
   ReadCrs read;
   if (!points.option.empty())
-    read.crs = crs_of_option(points.option);
+    read.crs = crs_of_text(points.option, "--crs");
   else if (!points.wkt.empty())
     read.crs = crs_of_wkt(points.wkt, name);
   else

@@ -18,6 +18,10 @@ struct ReadCrs {
   std::string vertical;  ///< name of the datum of the heights; empty: not known
 };
 
+/// The CRS of a text that a user gives, axes as above. Opens no file and no connection. Throws UsageError, which
+/// begins with `name`, for one that GDAL does not know.
+[[nodiscard]] OGRSpatialReference crs_of_text(const std::string& text, const std::string& name);
+
 /// Throws UsageError for an `option` that GDAL does not know, FormatError for a CRS of the file that it
 /// cannot read; `name` begins messages.
 [[nodiscard]] ReadCrs read_point_crs(const PointCrs& points, const std::string& name);

@@ -121,7 +121,7 @@ std::unique_ptr<OGRCoordinateTransformation> transformation(const RasterStatemen
   if ((a == nullptr) != (b == nullptr))
     throw FormatError((a == nullptr ? from_dem : to_dem).path + ": has no CRS, but " +
                       (a == nullptr ? to_dem : from_dem).path +
-                      " has one; assign it with gdal_translate -a_srs");
+                      " has one; assign it with gdal_translate -a_srs, or take both as one frame with --same-frame");
   if (a == nullptr) return nullptr;
   OGRSpatialReference source = *a;
   OGRSpatialReference target = *b;

@@ -149,6 +149,10 @@ bool stores_georeference(GDALDataset& dataset) {
   return false;
 }
 
+std::string name_of(const OGRSpatialReference& crs) {
+  return crs.GetName() != nullptr ? crs.GetName() : "unnamed";
+}
+
 Georeference georeference(const OpenRaster& raster, const DemBase& dem, const std::optional<FileArray>& array,
                           std::vector<std::string>& assumed) {
   Georeference result;
@@ -161,7 +165,13 @@ Georeference georeference(const OpenRaster& raster, const DemBase& dem, const st
   }
   const OGRSpatialReference* crs = raster.dataset->GetSpatialRef();
   if (crs != nullptr && !crs->IsEmpty()) result.crs = crs;
-  if (crs == nullptr && of_gdal) result.metres_per_unit = metres_by_metadata(*raster.dataset);
+  if (const OGRSpatialReference* const given = raster.given_crs.get()) {
+    if (result.crs != nullptr && result.crs->IsSame(given) == 0)
+      assumed.push_back("its CRS is " + name_of(*result.crs) + ", but crs gives " + name_of(*given) +
+                        ", which is used");
+    result.crs = given;
+  }
+  if (result.crs == nullptr && of_gdal) result.metres_per_unit = metres_by_metadata(*raster.dataset);
   if (array) take_axes(*array, dem, result, of_gdal, stores_georeference(*raster.dataset), assumed);
   if (result.crs != nullptr && result.crs->IsGeographic() == 0 && result.crs->IsGeocentric() == 0)
     result.metres_per_unit = result.crs->GetLinearUnits();
