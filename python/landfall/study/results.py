@@ -175,7 +175,7 @@ class Table:
 
 
 def _cell(value):
-    return "" if value is None else repr(value) if isinstance(value, float) else value
+    return "" if value is None else repr(float(value)) if isinstance(value, float) else value
 
 
 def write_h5(table, path, version):
