@@ -113,7 +113,7 @@ Handle open_file(const std::filesystem::path& path) {
   const std::string reason = system_reason();
   if (!reason.empty()) throw FormatError(path.string() + ": reading failed: " + reason);
   if (H5Fis_hdf5(path.c_str()) <= 0) throw FormatError(path.string() + ": is not an HDF5 file");
-  throw FormatError(path.string() + ": is an HDF5 file that is truncated or damaged; make it again");
+  throw FormatError(path.string() + kNotWhole);
 }
 
 Handle open_for_its_kind(const std::filesystem::path& path) {

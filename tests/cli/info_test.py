@@ -371,7 +371,7 @@ class Refusals(InfoTest):
         self.assertEqual((result.returncode, result.stdout), (1, ""))
         self.assertEqual(result.stderr.splitlines(), [
             f"landfall-info: {unfinished}: is incomplete (attribute complete is not 1)",
-            f"landfall-info: {flipped}: is an HDF5 file that is truncated or damaged; make it again",
+            f"landfall-info: {flipped}: is an HDF5 file that is truncated or damaged, or still open elsewhere; make it again, or close it there",
             f"landfall-info: {self.path('none.h5')}: no such file"])
         self.refuse(1, "landfall-info", "--check", self.chain.metrics, words=["is not an HDF5 file"])
 

@@ -261,7 +261,7 @@ MetadataGuard::MetadataGuard(const std::filesystem::path& path) : name_(path.str
     else
       check_.reset();
   } catch (const Damaged&) {
-    throw FormatError(name_ + ": is an HDF5 file that is truncated or damaged; make it again");
+    throw FormatError(name_ + kNotWhole);
   }
 }
 

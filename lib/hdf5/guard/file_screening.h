@@ -11,6 +11,12 @@
 
 namespace landfall::h5 {
 
+/// Follows the name of a file whose parts do not fit together. HDF5 files are so, too, while a program writes
+/// them.
+inline constexpr const char* kNotWhole =
+    ": is an HDF5 file that is truncated or damaged, or still open elsewhere; make it again, or close it "
+    "there";
+
 /// Checks a file before libhdf5 reads it, which crashes on some damaged metadata. If the file has a seal
 /// (file_seal.h), all its metadata are compared with their hash when the guard is made. MetadataCheck checks
 /// the root group then, and each other object when it is asked for. Make a guard before HDF5 opens the file.

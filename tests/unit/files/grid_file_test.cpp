@@ -193,7 +193,7 @@ TEST(GridFile, RefusesTheWrongFile) {
   EXPECT_THAT(reading_fails(folder / "text.h5"), HasSubstr("is not an HDF5 file"));
   write(folder / "a.h5", GridSpec::centered(3, 0.25), provenance());
   std::filesystem::resize_file(folder / "a.h5", std::filesystem::file_size(folder / "a.h5") / 2);
-  EXPECT_THAT(reading_fails(folder / "a.h5"), HasSubstr("is truncated or damaged"));
+  EXPECT_THAT(reading_fails(folder / "a.h5"), HasSubstr("is truncated or damaged, or still open elsewhere"));
   LandfallFileWriter scan({folder / "scan.h5", false, 1}, "scan", provenance());
   scan.commit();
   EXPECT_THAT(reading_fails(folder / "scan.h5"), HasSubstr("is a landfall.scan file; expected landfall.dem"));
