@@ -10,6 +10,7 @@
 
 #include "base/error.h"
 #include "base/joined.h"
+#include "base/netcdf_name.h"
 #include "base/number_text.h"
 #include "base/shown_text.h"
 #include "cli/comparison_text.h"
@@ -99,7 +100,8 @@ std::string extent(const OrderedJson& d) {
   }
   if (d.contains("opens_as"))  // never cut, to be copied
     for (const auto& [program, name] : {std::pair("GDAL, QGIS", "gdal"), std::pair("GMT", "gmt")})
-      text += print("  %-11s ", program) + d["opens_as"][name].get<std::string>() + "\n";
+      text += print("  %-11s ", program) +
+              (d["opens_as"][name].is_null() ? kNoNetcdfName : d["opens_as"][name].get<std::string>()) + "\n";
   if (d.contains("mesh")) {
     const OrderedJson& m = d["mesh"];
     text += line("mesh",

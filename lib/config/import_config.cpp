@@ -9,6 +9,7 @@
 #include <optional>
 
 #include "base/error.h"
+#include "base/netcdf_name.h"
 #include "base/shown_text.h"
 #include "config/plain_number.h"
 #include "config/schema.h"
@@ -104,8 +105,8 @@ void require_plain_export(const ImportOptions& options, bool configured) {
   if (configured || !gives_only_from(options))
     throw UsageError("--from " + options.from +
                      ": a landfall file is exported as it is, without configuration; to cut or interpolate a "
-                     "terrain, name its layer as a raster: NETCDF:\"" +
-                     options.from + "\":z");
+                     "terrain, name its layer as a raster: " +
+                     netcdf_name(options.from, "z").value_or(kNoNetcdfName));
 }
 
 void complete_import(JsonSource& source, const ImportOptions& options, const SiteFitter& fit) {

@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "base/netcdf_name.h"
 #include "base/number_text.h"
 #include "files/crs.h"
 #include "files/grid_file.h"
@@ -69,7 +70,8 @@ Json opens_as(const std::filesystem::path& path, const std::vector<DatasetEntry>
   for (const char* const elevation : {"z_est", "z", "e_z"})
     for (const DatasetEntry& entry : layers)
       if (entry.name == elevation) layer = elevation;
-  return {{"gdal", "NETCDF:\"" + path.string() + "\":" + layer}, {"gmt", path.string() + "?" + layer}};
+  const std::optional<std::string> gdal = netcdf_name(path.string(), layer);
+  return {{"gdal", gdal ? Json(*gdal) : Json()}, {"gmt", path.string() + "?" + layer}};
 }
 
 Json grid_json(const GridSpec& spec) {

@@ -133,6 +133,14 @@ class Opens(ChainTest):
                 self.assertEqual(info["bands"][0]["metadata"][""]["NETCDF_VARNAME"], layer)
                 self.assertIn(gmt_name(path, layer), self.output_of("gmt", "grdinfo", names["gmt"]))
 
+    def test_a_path_with_a_double_quote_has_no_name_for_gdal(self):
+        path = os.path.join(self.path('a"b'), "one.h5")
+        os.mkdir(os.path.dirname(path))
+        shutil.copy(self.one, path)
+        self.assertEqual(self.info(path)["opens_as"], {"gdal": None, "gmt": f"{path}?z_est"})
+        self.assertIn("  GDAL, QGIS  GDAL opens no layer of a file whose path has a double quote; rename it\n",
+                      self.succeed("landfall-info", path, "--no-statistics").stdout)
+
     def test_a_file_without_a_grid_has_no_such_names(self):
         self.assertNotIn("opens_as", self.info(self.chain.scan))
         self.succeed("dem-eval", *self.chain.inputs("dem-eval"), "--metrics-only", "-o", self.path("e.h5"))
