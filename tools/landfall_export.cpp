@@ -41,6 +41,10 @@ void bind(CLI::App& app, ExportOptions& o) {
       ->delimiter(',');
   app.add_option("--position", o.position, "Positions of the points: est (estimated, default) or true")
       ->check(CLI::IsMember({"est", "true"}));
+  app.add_option("--frame", o.frame,
+                 "csv, las, pcd, ply: frame of the positions: that of the map from which the site was taken, "
+                 "with its CRS, or that of the site; default: map where there is one")
+      ->check(CLI::IsMember({"site", "map"}));
   app.add_option("--every", o.every, "Only the first point (line of a .csv), and every N-th after it")
       ->type_name("N")
       ->check(CLI::Range(std::size_t{1}, std::size_t{1} << 40U))

@@ -39,12 +39,12 @@ void append_bins(const std::vector<NamedLayer>& layers, std::size_t every, std::
 
 void write_points_csv(const PointReader& points, const PointReader::Pass& pass, ByteSink& sink,
                       const ProgressCallback& progress) {
-  const auto heading = [&](const std::string& name) { return name_with_unit(points.column(name)); };
+  const auto heading = [&](const std::string& name) { return name_with_unit(points.read_column(name)); };
   sink.write(joined(pass.columns, ",", heading) + "\n");
   // A float32 was read as a double of the same value; the text is the shortest for the float32.
   std::vector<bool> single;
   for (const std::string& name : pass.columns)
-    single.push_back(points.column(name).type == h5::Type::float32);
+    single.push_back(points.read_column(name).type == h5::Type::float32);
   const auto append = [&single](const PointBatch& batch, std::size_t c, std::size_t row, std::string& out) {
     if (single[c]) return append_number(out, static_cast<float>(batch.real(c)[row]));
     std::visit([&](const auto& column) { append_number(out, column[row]); }, batch.columns[c]);

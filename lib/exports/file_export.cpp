@@ -5,7 +5,9 @@
 #include "exports/file_export.h"
 
 #include <algorithm>
+#include <cmath>
 #include <functional>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -23,8 +25,12 @@
 #include "exports/quick_look.h"
 #include "exports/sites.h"
 #include "exports/xdmf.h"
+#include "files/crs.h"
+#include "files/grid_mapping.h"
+#include "files/imported_scan.h"
 #include "picture/rgb_image.h"
 #include "terrain/gdal/gdal_loader.h"
+#include "terrain/gdal/map_frame.h"
 
 namespace landfall {
 namespace {
@@ -105,6 +111,7 @@ void require_no_stray_option(const ExportOptions& o, bool is_scan) {
                             {o.keep_misses, "--keep-misses", "csv", ""},
                             {o.max_points != 0, "--max-points", "html", ""},
                             {!o.time.empty(), "--time", "las", ""},
+                            {!o.frame.empty(), "--frame", "csv las pcd ply", ""},
                             {o.sites, "--sites", "", "csv gpkg"}};
   for (const Option& option : options)
     if (option.given && !has(is_scan ? option.of_scan : option.of_grid, o.format))
@@ -120,6 +127,26 @@ void require_sites(const ExportOptions& o, const std::string& kind) {
   if (!o.layers.empty() || o.every != 1) throw UsageError("--sites goes with neither --layers nor --every");
 }
 
+/// The map on which the points are exported; none for the site frame.
+std::optional<MapFrame> export_map(const PointReader& points, const std::string& frame) {
+  if (frame == "site") return std::nullopt;
+  std::optional<MapFrame> map;
+  try {
+    map = map_frame(read_crs(points.file()));
+  } catch (const IoError& error) {
+    points.file().fail(std::string("its map cannot be read: ") + error.what() + "; --frame site needs none");
+  }
+  if (!map && frame == "map")
+    throw UsageError(
+        "--frame map: " + points.file().name() +
+        " has no CRS: its site frame is on no map; import points with --crs, or use --frame site");
+  if (!map || !points.is_imported()) return map;
+  const SourceHeights heights = source_heights(points.file());
+  map->center_height = heights.center;
+  map->metres_per_height = heights.metres_per_unit;
+  return map;
+}
+
 /// x, y and z first, then the other columns.
 PointReader::Pass properties_pass(const PointReader& points, const ExportOptions& o) {
   PointReader::Pass pass{position_columns(o.position), {true, o.every}, 3};
@@ -129,9 +156,10 @@ PointReader::Pass properties_pass(const PointReader& points, const ExportOptions
   return pass;
 }
 
-/// Writes the .xmf, and beside it the positions that it refers to, which get their final name first.
-void export_points_xdmf(const PointReader& points, const ExportOptions& o, const OutputOptions& output,
-                        const std::string& tool, ByteSink& sink) {
+/// Writes the .xmf, and beside it the positions that it refers to, which get their final name first. Returns
+/// a remark on their frame, or nothing.
+std::string export_points_xdmf(const PointReader& points, const ExportOptions& o, const OutputOptions& output,
+                               const std::string& tool, ByteSink& sink) {
   // The .xmf only refers to the scan's rows, so that it cannot leave any out.
   if (points.count({true, 1}) != points.row_count())
     throw UsageError(points.file().name() +
@@ -145,6 +173,10 @@ void export_points_xdmf(const PointReader& points, const ExportOptions& o, const
   sink.write(points_xdmf(columns, positions, file.filename().string()));
   sink.flush();
   positions_output.commit();
+  if (is_local_crs(read_crs(points.file()))) return "";
+  return output.path.string() +
+         ": positions are those of the site frame, because an .xmf refers to the scan; a .ply has those of "
+         "the map";
 }
 
 /// A remark on the times of a .las; empty if the options say it.
@@ -160,12 +192,18 @@ std::string time_remark(const PointReader& points, const ExportOptions& o, const
   return "";
 }
 
-/// A remark on positions that float32 rounds visibly; else empty.
-std::string rounding_remark(double rounding_m, const std::string& output) {
+/// A remark on the offset of positions on a map, and on positions that float32 rounds visibly; else empty.
+std::string float_remark(const std::optional<MapFrame>& map, double rounding, const std::string& output) {
   constexpr double kVisible_m = 1e-4;
-  if (rounding_m <= kVisible_m) return "";
-  return output + ": x, y and z are rounded to float32, by up to " + short_number(1000 * rounding_m) +
-         " mm; a .ply keeps them";
+  const double rounding_m = rounding * (map ? map->metres_per_unit : 1);
+  std::string remark;
+  if (map)
+    remark = "x, y and z are relative to the translation of VIEWPOINT, " +
+             joined(pcd_offset(map), ", ", number_text) + " in " + map->crs_name;
+  if (rounding_m > kVisible_m)
+    remark += std::string(map ? "; they" : "x, y and z") + " are rounded to float32, by up to " +
+              short_number(1000 * rounding_m) + " mm; a .ply keeps them";
+  return remark.empty() ? "" : output + ": " + remark;
 }
 
 /// Returns a remark about the values in the file, or nothing.
@@ -182,21 +220,38 @@ std::string export_las(const PointReader& points, const ExportOptions& o, const 
   return remark;
 }
 
+/// A remark on a map whose unit is not that of its heights: readers of a .las take both as one.
+std::string unit_remark(const std::optional<MapFrame>& map) {
+  if (!map || map->is_geographic || std::abs(map->metres_per_unit - map->metres_per_height) < 1e-6) return "";
+  return "elevations are in " + length_unit_name(map->metres_per_height) + ", x and y in " + map->unit;
+}
+
 /// Returns a remark about the values in the file, or nothing.
-std::string export_scan(const ExportOptions& o, const OutputOptions& output, const std::string& tool,
-                        ByteSink& sink, const ProgressCallback& progress) {
-  const PointReader points(o.input);
+std::string export_points(const ExportOptions& o, const PointReader& points, const OutputOptions& output,
+                          const std::string& tool, ByteSink& sink, const ProgressCallback& progress) {
   if (o.format == "pcd")
-    return rounding_remark(write_points_pcd(points, properties_pass(points, o), sink, progress),
-                           output.path.string());
+    return float_remark(points.map(), write_points_pcd(points, properties_pass(points, o), sink, progress),
+                        output.path.string());
   if (o.format == "las") return export_las(points, o, output.path.string(), tool, sink, progress);
   if (o.format == "csv")
     write_points_csv(points, {points.choose(o.columns), {!o.keep_misses, o.every}}, sink, progress);
   else if (o.format == "ply")
     write_points_ply(points, properties_pass(points, o), sink, progress);
   else
-    export_points_xdmf(points, o, output, tool, sink);
+    return export_points_xdmf(points, o, output, tool, sink);
   return "";
+}
+
+/// Returns a remark about the values in the file, or nothing.
+std::string export_scan(const ExportOptions& o, const OutputOptions& output, const std::string& tool,
+                        ByteSink& sink, const ProgressCallback& progress) {
+  PointReader points(o.input);
+  if (o.format != "xmf")
+    if (std::optional<MapFrame> map = export_map(points, o.frame)) points.place_on(std::move(*map));
+  const std::string remark = export_points(o, points, output, tool, sink, progress);
+  const std::string units = unit_remark(points.map());
+  if (units.empty()) return remark;
+  return (remark.empty() ? output.path.string() + ": " : remark + "; ") + units;
 }
 
 void export_grid(const ExportOptions& o, const OutputOptions& output, ByteSink& sink,

@@ -23,8 +23,9 @@ struct ExportOptions {
   std::size_t every = 1;             ///< points, or lines of a .csv: the first and every N-th after it
   bool keep_misses = false;          ///< of a scan, only as .csv
   std::string time;                  ///< of a scan, as .las: "scan" or "gps"
-  std::size_t max_points = 0;        ///< of a scan, as .html; 0: the default
-  bool sites = false;                ///< of a hazard map, as .csv or .gpkg: its landing sites, no layers
+  std::string frame;           ///< of a scan's positions: "site" or "map"; default map where there is one
+  std::size_t max_points = 0;  ///< of a scan, as .html; 0: the default
+  bool sites = false;          ///< of a hazard map, as .csv or .gpkg: its landing sites, no layers
 };
 
 /// The export of one file: by default in the format of the output's extension, or as .csv to standard output

@@ -15,7 +15,6 @@ namespace {
 
 constexpr double kMaxSteps = 0x1p31 - 1024;  // room for the rounding of the centre
 constexpr std::size_t kMaxPoints = 0xffffffffU;
-constexpr std::size_t kRecordHeaderBytes = 54;
 
 /// A text field of fixed length, filled with zeros.
 void append_text(std::string& out, std::string text, std::size_t length) {
@@ -121,57 +120,91 @@ Extent extent_of(const PointReader& points, const PointReader::Pass& pass, const
   return extent;
 }
 
-}  // namespace
-
-LasGrid LasGrid::fitting(const PointBox& box, const std::string& file) {
-  LasGrid grid;
-  double half = 0;
-  for (std::size_t axis = 0; axis < 3; ++axis) {
-    grid.offset_m[axis] = std::round(box.low[axis] / 2 + box.high[axis] / 2);
-    half = std::max({half, box.high[axis] - grid.offset_m[axis], grid.offset_m[axis] - box.low[axis]});
-  }
-  for (const double scale : {1e-6, 1e-5, 1e-4}) {
-    grid.scale_m = scale;
-    if (half <= scale * kMaxSteps) return grid;
-  }
-  throw FormatError(file + ": points reach " + number_text(half) + " m from their centre; LAS allows " +
-                    number_text(std::floor(1e-4 * kMaxSteps)) +
-                    " m at 0.1 mm; export .ply, or remove the outliers");
+/// A variable-length record.
+std::string las_record(const char* user, std::uint16_t number, const char* description,
+                       const std::string& content) {
+  std::string out;
+  append_raw(out, std::uint16_t{0});
+  append_text(out, user, 16);
+  append_raw(out, number);
+  append_raw(out, static_cast<std::uint16_t>(content.size()));
+  append_text(out, description, 32);
+  return out + content;
 }
 
-std::int32_t LasGrid::stored(double coordinate_m, std::size_t axis) const {
-  return static_cast<std::int32_t>(std::llround((coordinate_m - offset_m[axis]) / scale_m));
+/// The part of the header that LAS 1.4 adds.
+void append_las14(std::string& out, const LasContent& content) {
+  append_raw(out, std::uint64_t{0});  // waveforms
+  append_raw(out, std::uint64_t{0});  // extended records
+  append_raw(out, std::uint32_t{0});
+  append_raw(out, std::uint64_t{content.count});
+  for (const std::size_t count : content.count_by_return) append_raw(out, std::uint64_t{count});
+  append_text(out, "", std::size_t{10} * sizeof(std::uint64_t));  // returns 6 to 15
+}
+
+}  // namespace
+
+LasGrid LasGrid::fitting(const PointBox& box, const std::string& file, const std::optional<MapFrame>& map) {
+  LasGrid grid;
+  std::array<double, 3> half{};
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    grid.offset[axis] = std::round(box.low[axis] / 2 + box.high[axis] / 2);
+    half[axis] = std::max(box.high[axis] - grid.offset[axis], grid.offset[axis] - box.low[axis]);
+  }
+  const std::string unit = map ? map->unit : "m";
+  const auto finest = [&](double reach, const std::array<double, 3>& scales) {
+    for (const double scale : scales)
+      if (reach <= scale * kMaxSteps) return scale;
+    throw FormatError(file + ": points reach " + number_text(reach) + " " + unit +
+                      " from their centre; LAS allows " + number_text(std::floor(scales.back() * kMaxSteps)) +
+                      " " + unit + "; export .ply, or remove the outliers");
+  };
+  constexpr std::array kMetres = {1e-6, 1e-5, 1e-4};
+  constexpr std::array kDegrees = {1e-9, 1e-8, 1e-7};
+  if (map && map->is_geographic) {
+    const double planar = finest(std::max(half[0], half[1]), kDegrees);
+    grid.scale = {planar, planar, finest(half[2], kMetres)};
+  } else {
+    grid.scale.fill(finest(std::ranges::max(half), kMetres));
+  }
+  return grid;
+}
+
+std::int32_t LasGrid::stored(double coordinate, std::size_t axis) const {
+  return static_cast<std::int32_t>(std::llround((coordinate - offset[axis]) / scale[axis]));
 }
 
 std::string las_header(const LasContent& content) {
+  constexpr unsigned kCrsIsWkt = 0x10;
+  const bool has_crs = !content.crs_wkt.empty();
+  std::string records = las_record("landfall", 1, "file_id of the scan", content.file_id);
+  if (has_crs) records += las_record("LASF_Projection", 2112, "CRS as WKT", content.crs_wkt + '\0');
+  const std::size_t header_bytes = has_crs ? kLas14HeaderBytes : kLasHeaderBytes;
   std::string out = "LASF";
-  append_raw(out, std::uint16_t{0});                                                  // file source
-  append_raw(out, static_cast<std::uint16_t>(content.time == LasTime::gps ? 1 : 0));  // global encoding
-  append_text(out, "", 16);                                                           // project
+  append_raw(out, std::uint16_t{0});  // file source
+  append_raw(out, static_cast<std::uint16_t>((content.time == LasTime::gps ? 1U : 0U) |
+                                             (has_crs ? kCrsIsWkt : 0U)));  // global encoding
+  append_text(out, "", 16);                                                 // project
   append_raw(out, std::uint8_t{1});
-  append_raw(out, std::uint8_t{2});
+  append_raw(out, static_cast<std::uint8_t>(has_crs ? 4 : 2));
   append_text(out, "landfall scan", 32);  // system identifier
   append_text(out, content.software, 32);
   append_raw(out, std::uint16_t{0});  // day of the year
   append_raw(out, std::uint16_t{0});  // year
-  append_raw(out, static_cast<std::uint16_t>(kLasHeaderBytes));
-  append_raw(out, static_cast<std::uint32_t>(kLasHeaderBytes + kRecordHeaderBytes + content.file_id.size()));
-  append_raw(out, std::uint32_t{1});                                      // variable-length records
+  append_raw(out, static_cast<std::uint16_t>(header_bytes));
+  append_raw(out, static_cast<std::uint32_t>(header_bytes + records.size()));
+  append_raw(out, std::uint32_t{has_crs ? 2U : 1U});                      // variable-length records
   append_raw(out, static_cast<std::uint8_t>(content.has_times ? 1 : 0));  // point format
   append_raw(out, static_cast<std::uint16_t>(content.has_times ? kLasPointBytes : kLasUntimedPointBytes));
   append_raw(out, static_cast<std::uint32_t>(content.count));
   for (const std::size_t count : content.count_by_return) append_raw(out, static_cast<std::uint32_t>(count));
-  for (int axis = 0; axis < 3; ++axis) append_raw(out, content.grid.scale_m);
-  for (const double offset : content.grid.offset_m) append_raw(out, offset);
+  for (const double scale : content.grid.scale) append_raw(out, scale);
+  for (const double offset : content.grid.offset) append_raw(out, offset);
   for (std::size_t axis = 0; axis < 3; ++axis)
     for (const double bound : {content.box.high[axis], content.box.low[axis]})
       append_raw(out, content.grid.read_back(content.grid.stored(bound, axis), axis));
-  append_raw(out, std::uint16_t{0});
-  append_text(out, "landfall", 16);
-  append_raw(out, std::uint16_t{1});
-  append_raw(out, static_cast<std::uint16_t>(content.file_id.size()));
-  append_text(out, "file_id of the scan", 32);
-  return out + content.file_id;
+  if (has_crs) append_las14(out, content);
+  return out + records;
 }
 
 void require_gps_times(const PointReader& points) {
@@ -199,14 +232,16 @@ std::vector<std::string> write_points_las(const PointReader& points, const LasRe
     points.file().fail("has " + std::to_string(extent.count) +
                        " points; LAS 1.2 holds 4294967295: use --every, or export .ply");
   const OtherColumns others = add_columns(points, pass.columns);
-  const LasContent content{LasGrid::fitting(extent.box, points.file().name()),
+  const std::optional<MapFrame>& map = points.map();
+  const LasContent content{LasGrid::fitting(extent.box, points.file().name(), map),
                            extent.box,
                            extent.count,
                            extent.count_by_return,
                            request.software,
                            request.time,
                            others.time.has_value(),
-                           points.file().file_id().substr(0, 256)};
+                           points.file().file_id().substr(0, 256),
+                           map ? map->crs_wkt : ""};
   sink.write(las_header(content));
   const auto encode = [&](const PointBatch& batch, std::span<const std::uint32_t> rows, std::string& out) {
     for (const std::uint32_t row : rows) append_point(out, content.grid, batch, others, numbers, row);

@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <limits>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -14,12 +15,14 @@
 
 namespace landfall {
 
-/// Bytes of the LAS 1.2 public header block, of a point of format 1, and of one of format 0, without time.
+/// Bytes of the public header block of LAS 1.2 and of LAS 1.4, of a point of format 1, and of one of format
+/// 0, without time.
 inline constexpr std::size_t kLasHeaderBytes = 227;
+inline constexpr std::size_t kLas14HeaderBytes = 375;
 inline constexpr std::size_t kLasPointBytes = 28;
 inline constexpr std::size_t kLasUntimedPointBytes = 20;
 
-/// The box of points, metres. Empty: low > high.
+/// The box of points. Empty: low > high.
 struct PointBox {
   std::array<double, 3> low = {kInfinity, kInfinity, kInfinity};
   std::array<double, 3> high = {-kInfinity, -kInfinity, -kInfinity};
@@ -27,19 +30,21 @@ struct PointBox {
   static constexpr double kInfinity = std::numeric_limits<double>::infinity();
 };
 
-/// How LAS stores coordinates: X = round((x - offset_m) / scale_m), 32 bits, the same scale on all axes.
+/// How LAS stores coordinates: X = round((x - offset) / scale), 32 bits; metres, or the unit of a map.
 struct LasGrid {
-  double scale_m = 1e-6;
-  std::array<double, 3> offset_m = {0, 0, 0};
+  std::array<double, 3> scale = {1e-6, 1e-6, 1e-6};
+  std::array<double, 3> offset = {0, 0, 0};
 
-  /// The finest of 1e-6, 1e-5 and 1e-4 m that the box fits in, around its centre to the next metre. Throws
+  /// The finest of 1e-6, 1e-5 and 1e-4, the same on all axes, that the box fits in, around its centre to the
+  /// next whole number; for longitude and latitude of 1e-9 to 1e-7 (0.1 mm to 1 cm on the Earth). Throws
   /// FormatError, naming the extent and the most that fits, for a larger box.
-  static LasGrid fitting(const PointBox& box, const std::string& file);
+  static LasGrid fitting(const PointBox& box, const std::string& file,
+                         const std::optional<MapFrame>& map = {});
 
-  [[nodiscard]] std::int32_t stored(double coordinate_m, std::size_t axis) const;
+  [[nodiscard]] std::int32_t stored(double coordinate, std::size_t axis) const;
   /// The coordinate that a reader computes.
   [[nodiscard]] double read_back(std::int32_t stored, std::size_t axis) const {
-    return stored * scale_m + offset_m[axis];
+    return stored * scale[axis] + offset[axis];
   }
 };
 
@@ -58,11 +63,13 @@ struct LasContent {
   std::string software;                          ///< cut to 32 bytes
   LasTime time = LasTime::scan;                  ///< bit 0 of the global encoding is set for gps
   bool has_times = true;
-  std::string file_id;  ///< of the scan: a variable-length record of user "landfall", number 1
+  std::string file_id;    ///< of the scan: a variable-length record of user "landfall", number 1
+  std::string crs_wkt{};  ///< of the map: record 2112 of user "LASF_Projection", and LAS 1.4
 };
 
-/// The public header block (LAS 1.2, ASPRS 2008) and the record. The bounds are those of the coordinates as
-/// they are read back; the creation day is 0, so that equal points give equal bytes.
+/// The public header block (LAS 1.2, ASPRS 2008; LAS 1.4, the first that has WKT, for points on a map) and
+/// the records. The bounds are those of the coordinates as they are read back; the creation day is 0, so that
+/// equal points give equal bytes.
 [[nodiscard]] std::string las_header(const LasContent& content);
 
 /// Which points of a scan to write, and how.
@@ -77,12 +84,12 @@ struct LasRequest {
 /// beginning of GPS time.
 void require_gps_times(const PointReader& points);
 
-/// Writes the selected returns as LAS 1.2, point format 1, or 0 for an imported scan without times: GPS time
-/// is the pulse's time, the number of the return and of all returns of its pixel (1 of 1 unless the scan has
-/// several), the intensity in photoelectrons, at most 65535 (0 without a receiver), classification 1
-/// (unclassified) for a return and 7 (low point, noise) for a false return; scan angle, user data and point
-/// source are 0. Throws UsageError as require_gps_times() does, and FormatError for a scan that does not fit
-/// (LasGrid::fitting, more than 2^32 - 1 points).
+/// Writes the selected returns as LAS 1.2, on a map 1.4, point format 1, or 0 for an imported scan without
+/// times: GPS time is the pulse's time, the number of the return and of all returns of its pixel (1 of 1
+/// unless the scan has several), the intensity in photoelectrons, at most 65535 (0 without a receiver),
+/// classification 1 (unclassified) for a return and 7 (low point, noise) for a false return; scan angle, user
+/// data and point source are 0. Throws UsageError as require_gps_times() does, and FormatError for a scan
+/// that does not fit (LasGrid::fitting, more than 2^32 - 1 points).
 ///
 /// Returns sentences about values that the file lacks or that LAS cannot hold.
 std::vector<std::string> write_points_las(const PointReader& points, const LasRequest& request,

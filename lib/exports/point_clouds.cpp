@@ -6,6 +6,7 @@
 #include <atomic>
 #include <cmath>
 
+#include "base/joined.h"
 #include "base/number_text.h"
 #include "base/parallel.h"
 #include "returns/columns.h"
@@ -66,24 +67,32 @@ PcdType pcd_type(h5::Type type) {
   }
 }
 
-double rounding_m(const PointBatch& batch, std::span<const std::uint32_t> rows) {
-  double largest_m = 0;
+double rounding_of(const PointBatch& batch, std::span<const std::uint32_t> rows,
+                   const std::array<double, 3>& offset) {
+  double largest = 0;
   for (std::size_t axis = 0; axis < 3; ++axis)
     for (const std::uint32_t row : rows) {
-      const double value = batch.real(axis)[row];
-      largest_m = std::max(largest_m, std::abs(value - static_cast<double>(static_cast<float>(value))));
+      const double value = batch.real(axis)[row] - offset[axis];
+      largest = std::max(largest, std::abs(value - static_cast<double>(static_cast<float>(value))));
     }
-  return largest_m;
+  return largest;
 }
 
-/// The properties of a pass, whose first three columns are the position in metres: x, y and z of the type
+/// What the comments of a header say of the frame, each line after `begin`.
+std::string frame_comments(const char* begin, const std::optional<MapFrame>& map) {
+  if (!map) return std::string(begin) + "landfall points: metres, x right, y up on the map, z up\n";
+  return std::string(begin) + "landfall points: coordinates in " + map->crs_name + ", z up, unit " +
+         length_unit_name(map->metres_per_height) + "\n" + begin + "crs " + map->crs_wkt + "\n";
+}
+
+/// The properties of a pass, whose first three columns are the position: x, y and z of the type
 /// `position`, then the other columns as scalar_NAME of their type in the file. range_measured is named
 /// scalar_range_meas because CloudCompare takes a property whose name contains "red" for a colour.
 std::vector<PointProperty> point_properties(const PointReader& points, const PointReader::Pass& pass,
                                             h5::Type position) {
   std::vector<PointProperty> properties;
   for (const std::string& name : pass.columns) {
-    const ContentInfo& column = points.column(name);
+    const ContentInfo column = points.read_column(name);
     if (properties.size() < 3)
       properties.push_back({column, std::string(1, "xyz"[properties.size()]), position});
     else
@@ -92,24 +101,18 @@ std::vector<PointProperty> point_properties(const PointReader& points, const Poi
   return properties;
 }
 
-/// Encodes the properties of each row one after the other, little-endian.
-EncodeRows encoder_of(const std::vector<PointProperty>& properties) {
-  return [&properties](const PointBatch& batch, std::span<const std::uint32_t> rows, std::string& out) {
-    for (const std::uint32_t row : rows)
-      for (std::size_t c = 0; c < properties.size(); ++c)
-        append_value(out, batch, c, row, properties[c].type);
-  };
+void append_row(std::string& out, const std::vector<PointProperty>& properties, const PointBatch& batch,
+                std::uint32_t row, std::size_t first) {
+  for (std::size_t c = first; c < properties.size(); ++c)
+    append_value(out, batch, c, row, properties[c].type);
 }
 
 }  // namespace
 
 std::string ply_header(const std::vector<PointProperty>& properties, std::size_t count,
-                       const std::string& file_id) {
-  std::string header =
-      "ply\nformat binary_little_endian 1.0\n"
-      "comment landfall points: metres, x right, y up on the map, z up\n"
-      "comment file_id " +
-      file_id + "\n";
+                       const std::string& file_id, const std::optional<MapFrame>& map) {
+  std::string header = "ply\nformat binary_little_endian 1.0\n" + frame_comments("comment ", map) +
+                       "comment file_id " + file_id + "\n";
   for (const auto& [column, name, type] : properties)
     header +=
         "comment " + name + ": " + column.name + ", " + column.long_name + ", unit " + column.units + "\n";
@@ -124,17 +127,23 @@ std::string ply_header(const std::vector<PointProperty>& properties, std::size_t
 void write_points_ply(const PointReader& points, const PointReader::Pass& pass, ByteSink& sink,
                       const ProgressCallback& progress) {
   const std::vector<PointProperty> properties = point_properties(points, pass, h5::Type::float64);
-  sink.write(ply_header(properties, points.count(pass.selection), points.file().file_id()));
-  write_points(points, pass, encoder_of(properties), sink, progress);
+  sink.write(ply_header(properties, points.count(pass.selection), points.file().file_id(), points.map()));
+  const auto encode = [&](const PointBatch& batch, std::span<const std::uint32_t> rows, std::string& out) {
+    for (const std::uint32_t row : rows) append_row(out, properties, batch, row, 0);
+  };
+  write_points(points, pass, encode, sink, progress);
+}
+
+std::array<double, 3> pcd_offset(const std::optional<MapFrame>& map) {
+  if (!map) return {0, 0, 0};
+  return {map->center.x, map->center.y, map->center_height};
 }
 
 std::string pcd_header(const std::vector<PointProperty>& properties, std::size_t count,
-                       const std::string& file_id) {
-  std::string header =
-      "# .PCD v0.7 - Point Cloud Data file format\n"
-      "# landfall points: metres, x right, y up on the map, z up\n"
-      "# file_id " +
-      file_id + "\n";
+                       const std::string& file_id, const std::optional<MapFrame>& map) {
+  std::string header = "# .PCD v0.7 - Point Cloud Data file format\n" + frame_comments("# ", map) +
+                       "# file_id " + file_id + "\n";
+  if (map) header += "# x, y and z are relative to the translation of VIEWPOINT\n";
   std::string fields = "FIELDS";
   std::string sizes = "SIZE";
   std::string types = "TYPE";
@@ -149,26 +158,31 @@ std::string pcd_header(const std::vector<PointProperty>& properties, std::size_t
   }
   const std::string number = std::to_string(count);
   return header + "VERSION 0.7\n" + fields + "\n" + sizes + "\n" + types + "\n" + counts + "\nWIDTH " +
-         number + "\nHEIGHT 1\nVIEWPOINT 0 0 0 1 0 0 0\nPOINTS " + number + "\nDATA binary\n";
+         number + "\nHEIGHT 1\nVIEWPOINT " + joined(pcd_offset(map), " ", number_text) + " 1 0 0 0\nPOINTS " +
+         number + "\nDATA binary\n";
 }
 
 double write_points_pcd(const PointReader& points, const PointReader::Pass& pass, ByteSink& sink,
                         const ProgressCallback& progress) {
   const std::vector<PointProperty> properties = point_properties(points, pass, h5::Type::float32);
-  sink.write(pcd_header(properties, points.count(pass.selection), points.file().file_id()));
-  const EncodeRows encode = encoder_of(properties);
-  std::atomic<double> largest_m = 0;
+  sink.write(pcd_header(properties, points.count(pass.selection), points.file().file_id(), points.map()));
+  const std::array<double, 3> offset = pcd_offset(points.map());
+  std::atomic<double> largest = 0;
   write_points(
       points, pass,
       [&](const PointBatch& batch, std::span<const std::uint32_t> rows, std::string& out) {
-        const double mine_m = rounding_m(batch, rows);
-        double before_m = largest_m;
-        while (mine_m > before_m && !largest_m.compare_exchange_weak(before_m, mine_m)) {
+        const double mine = rounding_of(batch, rows, offset);
+        double before = largest;
+        while (mine > before && !largest.compare_exchange_weak(before, mine)) {
         }
-        encode(batch, rows, out);
+        for (const std::uint32_t row : rows) {
+          for (std::size_t axis = 0; axis < 3; ++axis)
+            append_raw(out, static_cast<float>(batch.real(axis)[row] - offset[axis]));
+          append_row(out, properties, batch, row, 3);
+        }
       },
       sink, progress);
-  return largest_m;
+  return largest;
 }
 
 }  // namespace landfall

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <array>
 #include <cstddef>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -20,22 +22,27 @@ struct PointProperty {
   h5::Type type;  ///< that is written; int64 becomes double, which both formats have instead
 };
 
-/// The header of a binary PLY of `count` points with these properties, whose units are in comments.
+/// The header of a binary PLY of `count` points with these properties, whose units are in comments, with the
+/// CRS of the map on which they lie.
 [[nodiscard]] std::string ply_header(const std::vector<PointProperty>& properties, std::size_t count,
-                                     const std::string& file_id);
+                                     const std::string& file_id, const std::optional<MapFrame>& map = {});
 
 /// Writes the selected points as binary little-endian PLY, positions as double. The first three columns of
-/// `pass` are x, y and z in metres.
+/// `pass` are x, y and z.
 void write_points_ply(const PointReader& points, const PointReader::Pass& pass, ByteSink& sink,
                       const ProgressCallback& progress = {});
 
-/// The header of a binary PCD 0.7 of `count` points with these properties, whose units are in comments.
-[[nodiscard]] std::string pcd_header(const std::vector<PointProperty>& properties, std::size_t count,
-                                     const std::string& file_id);
+/// The offset of positions on a map: the site's centre.
+[[nodiscard]] std::array<double, 3> pcd_offset(const std::optional<MapFrame>& map);
 
-/// Writes the selected points as binary PCD. The first three columns of `pass` are x, y and z in metres; they
-/// are float32, the only type with which the Point Cloud Library finds a position (D417). Returns the largest
-/// error of this rounding, metres.
+/// The header of a binary PCD 0.7 of `count` points with these properties, whose units are in comments. The
+/// translation of VIEWPOINT is pcd_offset().
+[[nodiscard]] std::string pcd_header(const std::vector<PointProperty>& properties, std::size_t count,
+                                     const std::string& file_id, const std::optional<MapFrame>& map = {});
+
+/// Writes the selected points as binary PCD. The first three columns of `pass` are x, y and z; they are
+/// float32, the only type with which the Point Cloud Library finds a position (D417), from pcd_offset().
+/// Returns the largest error of this rounding, in the unit of the positions.
 double write_points_pcd(const PointReader& points, const PointReader::Pass& pass, ByteSink& sink,
                         const ProgressCallback& progress = {});
 

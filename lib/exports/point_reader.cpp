@@ -111,6 +111,22 @@ const ContentInfo& PointReader::column(const std::string& name) const {
   return *found;
 }
 
+void PointReader::place_on(MapFrame map) { map_ = std::move(map); }
+
+ContentInfo PointReader::read_column(const std::string& name) const {
+  const ContentInfo& stored = column(name);
+  const auto* const found =
+      std::ranges::find(kCoordinates, name, [](auto member) { return name_of(member); });
+  if (!map_ || found == kCoordinates.end()) return stored;
+  constexpr std::array kPlanar = {"easting", "northing", "elevation"};
+  constexpr std::array kGeographic = {"longitude", "latitude", "elevation"};
+  const auto i = static_cast<std::size_t>(found - kCoordinates.begin());
+  const std::string axis = (map_->is_geographic ? kGeographic : kPlanar)[i % 3];
+  return {axis + (i < 3 ? "" : "_true"), h5::Type::float64,
+          i % 3 < 2 ? map_->unit : length_unit_name(map_->metres_per_height),
+          axis + (i < 3 ? ", estimated" : ", true") + " position in " + map_->crs_name};
+}
+
 std::vector<std::string> PointReader::choose(const std::vector<std::string>& names) const {
   for (auto name = names.begin(); name != names.end(); ++name)
     if (std::find(names.begin(), name, *name) != name)
@@ -167,6 +183,7 @@ class PointReader::BatchSource {
     select(count, batch);
     if (wants_time_) look_up_times(batch);
     if (pass_.first_time_s && reader_.is_imported_) shift_times(batch);
+    if (reader_.map_) place(batch);
     require_finite(batch);
   }
 
@@ -228,6 +245,38 @@ class PointReader::BatchSource {
   [[nodiscard]] double time(std::size_t pulse) const {
     return pass_.first_time_s ? *pass_.first_time_s + reader_.pulse_times_.since_s[pulse]
                               : reader_.stored_times_s_[pulse];
+  }
+
+  /// The column of this name; null if the pass has none.
+  [[nodiscard]] std::vector<double>* column_in(PointBatch& batch, const char* name) const {
+    const auto found = std::ranges::find(pass_.columns, name);
+    return found == pass_.columns.end()
+               ? nullptr
+               : &std::get<std::vector<double>>(
+                     batch.columns[static_cast<std::size_t>(found - pass_.columns.begin())]);
+  }
+
+  /// Brings the estimated and the true positions to the map.
+  void place(PointBatch& batch) const {
+    for (const std::size_t first : {std::size_t{0}, std::size_t{3}}) {
+      std::vector<double>* const x = column_in(batch, name_of(kCoordinates[first]));
+      std::vector<double>* const y = column_in(batch, name_of(kCoordinates[first + 1]));
+      std::vector<double>* const z = column_in(batch, name_of(kCoordinates[first + 2]));
+      if (reader_.map_->map_point && (x == nullptr) != (y == nullptr))
+        throw UsageError("--columns: each coordinate of this map depends on x and y: name " +
+                         std::string(name_of(kCoordinates[first])) + " and " +
+                         name_of(kCoordinates[first + 1]) + ", or give --frame site");
+      for (const std::uint32_t row : batch.selected) {
+        const SitePoint site{x != nullptr ? (*x)[row] : 0, y != nullptr ? (*y)[row] : 0};
+        const MapPoint at = reader_.map_->at(site);
+        if (std::isfinite(site.x_m + site.y_m) && !std::isfinite(at.x + at.y))
+          fail(batch, name_of(kCoordinates[first]), row,
+               "of a point lies outside its map projection: give --frame site");
+        if (x != nullptr) (*x)[row] = at.x;
+        if (y != nullptr) (*y)[row] = at.y;
+        if (z != nullptr) (*z)[row] = reader_.map_->height_at((*z)[row]);
+      }
+    }
   }
 
   void require_finite(const PointBatch& batch) const {

@@ -14,6 +14,7 @@
 #include "files/contents.h"
 #include "files/scan_file.h"
 #include "output/byte_sink.h"
+#include "terrain/gdal/map_frame.h"
 
 namespace landfall {
 
@@ -53,8 +54,13 @@ class PointReader {
   /// The file's columns, and `t`, the time of the point's pulse, if the file has the pulse times.
   [[nodiscard]] const std::vector<ContentInfo>& columns() const { return columns_; }
   [[nodiscard]] bool has(const std::string& name) const;
+  /// From now on positions are read in the coordinates of a map.
+  void place_on(MapFrame map);
+  [[nodiscard]] const std::optional<MapFrame>& map() const { return map_; }
   /// Throws UsageError, listing the existing columns, for an unknown column.
   [[nodiscard]] const ContentInfo& column(const std::string& name) const;
+  /// A column as it is read: on a map x_est is "easting" or "longitude" in the map's unit, and so on.
+  [[nodiscard]] ContentInfo read_column(const std::string& name) const;
   /// The columns of these names, in their order; without names: those of the file. Throws UsageError for an
   /// unknown name or one that is given twice.
   [[nodiscard]] std::vector<std::string> choose(const std::vector<std::string>& names) const;
@@ -77,8 +83,9 @@ class PointReader {
     std::optional<double> first_time_s = {};
   };
   /// Calls use(batch) for all rows in order; later batches are read meanwhile. Throws FormatError, naming
-  /// file, column and row, for a value that must be finite and is not, and for a pulse number that does not
-  /// exist in /pulses.
+  /// file, column and row, for a value that must be finite and is not, for a position without coordinates on
+  /// the map, and for a pulse number that does not exist in /pulses; UsageError where the map needs x and y
+  /// and the pass has one of them.
   void read(const Pass& pass, const std::function<void(const PointBatch& batch)>& use,
             const ProgressCallback& progress = {}) const;
 
@@ -93,6 +100,7 @@ class PointReader {
   std::vector<double> stored_times_s_;
   PulseTimes pulse_times_;
   std::size_t row_count_ = 0;
+  std::optional<MapFrame> map_;
 };
 
 /// The names of the columns x, y and z of the estimated (`position` "est") or true ("true") positions.

@@ -89,4 +89,14 @@ double imported_epoch_s(const LandfallFileReader& scan) {
   return std::isfinite(first_s) ? first_s : 0;
 }
 
+SourceHeights source_heights(const LandfallFileReader& scan) {
+  const TableReader points(scan.root(), "points", scan.name());
+  const nlohmann::json& config = scan.config();
+  const bool has_scale =
+      config.is_object() && config.contains("vertical_scale") && config["vertical_scale"].is_number();
+  const double center = h5::read_number_attribute(points.group(), "origin_z").value_or(0);
+  const double scale = has_scale ? config["vertical_scale"].get<double>() : 1;
+  return {std::isfinite(center) ? center : 0, std::isfinite(scale) && scale != 0 ? scale : 1};
+}
+
 }  // namespace landfall

@@ -52,4 +52,11 @@ class ImportedScanWriter {
 /// The time to which those of an imported scan are relative: the least one; 0 without times.
 [[nodiscard]] double imported_epoch_s(const LandfallFileReader& scan);
 
+/// The heights of an imported scan's source.
+struct SourceHeights {
+  double center = 0;  ///< of the scan's origin; 0 where none was given
+  double metres_per_unit = 1;
+};
+[[nodiscard]] SourceHeights source_heights(const LandfallFileReader& scan);
+
 }  // namespace landfall

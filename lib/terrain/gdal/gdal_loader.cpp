@@ -7,7 +7,9 @@
 #include "base/error.h"
 #include "base/parallel.h"
 #include "base/plugin_file.h"
+#include "terrain/gdal/map_frame.h"
 #include "terrain/gdal/plugin.h"
+#include "terrain/site_wkt.h"
 
 namespace landfall {
 namespace {
@@ -113,6 +115,11 @@ SiteTransform site_transform(const std::string& from_wkt, const std::string& to_
 }
 
 std::string proj_text(const std::string& wkt) { return plugin().proj_text(wkt); }
+
+std::optional<MapFrame> map_frame(const std::string& site_wkt) {
+  if (!is_tied_to_body(site_wkt) && map_wkt_of(site_wkt).empty()) return std::nullopt;
+  return plugin().map_frame(site_wkt);
+}
 
 PolygonFile polygon_file(const PolygonFileRequest& request) {
   try {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -19,6 +20,8 @@
 
 namespace landfall {
 
+struct MapFrame;
+
 /// The functions of the plugin. Loader and plugin must be of one build: `version` detects a stale file.
 struct GdalPlugin {
   const char* version;
@@ -34,6 +37,7 @@ struct GdalPlugin {
   void (*write_geopackage_points)(const std::string& path, const PointLayer& layer);
   std::vector<MapPosition> (*map_positions)(const std::string& site_wkt,
                                             const std::vector<SitePoint>& points);
+  std::optional<MapFrame> (*map_frame)(const std::string& site_wkt);
   PolygonFile (*polygons)(const PolygonFileRequest& request);
   std::string (*raster_site)(const DemBase& dem, RasterLinks links);
   bool (*one_map)(const std::string& a_wkt, const std::string& b_wkt);

@@ -20,6 +20,7 @@
 
 #include "base/error.h"
 #include "terrain/gdal/fill_values.h"
+#include "terrain/gdal/map_frame.h"
 #include "terrain/gdal/map_position.h"
 #include "terrain/gdal/open_raster.h"
 #include "terrain/gdal/plugin.h"
@@ -231,6 +232,7 @@ const landfall::GdalPlugin landfall_gdal_plugin{LANDFALL_VERSION,
                                                 &landfall::write_cloud_optimized_geotiff,
                                                 &landfall::write_geopackage_points,
                                                 &landfall::map_positions_of,
+                                                &landfall::map_frame_of,
                                                 &landfall::read_polygons,
                                                 &landfall::site_of_raster,
                                                 &landfall::is_one_map,

@@ -9,6 +9,7 @@
 #include "refusal.h"
 #include "small_scan.h"
 #include "temporary_folder.h"
+#include "test_maps.h"
 
 namespace landfall {
 namespace {
@@ -121,6 +122,39 @@ TEST(NameWithUnit, EndsWithTheUnitOnce) {
   EXPECT_EQ(name_with_unit({"range_m", h5::Type::float64, "m", ""}), "range_m");
   EXPECT_EQ(name_with_unit({"count", h5::Type::int32, "1", ""}), "count");
   EXPECT_EQ(name_with_unit({"v", h5::Type::float64, "m s-1", ""}), "v");
+}
+
+std::string csv_on(const MapFrame& map, const std::vector<std::string>& columns) {
+  const TemporaryFolder folder;
+  SmallScan().write(folder / "scan.h5");
+  PointReader points(folder / "scan.h5");
+  points.place_on(map);
+  MemorySink sink;
+  write_points_csv(points, {columns, {true, 2}}, sink);
+  return sink.bytes();
+}
+
+TEST(PointsCsv, OnAMapNamesItsCoordinates) {
+  EXPECT_EQ(csv_on(planar_map(), {"x_est", "y_est", "z_est", "x_true", "status"}),
+            "easting_ft,northing_ft,elevation_m,easting_true_ft,status\n"
+            "500002,5399998.5,302,500202,0\n500005,5399995.5,305,500205,6\n");
+  EXPECT_EQ(csv_on(geographic_map(), {"y_est", "x_est", "t"}),
+            "latitude_deg,longitude_deg,t_s\n47.99998,9.00001,0\n47.99995,9.000025,0.25\n");
+}
+
+TEST(PointsCsv, OnAMapACoordinateMayNeedBothOfTheSite) {
+  EXPECT_EQ(csv_on(planar_map(), {"y_est"}), "northing_ft\n5399998.5\n5399995.5\n");
+  EXPECT_THAT(refusal([] { static_cast<void>(csv_on(geographic_map(), {"y_est"})); }),
+              testing::HasSubstr("name x_est and y_est, or give --frame site"));
+}
+
+TEST(PointReader, NamesAPointThatTheMapCannotHold) {
+  MapFrame map = geographic_map();
+  map.map_point = [](const SitePoint&) { return MapPoint{std::numeric_limits<double>::quiet_NaN(), 0}; };
+  EXPECT_THAT(refusal([&] {
+                static_cast<void>(csv_on(map, {"x_est", "y_est"}));
+              }),
+              testing::HasSubstr("/points/x_est[0] of a point lies outside its map projection"));
 }
 
 }  // namespace

@@ -11,6 +11,7 @@
 #include "memory_sink.h"
 #include "small_scan.h"
 #include "temporary_folder.h"
+#include "test_maps.h"
 
 namespace landfall {
 namespace {
@@ -95,9 +96,9 @@ TEST(PointsLas, BoundsAreThoseOfTheSelectedPoints) {
 
 TEST(LasGrid, TakesTheFinestScaleThatFits) {
   const auto box = [](double half) { return PointBox{{-half, -1, -1}, {half, 1, 1}}; };
-  EXPECT_EQ(LasGrid::fitting(box(2147), "f").scale_m, 1e-6);
-  EXPECT_EQ(LasGrid::fitting(box(2148), "f").scale_m, 1e-5);
-  EXPECT_EQ(LasGrid::fitting(box(21475), "f").scale_m, 1e-4);
+  EXPECT_EQ(LasGrid::fitting(box(2147), "f").scale[0], 1e-6);
+  EXPECT_EQ(LasGrid::fitting(box(2148), "f").scale[0], 1e-5);
+  EXPECT_EQ(LasGrid::fitting(box(21475), "f").scale[0], 1e-4);
   try {
     static_cast<void>(LasGrid::fitting(box(214750), "f"));
     FAIL() << "accepted";
@@ -109,8 +110,8 @@ TEST(LasGrid, TakesTheFinestScaleThatFits) {
 
 TEST(LasGrid, StoresWithinHalfAStep) {
   const LasGrid grid = LasGrid::fitting({{-3000, 7, -0.5}, {5000, 9, 0.25}}, "f");
-  EXPECT_EQ(grid.scale_m, 1e-5);
-  EXPECT_EQ(grid.offset_m, (std::array<double, 3>{1000, 8, -0.0}));
+  EXPECT_EQ(grid.scale[0], 1e-5);
+  EXPECT_EQ(grid.offset, (std::array<double, 3>{1000, 8, -0.0}));
   for (const double x : {-3000.0, -1234.567891, 0.1234567, 4999.999999, 5000.0})
     EXPECT_NEAR(grid.read_back(grid.stored(x, 0), 0), x, 0.51e-5);
 }
@@ -124,6 +125,51 @@ TEST(PointsLas, RefusesAScanWithoutReturns) {
   } catch (const FormatError& error) {
     EXPECT_THAT(error.what(), testing::EndsWith("scan.h5: holds no return"));
   }
+}
+
+std::string las_on(const MapFrame& map) {
+  const TemporaryFolder folder;
+  SmallScan().write(folder / "scan.h5");
+  PointReader points(folder / "scan.h5");
+  points.place_on(map);
+  MemorySink sink;
+  static_cast<void>(write_points_las(points, {.software = "a"}, sink));
+  return sink.bytes();
+}
+
+// Offsets of the public header block, LAS 1.4 R15 (ASPRS, 9 July 2019), table 3.
+TEST(PointsLas, OnAMapIsLas14WithItsCrs) {
+  const std::string file = las_on(planar_map());
+  EXPECT_EQ(at<std::uint16_t>(file, 6), 0x10);  // the CRS is WKT
+  EXPECT_EQ(at<std::uint8_t>(file, 25), 4);
+  EXPECT_EQ(at<std::uint16_t>(file, 94), 375);
+  const auto begin = at<std::uint32_t>(file, 96);
+  EXPECT_EQ(at<std::uint32_t>(file, 100), 2U);
+  EXPECT_EQ(at<std::uint32_t>(file, 107), 4U);
+  EXPECT_EQ(at<double>(file, 155), 500004);   // centre of 500002 .. 500006
+  EXPECT_EQ(at<double>(file, 163), 5399997);  // of 5399994.5 .. 5399998.5, rounded
+  EXPECT_EQ(at<double>(file, 179), 500006);
+  EXPECT_EQ(at<double>(file, 219), 302);
+  EXPECT_EQ(at<std::uint64_t>(file, 247), 4U);
+  EXPECT_EQ(at<std::uint64_t>(file, 255), 4U);
+  EXPECT_EQ(at<std::uint64_t>(file, 263), 0U);
+  const std::size_t record = 375 + 54 + at<std::uint16_t>(file, 375 + 20);
+  EXPECT_EQ(file.substr(record + 2, 15), "LASF_Projection");
+  EXPECT_EQ(at<std::uint16_t>(file, record + 18), 2112);
+  EXPECT_EQ(file.substr(record + 54, begin - record - 54), std::string("PROJCS[\"map\"]") + '\0');
+  EXPECT_EQ(at<std::int32_t>(file, begin), -2000000);
+  EXPECT_EQ(file.size(), begin + 4 * kLasPointBytes);
+}
+
+TEST(PointsLas, DegreesHaveAFinerScaleThanHeights) {
+  const std::string file = las_on(geographic_map());
+  EXPECT_EQ(at<double>(file, 131), 1e-9);
+  EXPECT_EQ(at<double>(file, 139), 1e-9);
+  EXPECT_EQ(at<double>(file, 147), 1e-6);
+  const auto begin = at<std::uint32_t>(file, 96);
+  EXPECT_EQ(at<std::int32_t>(file, begin), 10000);
+  EXPECT_EQ(at<std::int32_t>(file, begin + 4), -20000);
+  EXPECT_EQ(LasGrid::fitting({{-180, -90, 0}, {180, 90, 1}}, "f", geographic_map()).scale[0], 1e-7);
 }
 
 }  // namespace

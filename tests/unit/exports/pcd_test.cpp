@@ -7,6 +7,7 @@
 #include "memory_sink.h"
 #include "small_scan.h"
 #include "temporary_folder.h"
+#include "test_maps.h"
 
 namespace landfall {
 namespace {
@@ -45,6 +46,24 @@ TEST(PointsPcd, TellsTheLargestRounding) {
   const double rounding_m =
       write_points_pcd(PointReader(folder / "scan.h5"), {{"x_est", "y_est", "z_est"}, {true, 1}, 3}, sink);
   EXPECT_NEAR(rounding_m, 0.006, 1e-9);
+}
+
+TEST(PointsPcd, OnAMapIsRelativeToItsViewpoint) {
+  const TemporaryFolder folder;
+  SmallScan().write(folder / "scan.h5");
+  PointReader points(folder / "scan.h5");
+  points.place_on(planar_map());
+  MemorySink sink;
+  EXPECT_EQ(write_points_pcd(points, {{"x_est", "y_est", "z_est", "x_true"}, {true, 1}, 3}, sink), 0);
+  const std::string header_end = "VIEWPOINT 500000 5400000.5 300 1 0 0 0\nPOINTS 4\nDATA binary\n";
+  const std::size_t header = sink.bytes().find(header_end);
+  ASSERT_NE(header, std::string::npos) << sink.bytes();
+  EXPECT_THAT(sink.bytes(), testing::HasSubstr("# crs PROJCS[\"map\"]\n"));
+  const std::string data = sink.bytes().substr(header + header_end.size());
+  EXPECT_EQ(at<float>(data, 0), 2);
+  EXPECT_EQ(at<float>(data, 4), -2);
+  EXPECT_EQ(at<float>(data, 8), 2);
+  EXPECT_EQ(at<double>(data, 12), 500202);
 }
 
 }  // namespace

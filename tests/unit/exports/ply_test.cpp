@@ -7,6 +7,7 @@
 #include "memory_sink.h"
 #include "small_scan.h"
 #include "temporary_folder.h"
+#include "test_maps.h"
 
 namespace landfall {
 namespace {
@@ -31,6 +32,23 @@ TEST(PointsPly, HasDoublePlacesAndStoredTypes) {
   EXPECT_EQ(at<double>(data, 2 * 37 + 24), 2.5);
   EXPECT_EQ(at<std::int32_t>(data, 2 * 37 + 32), 1);
   EXPECT_EQ(at<std::int8_t>(data, 2 * 37 + 36), 6);
+}
+
+TEST(PointsPly, OnAMapHasItsCoordinatesAndCrs) {
+  const TemporaryFolder folder;
+  SmallScan().write(folder / "scan.h5");
+  PointReader points(folder / "scan.h5");
+  points.place_on(planar_map());
+  MemorySink sink;
+  write_points_ply(points, {{"x_est", "y_est", "z_est"}, {true, 1}, 3}, sink);
+  EXPECT_THAT(sink.bytes(), testing::HasSubstr("comment landfall points: coordinates in map, z up, unit m\n"
+                                               "comment crs PROJCS[\"map\"]\n"));
+  EXPECT_THAT(sink.bytes(),
+              testing::HasSubstr("comment x: easting, easting, estimated position in map, unit ft\n"));
+  const std::string data = sink.bytes().substr(sink.bytes().find("end_header\n") + 11);
+  EXPECT_EQ(at<double>(data, 0), 500002);
+  EXPECT_EQ(at<double>(data, 8), 5399998.5);
+  EXPECT_EQ(at<double>(data, 16), 302);
 }
 
 }  // namespace

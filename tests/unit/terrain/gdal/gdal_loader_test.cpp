@@ -19,7 +19,9 @@
 #include "constants.h"
 #include "gdal_rasters.h"
 #include "load_dem_test.h"
+#include "terrain/gdal/map_frame.h"
 #include "terrain/relief/terrain_generator.h"
+#include "terrain/site_wkt.h"
 
 namespace landfall {
 namespace {
@@ -286,6 +288,49 @@ TEST_F(LoadDem, PositionsOnTheMap) {
   EXPECT_EQ(sphere.easting_m, std::nullopt);
   EXPECT_NEAR(*sphere.longitude_deg, 30.025, 1e-9);
   EXPECT_NEAR(*sphere.latitude_deg, -0.025, 1e-9);
+}
+
+TEST_F(LoadDem, FrameOfTheMap) {
+  const auto wkt = [&](const std::array<double, 6>& transform, const std::string& crs) {
+    return load_dem(written({41, 41, map_plane(transform), "Float64", transform, crs, {}, 1, 0, {}}),
+                    GridSpec::centered(40, 4))
+        .crs_wkt;
+  };
+  const SitePoint point{12.345678, -30.0009765625};
+  const auto utm = map_frame(wkt({500000.123, 10, 0, 5400000.789, 0, -10}, "EPSG:32631"));
+  ASSERT_TRUE(utm);
+  EXPECT_EQ(utm->crs_name, "WGS 84 / UTM zone 31N");
+  EXPECT_TRUE(utm->crs_wkt.starts_with("PROJCS[\"WGS 84 / UTM zone 31N\"")) << utm->crs_wkt;
+  EXPECT_EQ(utm->unit, "m");
+  EXPECT_NEAR(utm->center.x, 500205.123, 2e-9);
+  EXPECT_NEAR(utm->at(point).x, 500205.123 + point.x_m, 2e-9);
+  EXPECT_NEAR(utm->at(point).y, 5399795.789 + point.y_m, 2e-9);
+  const auto feet = map_frame(wkt({6000000, 10, 0, 2000000, 0, -10}, "EPSG:2225"));
+  EXPECT_EQ(feet->unit, "ft");
+  EXPECT_NEAR(feet->at(point).x, 6000205 + point.x_m * 3937 / 1200, 1e-8);
+  // A map whose scale at the site is not 1, and longitudes and latitudes: the site frame is orthographic.
+  const std::string cylindrical = "+proj=eqc +R=1737400";
+  const std::string distorted = wkt({100000, 10, 0, 700000, 0, -10}, cylindrical);
+  const auto plate = map_frame(distorted);
+  const MapPoint by_proj = site_to_crs(distorted, point, cylindrical);
+  EXPECT_NEAR(plate->at(point).x, by_proj.x, 1e-6);
+  EXPECT_NEAR(plate->at(point).y, by_proj.y, 1e-6);
+  EXPECT_NEAR(plate->center.x, 100205, 1e-8);
+  const auto globe = map_frame(wkt({29, 1e-4, 0, 1, 0, -1e-4}, "EPSG:4326"));
+  EXPECT_TRUE(globe->is_geographic);
+  EXPECT_EQ(globe->unit, "degree");
+  EXPECT_TRUE(globe->crs_wkt.starts_with("GEOGCS[\"WGS 84\"")) << globe->crs_wkt;
+  EXPECT_NEAR(globe->center.x, 29.00205, 1e-12);
+  EXPECT_NEAR(globe->center.y, 0.99795, 1e-12);
+  // A site frame that names no map, that of an older file, is a map itself.
+  const auto nameless = map_frame(without_place(wkt({500000, 10, 0, 5400000, 0, -10}, "EPSG:32631")));
+  EXPECT_EQ(nameless->crs_name, "landfall site frame");
+  EXPECT_EQ(nameless->at(point).x, point.x_m);
+}
+
+TEST(MapFrames, AFrameThatIsNotTiedToABodyHasNone) {
+  EXPECT_FALSE(map_frame(kLocalSiteCrsWkt));
+  EXPECT_FALSE(map_frame("PROJCRS[\"broken"));
 }
 
 TEST(MapPositions, AFrameThatIsNotTiedToABodyHasNone) {
