@@ -24,7 +24,7 @@ LEVELS = {
 
 # Header pattern -> folders or subfolders that may include it. Headers that are not listed may be included anywhere.
 ONLY_IN = {
-    r"CGAL/": {"ray"},
+    r"CGAL/": {"ray", "gridding"},
     r"boost/(?!numeric/odeint/|math/)": {"ray"},
     r"boost/math/": {"terrain", "campaign", "receiver"},
     r"boost/numeric/odeint/": {"trajectory"},

@@ -4,10 +4,12 @@
 #include <optional>
 #include <utility>
 
+#include "base/parallel.h"
 #include "cli/meeting_options.h"
 #include "cli/outcomes.h"
 #include "cli/tool.h"
 #include "config/uncertainty_config.h"
+#include "runs/default_grid.h"
 #include "runs/dem_output.h"
 #include "tools.h"
 
@@ -27,6 +29,8 @@ Configuration: --print-schema, man regrid, docs/user/regrid.md.)";
 constexpr const char* kDescription =
     R"(Grids the estimated points of one or more scans: each return contributes to the bin with the nearest centre, weighted by its distance from that centre, or according to another method. With the terrain, the DEM also holds the true elevation of each bin, which dem-eval compares with the estimate.
 
+A grid that is not given is that of the defaults; for scans of landfall-import it is their extent with the finest posting that leaves at most 5 % of the bins between the points empty.
+
 --uncertainty adds the one-sigma map of the elevations by error propagation, --corrected the elevations moved along the local slope to the bin centres.)";
 
 struct Options {
@@ -37,6 +41,9 @@ struct Options {
   std::string method;
   std::optional<double> range_sigma_m;
   std::vector<std::string> navigation_sigmas;
+  std::size_t threads = 0;
+  bool reads_no_data = false;                ///< --check
+  std::optional<std::string> chosen_grid{};  ///< a sentence about a grid that is not given
 };
 
 void bind(CLI::App& app, Options& o) {
@@ -80,6 +87,13 @@ void set_values(nlohmann::json& config, const Options& o) {
   if (!o.method.empty()) config["method"] = o.method;
 }
 
+void complete(JsonSource& source, Options& o) {
+  set_values(source.value, o);
+  if (o.reads_no_data) return;
+  const ThreadLimit limit(o.threads);
+  o.chosen_grid = complete_grid(source.value, o.sources, source.name);
+}
+
 nlohmann::json content_options(const DemRequest& layers, const MeetingRules& rules) {
   nlohmann::json options;
   cli::add_meeting_options(options, rules);
@@ -107,6 +121,12 @@ ExitCode run(cli::Session& session, const Options& o) {
       make_dem(config, o.sources, o.layers,
                {session.output(inputs), std::move(provenance), session.config_name(), session.phases()});
   cli::report_dem(session, returns, config.grid);
+  const bool is_sparse = 2 * returns.empty_bins > static_cast<std::int64_t>(config.grid.size());
+  if (o.chosen_grid)
+    session.warn(o.sources.scans.front() + ": " + *o.chosen_grid);
+  else if (is_sparse)
+    if (const auto advice = posting_advice(config.grid, o.sources))
+      session.warn(o.sources.scans.front() + ": " + *advice);
   return ExitCode::done;
 }
 
@@ -122,7 +142,11 @@ int start(int argc, const char* const* argv, cli::Invocation* invocation) {
   tool.examples = kExamples;
   tool.schema = "regrid";
   tool.bind = [&](CLI::App& app) { bind(app, options); };
-  tool.complete = [&](JsonSource& source) { set_values(source.value, options); };
+  tool.expand = [&](JsonSource&, const cli::CommonOptions& common) {
+    options.threads = common.threads;
+    options.reads_no_data = common.check_only;
+  };
+  tool.complete = [&](JsonSource& source) { complete(source, options); };
   tool.check = [&](const cli::Session& session) {
     static_cast<void>(checked_config(session, options.layers));
   };
