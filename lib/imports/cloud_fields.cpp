@@ -26,6 +26,7 @@ const std::vector<FieldNames>& field_names() {
       {CloudField::z, "z", {"zest", "z", "h", "elevation", "elev", "height", "altitude", "alt"}},
       {CloudField::intensity, "intensity", {"intensity", "reflectance", "amplitude"}},
       {CloudField::return_number, "return_number", {"returnnumber", "returnnr"}},
+      {CloudField::number_of_returns, "number_of_returns", {"numberofreturns", "numreturns"}},
       {CloudField::t, "t", {"t", "ts", "gpstime", "time", "times", "timestamp"}},
       {CloudField::pulse, "pulse", {"pulse", "fullwaveindex"}},
       {CloudField::pixel, "pixel", {"pixel"}},
@@ -131,8 +132,10 @@ ColumnChoice column_choice(const std::string& text) {
       throw UsageError("--columns: '" + shown_word(part) + "' is not FIELD=COLUMN, such as x=E");
     const auto field = cloud_field(part.substr(0, equals));
     if (!field)
-      throw UsageError("--columns: '" + shown_word(part.substr(0, equals)) +
-                       "' is not one of x, y, z, intensity, return_number, t, pulse, pixel, classification");
+      throw UsageError(
+          "--columns: '" + shown_word(part.substr(0, equals)) +
+          "' is not one of x, y, z, intensity, return_number, number_of_returns, t, pulse, pixel, "
+          "classification");
     for (const auto& [known, column] : choice)
       if (known == *field) throw UsageError("--columns gives " + std::string(name_of(*field)) + " twice");
     choice.emplace_back(*field, part.substr(equals + 1));

@@ -12,8 +12,19 @@
 namespace landfall {
 
 /// The values of a point.
-enum class CloudField : std::size_t { x, y, z, intensity, return_number, t, pulse, pixel, classification };
-inline constexpr std::size_t kCloudFieldCount = 9;
+enum class CloudField : std::size_t {
+  x,
+  y,
+  z,
+  intensity,
+  return_number,
+  number_of_returns,
+  t,
+  pulse,
+  pixel,
+  classification
+};
+inline constexpr std::size_t kCloudFieldCount = 10;
 
 /// The name of a field, as --columns and /points have it.
 [[nodiscard]] const char* name_of(CloudField field);

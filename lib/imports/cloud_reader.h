@@ -26,6 +26,12 @@ struct CloudSteps {
   std::array<double, 3> offset;
 };
 
+/// The extent of the points that a file declares, on its axes.
+struct CloudBox {
+  std::array<double, 3> low;
+  std::array<double, 3> high;
+};
+
 /// The statements of a file before its points are read.
 struct CloudInfo {
   std::string format;                         ///< "LAS 1.4, point format 6"
@@ -34,6 +40,7 @@ struct CloudInfo {
   std::string crs_wkt{};                      ///< empty: none
   std::optional<CloudGeoKeys> geo_keys{};     ///< only without a crs_wkt
   std::optional<CloudSteps> steps{};
+  std::optional<CloudBox> box{};
   std::string clock{};               ///< what t counts, where the file says so
   std::vector<std::string> notes{};  ///< what was ignored or assumed; sentences without the file's name
 

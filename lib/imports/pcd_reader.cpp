@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <charconv>
+#include <optional>
 #include <sstream>
 #include <utility>
 
@@ -20,7 +21,8 @@ constexpr std::uint64_t kMaxField = 1U << 16U;
 
 struct PcdHeader {
   std::vector<std::string> fields, sizes, types, counts, viewpoint;
-  std::uint64_t width = 0, height = 0, points = 0;
+  std::optional<std::uint64_t> width, height;
+  std::uint64_t points = 0;
   bool has_points = false;
   std::string data;
   std::uint64_t end = 0;
@@ -74,10 +76,13 @@ PcdHeader read_pcd_header(const CloudBytes& file) {
     ++pcd.lines;
     if (!words.empty() && words[0][0] != '#') take_line(file, words, pcd);
   }
-  if (!pcd.has_points) {
-    if (pcd.height > 0 && pcd.width > (1ULL << 48U) / pcd.height) file.fail("declares too many points");
-    pcd.points = pcd.width * pcd.height;
-  }
+  const std::uint64_t width = pcd.width.value_or(0);
+  const std::uint64_t height = pcd.height.value_or(0);
+  if (height > 0 && width > (1ULL << 48U) / height) file.fail("declares too many points");
+  if (!pcd.has_points) pcd.points = width * height;
+  if (pcd.width && pcd.height && width * height != pcd.points)
+    file.fail("declares " + std::to_string(pcd.points) + " POINTS, but WIDTH x HEIGHT is " +
+              std::to_string(width * height) + ": correct its header");
   return pcd;
 }
 
@@ -127,7 +132,7 @@ std::vector<Field> fields_of(const CloudBytes& file, const PcdHeader& pcd) {
   return fields;
 }
 
-/// Reads each wanted field through a stream of its own, which begins where the field does.
+/// Reads each wanted field through a separate stream, which begins where the field does.
 class CompressedReader final : public CloudReader {
  public:
   CompressedReader(std::unique_ptr<CloudBytes> file, CloudInfo info, const std::vector<Field>& fields,
@@ -135,9 +140,10 @@ class CompressedReader final : public CloudReader {
       : file_(std::move(file)), fields_(fields), count_(count) {
     info_ = std::move(info);
     LzfStream at = stream;
-    for (const Field& field : fields) {
-      begins_.push_back(at);
-      if (&field != &fields.back()) at.skip(field.bytes * count);
+    for (std::size_t column = 0; column < fields.size(); ++column) {
+      for (std::size_t f = 0; f < kCloudFieldCount; ++f)
+        if (info_.columns[f] == column) begins_[f] = at;
+      if (column + 1 < fields.size()) at.skip(fields[column].bytes * count);
     }
     streams_ = begins_;
   }
@@ -147,7 +153,7 @@ class CompressedReader final : public CloudReader {
     if (count == 0) return false;
     parallel_for(kCloudFieldCount, 1, [&](std::size_t f, std::size_t) {
       batch.columns[f].resize(info_.columns[f] ? count : 0);
-      if (info_.columns[f]) read(*info_.columns[f], batch.columns[f]);
+      if (info_.columns[f]) read(f, batch.columns[f]);
     });
     next_ += count;
     return true;
@@ -162,10 +168,10 @@ class CompressedReader final : public CloudReader {
 
  private:
   void read(std::size_t f, std::vector<double>& out) {
-    const Field& field = fields_[f];
+    const Field& field = fields_[*info_.columns[f]];
     std::vector<std::byte> bytes(field.bytes);
     for (double& value : out) {
-      streams_[f].read(bytes);
+      streams_[f]->read(bytes);
       value = stored_number(field.column.type, bytes.data(), false);
     }
   }
@@ -173,7 +179,7 @@ class CompressedReader final : public CloudReader {
   std::unique_ptr<CloudBytes> file_;
   std::vector<Field> fields_;
   std::uint64_t count_;
-  std::vector<LzfStream> begins_, streams_;
+  std::array<std::optional<LzfStream>, kCloudFieldCount> begins_, streams_;
   std::uint64_t next_ = 0;
 };
 
@@ -191,6 +197,9 @@ std::unique_ptr<CloudReader> open_compressed(std::unique_ptr<CloudBytes> file, c
                " bytes, but " + std::to_string(unpacked) + " unpacked bytes");
   if (packed > file->size() - pcd.end - 8)
     file->fail("declares " + std::to_string(packed) + " compressed bytes, more than it has: it is truncated");
+  if (const std::uint64_t rest = file->size() - pcd.end - 8 - packed; rest > 0)
+    info.notes.push_back("has " + std::to_string(rest) +
+                         " bytes behind its compressed points; they are not read");
   const LzfStream stream(*file, pcd.end + 8, packed);
   info.point_count = static_cast<std::int64_t>(pcd.points);
   return std::make_unique<CompressedReader>(std::move(file), std::move(info), fields, pcd.points, stream);
@@ -225,7 +234,12 @@ std::unique_ptr<CloudReader> open_pcd(std::unique_ptr<CloudBytes> file, const Co
     values += field.values;
     rows.columns.push_back(field.column);
   }
-  if (pcd.data == "binary") return read_rows(std::move(file), std::move(rows), std::move(info));
+  if (pcd.data == "binary") {
+    require_rows(*file, rows);
+    info.notes.push_back(judge_rest(*file, rows, file->size() - rows.begin - rows.count * rows.row_size));
+    std::erase(info.notes, "");
+    return read_rows(std::move(file), std::move(rows), std::move(info));
+  }
   if (pcd.data != "ascii") file->fail("DATA '" + shown_word(pcd.data) + "' is not a form of PCD");
   info.columns = text_columns(info.columns, fields);
   return read_text_rows(std::move(file),

@@ -51,10 +51,50 @@ std::uint64_t after_lines(const CloudBytes& file, std::uint64_t at, std::uint64_
   return at;
 }
 
+/// The bytes of the elements behind the vertices; with lists, whose lengths stand in the rows, the least
+/// ones.
+struct Following {
+  std::uint64_t bytes = 0;
+  bool is_exact = true;
+};
+
+Following elements_behind(const CloudBytes& file, const PlyHeader& header, const PlyElement& vertex) {
+  Following following;
+  for (const PlyElement* element = &vertex + 1; element < header.elements.data() + header.elements.size();
+       ++element) {
+    std::uint64_t row = 0;
+    for (const PlyProperty& property : element->properties) {
+      row += size_of(property.length.value_or(property.type));
+      if (property.length && element->count > 0) following.is_exact = false;
+    }
+    const auto count = static_cast<std::uint64_t>(element->count);
+    if (row > 0 && count > file.size() / row)
+      file.fail("declares " + std::to_string(count) + " elements " + shown_word(element->name) +
+                ", more than it has: it is truncated, or its header is wrong");
+    following.bytes += row * count;
+  }
+  return following;
+}
+
+/// Judges what lies behind the vertices of a binary file.
+std::string rest_of(const CloudBytes& file, const RowLayout& rows, const Following& following) {
+  require_rows(file, rows);
+  const std::uint64_t behind = file.size() - rows.begin - rows.count * rows.row_size;
+  if (following.bytes > behind)
+    file.fail("declares elements behind its vertices of at least " + std::to_string(following.bytes) +
+              " bytes, but has " + std::to_string(behind) + ": it is truncated, or its header is wrong");
+  return following.is_exact ? judge_rest(file, rows, behind - following.bytes) : "";
+}
+
 const PlyElement& vertex_of(const CloudBytes& file, const PlyHeader& header) {
   const auto found = std::ranges::find(header.elements, "vertex", &PlyElement::name);
   if (found == header.elements.end()) file.fail("has no element vertex");
   return *found;
+}
+
+bool has_elements_behind(const PlyHeader& header, const PlyElement& vertex) {
+  return std::any_of(&vertex + 1, header.elements.data() + header.elements.size(),
+                     [](const PlyElement& element) { return element.count > 0; });
 }
 
 std::string ignored_elements(const PlyHeader& header) {
@@ -87,7 +127,7 @@ std::unique_ptr<CloudReader> open_ply_cloud(std::unique_ptr<CloudBytes> file, co
     const TextRows in_text{.begin = after_lines(*file, header.end, lines),
                            .first_line = before + lines + 1,
                            .count = vertex.count,
-                           .may_continue = true,
+                           .may_continue = has_elements_behind(header, vertex),
                            .separator = ' ',
                            .column_count = names.size()};
     return read_text_rows(std::move(file), in_text, std::move(info));
@@ -98,6 +138,8 @@ std::unique_ptr<CloudReader> open_ply_cloud(std::unique_ptr<CloudBytes> file, co
     rows.columns.push_back({property.name, property.type, offset});
     offset += size_of(property.type);
   }
+  info.notes.push_back(rest_of(*file, rows, elements_behind(*file, header, vertex)));
+  std::erase(info.notes, "");
   return read_rows(std::move(file), std::move(rows), std::move(info));
 }
 

@@ -43,14 +43,25 @@ void require_rows(const CloudBytes& file, const RowLayout& layout) {
               std::to_string(rows) + ": it is truncated, or its header is wrong");
 }
 
+std::string judge_rest(const CloudBytes& file, const RowLayout& layout, std::uint64_t rest) {
+  if (rest == 0) return "";
+  if (rest % layout.row_size == 0)
+    file.fail("declares " + std::to_string(layout.count) + " points, but the bytes of " +
+              std::to_string(rest / layout.row_size) +
+              " more follow: its header is wrong; write it again with the program that made it");
+  return "has " + std::to_string(rest) +
+         " bytes that belong to nothing that its header declares; they are not read";
+}
+
 RowReader::RowReader(std::unique_ptr<CloudBytes> file, RowLayout layout)
     : file_(std::move(file)), layout_(std::move(layout)) {
   require_rows(*file_, layout_);
 }
 
 bool RowReader::next(CloudBatch& batch) {
-  const auto count =
-      static_cast<std::size_t>(std::min<std::uint64_t>(kCloudBatchPoints, layout_.count - next_));
+  const std::size_t rows_in_bytes = std::max<std::size_t>(kMaxBatchBytes / layout_.row_size, 1);
+  const auto count = static_cast<std::size_t>(
+      std::min<std::uint64_t>(std::min(kCloudBatchPoints, rows_in_bytes), layout_.count - next_));
   if (count == 0) return false;
   bytes_.resize(count * layout_.row_size);
   file_->read(layout_.begin + next_ * layout_.row_size, bytes_);

@@ -10,8 +10,9 @@
 
 namespace landfall {
 
-/// Points that a file reads at a time.
+/// Points that a file reads at a time: fewer where their rows would take more bytes than this.
 inline constexpr std::size_t kCloudBatchPoints = std::size_t{1} << 18U;
+inline constexpr std::size_t kMaxBatchBytes = std::size_t{1} << 25U;
 
 /// A number in each row of a binary file.
 struct RowColumn {
@@ -31,6 +32,11 @@ struct RowLayout {
 
 /// Throws FormatError unless the file holds all rows, naming the count and what there is.
 void require_rows(const CloudBytes& file, const RowLayout& layout);
+
+/// Judges the bytes of a file that belong neither to its rows nor to anything else that it declares. Throws
+/// FormatError where they make whole rows, which the header then does not count; returns a sentence about
+/// other bytes, or an empty text for none.
+[[nodiscard]] std::string judge_rest(const CloudBytes& file, const RowLayout& layout, std::uint64_t rest);
 
 /// Reads rows of a binary file batch by batch; a derived class decodes them.
 class RowReader : public CloudReader {

@@ -34,8 +34,8 @@ def las_vlr(user, number, content):
     return struct.pack("<H16sHH32s", 0, user.encode(), number, len(content), b"") + content
 
 
-def las(points, fmt=0, minor=2, scale=0.001, offset=(0.0, 0.0, 0.0), extra=0, records=(), encoding=0, count=None, long_records=()):
-    """A LAS 1.`minor` file of point format `fmt`, with `extra` bytes behind every point."""
+def las(points, fmt=0, minor=2, scale=0.001, offset=(0.0, 0.0, 0.0), extra=0, records=(), encoding=0, count=None, long_records=(), box=None):
+    """A LAS 1.`minor` file of point format `fmt`, with `extra` bytes behind every point; the box is max, min of x, y, z, by default that of the points."""
     body = b"".join(las_record(fmt, point, extra) for point in points)
     size = {0: 227, 1: 227, 2: 227, 3: 235, 4: 375}[minor]
     between = b"".join(records)
@@ -43,12 +43,17 @@ def las(points, fmt=0, minor=2, scale=0.001, offset=(0.0, 0.0, 0.0), extra=0, re
     count = len(points) if count is None else count
     head = b"LASF" + struct.pack("<HH16s", 0, encoding if minor else 0, b"") + bytes([1, minor]) + b"test".ljust(32, b"\0") * 2
     head += struct.pack("<HHHIIBHI", 1, 2026, size, begin, len(records), fmt, LAS_SIZES[fmt] + extra, 0 if fmt > 5 else count)
-    head += struct.pack("<5I", *([0] * 5)) + struct.pack("<3d", *([scale] * 3)) + struct.pack("<3d", *offset) + struct.pack("<6d", *([0.0] * 6))
+    by_return = np.bincount([p["return"] for p in points], minlength=16)
+    head += struct.pack("<5I", *(by_return[1:6] if fmt < 6 else [0] * 5)) + struct.pack("<3d", *([scale] * 3)) + struct.pack("<3d", *offset)
+    xyz = np.array([p["xyz"] for p in points]).reshape(-1, 3) * scale + offset
+    if box is None:
+        box = [edge(xyz[:, k]) for k in range(3) for edge in (np.max, np.min)] if points else [0.0] * 6
+    head += struct.pack("<6d", *box)
     assert len(head) == 227
     if minor >= 3:
         head += struct.pack("<Q", 0)
     if minor == 4:
-        head += struct.pack("<QI", begin + len(body) if long_records else 0, len(long_records)) + struct.pack("<Q", count) + bytes(8 * 15)
+        head += struct.pack("<QI", begin + len(body) if long_records else 0, len(long_records)) + struct.pack("<Q", count) + struct.pack("<15Q", *by_return[1:16])
     assert len(head) == size
     return head + between + (b"\xdd\xcc" if minor == 0 else b"") + body + b"".join(long_records)
 

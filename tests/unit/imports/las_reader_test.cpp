@@ -125,13 +125,110 @@ TEST(LasReader, ReadsEveryVersion) {
   }
 }
 
-TEST(LasReader, TakesTheCountOf14BeforeTheLegacyOne) {
+TEST(LasReader, ReadsTheNumberOfReturns) {
+  for (const int format : {0, 5, 6, 10})
+    EXPECT_THAT(read_cloud("a.las", LasFile{.format = format}.bytes())[CloudField::number_of_returns],
+                ElementsAre(format < 6 ? 5 : 15, format < 6 ? 5 : 15));
+}
+
+TEST(LasReader, ReadsEitherCountOf14) {
   const auto count = [](const LasFile& file) { return read_cloud("a.las", file.bytes()).info.point_count; };
-  EXPECT_EQ(count({.format = 1, .points = 5, .legacy_count = 3, .count = 5}), 5);
-  EXPECT_EQ(count({.format = 1, .points = 5, .legacy_count = 3, .count = 0}), 3);
-  EXPECT_EQ(count({.minor = 2, .format = 1, .points = 5, .legacy_count = 3}), 3);
+  EXPECT_EQ(count({.format = 1, .points = 5, .legacy_count = 5, .count = 5}), 5);
+  EXPECT_EQ(count({.format = 1, .points = 5, .legacy_count = 0, .count = 5}), 5);
+  EXPECT_EQ(count({.format = 1, .points = 5, .legacy_count = 5, .count = 0}), 5);
+  EXPECT_EQ(count({.minor = 2, .format = 1, .points = 5, .legacy_count = 5}), 5);
   EXPECT_THAT(cloud_refusal("a.las", LasFile{.count = std::uint64_t{1} << 60U}.bytes()),
               HasSubstr("a.las: declares 1152921504606846976 points, but has the bytes of 2"));
+}
+
+TEST(LasReader, RefusesCountsThatDiffer) {
+  const auto refusal = [](const std::string& bytes) { return cloud_refusal("a.las", bytes); };
+  EXPECT_THAT(refusal(LasFile{.format = 1, .points = 5, .legacy_count = 3, .count = 5}.bytes()),
+              HasSubstr("declares 3 points in 32 bits, but 5 in 64 bits"));
+  const std::string old = LasFile{.minor = 2, .format = 1, .legacy_count = 2}.bytes();
+  EXPECT_EQ(refusal(patched(old, 127, std::uint32_t{2})), "accepted");
+  EXPECT_THAT(refusal(patched(old, 127, std::uint32_t{3})), HasSubstr("declares 2 points, but 3 by return"));
+  const std::string good = LasFile{}.bytes();
+  EXPECT_EQ(refusal(patched(good, 367, std::uint64_t{2})), "accepted");
+  EXPECT_THAT(refusal(patched(good, 367, ~std::uint64_t{0})),
+              HasSubstr("declares 2 points, but 9223372036854775808 by return"));
+}
+
+// Whole points behind the points are not counted by the header; other bytes are padding.
+TEST(LasReader, AccountsForTheBytesBehindThePoints) {
+  const std::string record_behind = record("another", 1, "content", true);
+  const LasFile plain{};
+  const LasFile with_record{.long_records = {record_behind}};
+  const auto notes = [](const std::string& bytes) { return read_cloud("a.las", bytes).info.notes; };
+  for (const LasFile& file : {plain, with_record}) {
+    const std::string bytes = file.bytes();
+    EXPECT_THAT(notes(bytes), ElementsAre());
+    EXPECT_THAT(cloud_refusal("a.las", bytes + std::string(60, 'x')),
+                HasSubstr("declares 2 points, but the bytes of 2 more follow"));
+    EXPECT_THAT(
+        notes(bytes + std::string(61, 'x')),
+        ElementsAre("has 61 bytes that belong to nothing that its header declares; they are not read"));
+  }
+  const std::string bytes = with_record.bytes();
+  const auto begin = number_at<std::uint64_t>(std::as_bytes(std::span(bytes)), 235);
+  const std::string apart = patched(bytes, 235, begin + 5);  // a gap between points and record
+  EXPECT_THAT(notes(apart.substr(0, begin) + "gap.." + bytes.substr(begin)),
+              ElementsAre(HasSubstr("has 5 bytes")));
+  EXPECT_THAT(cloud_refusal("a.las", patched(bytes, 235, begin - 30)),
+              HasSubstr("its points end at byte 435, but records behind them begin at byte 405"));
+}
+
+TEST(LasReader, AcceptsWaveformsBehindThePoints) {
+  std::string bytes = LasFile{.minor = 3, .format = 4, .legacy_count = 2}.bytes();
+  const auto begin = static_cast<std::uint64_t>(bytes.size());
+  bytes = patched(bytes, 227, begin) + record("LASF_Spec", 65535, std::string(2 * 57 - 60, 'w'), true);
+  EXPECT_THAT(read_cloud("a.las", bytes).info.notes, ElementsAre());
+  EXPECT_THAT(read_cloud("a.las", patched(bytes, begin + 20, std::uint64_t{0})).info.notes, ElementsAre());
+  EXPECT_THAT(read_cloud("a.las", bytes + "end").info.notes, ElementsAre(HasSubstr("has 3 bytes")));
+}
+
+TEST(LasReader, RefusesExtraBytesThatDoNotFit) {
+  const auto fields = [](std::initializer_list<int> types) {
+    std::string content;
+    for (const int type : types)
+      content += patched(std::string(192, '\0'), 2, static_cast<std::uint8_t>(type));
+    return record("LASF_Spec", 4, content);
+  };
+  const auto refusal = [&](std::initializer_list<int> types, std::size_t extra) {
+    return cloud_refusal("a.las", LasFile{.extra = extra, .records = {fields(types)}}.bytes());
+  };
+  EXPECT_EQ(refusal({1, 9, 23}, 11), "accepted");  // 1, 4 and 3 x 2 bytes
+  EXPECT_EQ(refusal({10}, 20), "accepted");
+  EXPECT_THAT(refusal({1, 9, 23}, 10),
+              HasSubstr("declares points of 40 bytes with 11 extra ones; those of format 6 leave 10"));
+}
+
+TEST(LasReader, TellsTheExtentOfItsHeader) {
+  std::string bytes = LasFile{}.bytes();
+  for (std::size_t i = 0; i < 6; ++i) bytes = patched(bytes, 179 + 8 * i, static_cast<double>(i));
+  const CloudBox box = read_cloud("a.las", bytes).info.box.value();
+  EXPECT_THAT(box.high, ElementsAre(0, 2, 4));
+  EXPECT_THAT(box.low, ElementsAre(1, 3, 5));
+}
+
+TEST(LasReader, TakesABlankWktAsNone) {
+  for (const std::string& wkt : {std::string(3, '\0'), std::string(" \n"), std::string()}) {
+    const CloudInfo info =
+        read_cloud("a.las",
+                   LasFile{.encoding = 16, .records = {record("LASF_Projection", 2112, wkt)}}.bytes())
+            .info;
+    EXPECT_EQ(info.crs_wkt, "");
+    EXPECT_FALSE(info.geo_keys);
+  }
+}
+
+// A batch of long points is bounded by bytes.
+TEST(LasReader, ReadsLongPointsInSmallerBatches) {
+  const std::size_t points = kMaxBatchBytes / 65535 + 1;
+  const WholeCloud cloud =
+      read_cloud("a.las", LasFile{.points = points, .extra = 65535 - 30, .count = points}.bytes(), {}, 2);
+  ASSERT_EQ(cloud.batches.size(), 2U);
+  EXPECT_EQ(cloud[CloudField::x].back(), 100 + 0.5 * static_cast<double>(points - 1));
 }
 
 TEST(LasReader, ReadsBatchAfterBatchAndAgain) {

@@ -47,6 +47,27 @@ TEST(PlyCloud, ReadsTheVerticesOfItsThreeForms) {
   }
 }
 
+// The length of a list is in its row, so that bytes behind it are not counted.
+TEST(PlyCloud, AccountsForTheBytesBehindTheVertices) {
+  const auto with = [](std::string bytes, const std::string& from, const std::string& to) {
+    return bytes.replace(bytes.find(from), from.size(), to);
+  };
+  const std::string good = binary(false);
+  EXPECT_THAT(cloud_refusal("a.ply", with(good, "face 1", "face 14")),
+              HasSubstr("behind its vertices of at least 14 bytes, but has 13"));
+  EXPECT_THAT(cloud_refusal("a.ply", with(good, "face 1", "face 9000000000000000000")),
+              HasSubstr("declares 9000000000000000000 elements face, more than it has"));
+  const std::string plain = with(good, "list uchar int vertex_indices", "uchar a");
+  const std::string vertices = plain.substr(0, plain.size() - 12);  // one byte for the element face
+  EXPECT_THAT(cloud_refusal("a.ply", vertices), "accepted");
+  EXPECT_THAT(cloud_refusal("a.ply", vertices + std::string(30, 'x')),
+              HasSubstr("declares 2 points, but the bytes of 2 more follow"));
+  EXPECT_THAT(read_cloud("a.ply", vertices + "xy").info.notes,
+              ElementsAre(HasSubstr("are ignored"), HasSubstr("has 2 bytes that belong to nothing")));
+  const std::string no_face = with(kText, "face 1", "face 0");
+  EXPECT_THAT(cloud_refusal("a.ply", no_face), HasSubstr("declares 2 points, but has more"));
+}
+
 TEST(PlyCloud, RefusesWhatDoesNotFit) {
   const auto refusal = [](const std::string& bytes) { return cloud_refusal("a.ply", bytes); };
   const auto with = [](std::string bytes, const std::string& from, const std::string& to) {
