@@ -1,12 +1,28 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <cstdint>
 #include <memory>
+#include <optional>
 
 #include "imports/cloud_bytes.h"
 #include "imports/cloud_reader.h"
 
 namespace landfall {
+
+/// CloudInfo::time_base of a file whose first time is this.
+[[nodiscard]] inline std::int64_t time_base(std::int64_t first) {
+  constexpr std::int64_t kExact = std::int64_t{1} << 53U;
+  return first > kExact || first < -kExact ? first : 0;
+}
+
+/// time - base, exact where it is below 2^53.
+[[nodiscard]] inline double time_from(std::int64_t base, std::int64_t time) {
+  std::int64_t difference = 0;
+  if (__builtin_sub_overflow(time, base, &difference))
+    return static_cast<double>(time) - static_cast<double>(base);
+  return static_cast<double>(difference);
+}
 
 // One function per format; open_cloud() chooses it.
 

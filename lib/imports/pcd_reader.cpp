@@ -18,6 +18,7 @@ namespace {
 
 constexpr std::size_t kMaxPcdHeader = 1U << 16U;
 constexpr std::uint64_t kMaxField = 1U << 16U;
+constexpr auto kTime = static_cast<std::size_t>(CloudField::t);
 
 struct PcdHeader {
   std::vector<std::string> fields, sizes, types, counts, viewpoint;
@@ -91,14 +92,16 @@ NumberType type_of(const CloudBytes& file, const std::string& type, const std::s
     const char *type, *size;
     NumberType value;
   };
-  constexpr std::array<Known, 8> kKnown = {{{"I", "1", NumberType::int8},
-                                            {"U", "1", NumberType::uint8},
-                                            {"I", "2", NumberType::int16},
-                                            {"U", "2", NumberType::uint16},
-                                            {"I", "4", NumberType::int32},
-                                            {"U", "4", NumberType::uint32},
-                                            {"F", "4", NumberType::float32},
-                                            {"F", "8", NumberType::float64}}};
+  constexpr std::array<Known, 10> kKnown = {{{"I", "1", NumberType::int8},
+                                             {"U", "1", NumberType::uint8},
+                                             {"I", "2", NumberType::int16},
+                                             {"U", "2", NumberType::uint16},
+                                             {"I", "4", NumberType::int32},
+                                             {"U", "4", NumberType::uint32},
+                                             {"I", "8", NumberType::int64},
+                                             {"U", "8", NumberType::uint64},
+                                             {"F", "4", NumberType::float32},
+                                             {"F", "8", NumberType::float64}}};
   for (const Known& known : kKnown)
     if (type == known.type && size == known.size) return known.value;
   file.fail("a field of TYPE " + shown_word(type) + " and SIZE " + shown_word(size) + " is not known");
@@ -146,6 +149,7 @@ class CompressedReader final : public CloudReader {
       if (column + 1 < fields.size()) at.skip(fields[column].bytes * count);
     }
     streams_ = begins_;
+    read_time_base();
   }
 
   bool next(CloudBatch& batch) override {
@@ -167,12 +171,22 @@ class CompressedReader final : public CloudReader {
   }
 
  private:
+  void read_time_base() {
+    if (!info_.has(CloudField::t)) return;
+    const Field& field = fields_[*info_.columns[kTime]];
+    LzfStream stream = *begins_[kTime];
+    std::vector<std::byte> first(field.bytes);
+    stream.read(first);
+    info_.time_base = stored_time_base(field.column.type, first.data(), false);
+  }
+
   void read(std::size_t f, std::vector<double>& out) {
     const Field& field = fields_[*info_.columns[f]];
+    const std::int64_t base = f == kTime ? info_.time_base : 0;
     std::vector<std::byte> bytes(field.bytes);
     for (double& value : out) {
       streams_[f]->read(bytes);
-      value = stored_number(field.column.type, bytes.data(), false);
+      value = number_from(base, field.column.type, bytes.data(), false);
     }
   }
 

@@ -10,6 +10,7 @@ namespace landfall {
 namespace {
 
 constexpr std::size_t kRowsPerPiece = 1U << 14U;
+constexpr auto kTime = static_cast<std::size_t>(CloudField::t);
 
 class PlainRowReader final : public RowReader {
  public:
@@ -17,6 +18,11 @@ class PlainRowReader final : public RowReader {
       : RowReader(std::move(file), std::move(layout)) {
     info_ = std::move(info);
     info_.point_count = static_cast<std::int64_t>(this->layout().count);
+    if (!info_.has(CloudField::t)) return;
+    const RowColumn& times = this->layout().columns[*info_.columns[kTime]];
+    const std::vector<std::byte> first =
+        this->file().up_to(this->layout().begin + times.offset, size_of(times.type));
+    info_.time_base = stored_time_base(times.type, first.data(), this->layout().is_big_endian);
   }
 
  protected:
@@ -26,13 +32,19 @@ class PlainRowReader final : public RowReader {
       if (!info_.columns[f]) continue;
       const RowColumn& column = layout().columns[*info_.columns[f]];
       const std::byte* at = bytes.data() + begin * layout().row_size + column.offset;
+      const std::int64_t base = f == kTime ? info_.time_base : 0;
       for (std::size_t i = begin; i < end; ++i, at += layout().row_size)
-        batch.columns[f][i] = stored_number(column.type, at, layout().is_big_endian);
+        batch.columns[f][i] = number_from(base, column.type, at, layout().is_big_endian);
     }
   }
 };
 
 }  // namespace
+
+std::int64_t stored_time_base(NumberType type, const std::byte* first, bool is_big_endian) {
+  if (type != NumberType::int64 && type != NumberType::uint64) return 0;
+  return time_base(stored_number_of<std::int64_t, std::int64_t>(first, is_big_endian));
+}
 
 void require_rows(const CloudBytes& file, const RowLayout& layout) {
   if (layout.count == 0) file.fail("has no points");

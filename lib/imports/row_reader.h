@@ -6,6 +6,7 @@
 
 #include "base/stored_number.h"
 #include "imports/cloud_bytes.h"
+#include "imports/cloud_formats.h"
 #include "imports/cloud_reader.h"
 
 namespace landfall {
@@ -20,6 +21,16 @@ struct RowColumn {
   NumberType type;
   std::size_t offset;  ///< bytes from the beginning of the row
 };
+
+/// CloudInfo::time_base of times of this type, the first of which is in these bytes; only 64 bits need one.
+[[nodiscard]] std::int64_t stored_time_base(NumberType type, const std::byte* first, bool is_big_endian);
+
+/// The number in these bytes; of times from their base, unless that is 0.
+[[nodiscard]] inline double number_from(std::int64_t base, NumberType type, const std::byte* bytes,
+                                        bool is_big_endian) {
+  if (base == 0) return stored_number(type, bytes, is_big_endian);
+  return time_from(base, stored_number_of<std::int64_t, std::int64_t>(bytes, is_big_endian));
+}
 
 /// Rows of equal length.
 struct RowLayout {

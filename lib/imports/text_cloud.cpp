@@ -112,6 +112,7 @@ class TextReader final : public CloudReader {
     const std::string_view text = as_text(head);
     if (text.find('\n') == std::string_view::npos && text.find('\r') != std::string_view::npos)
       line_end_ = '\r';
+    if (info_.has(CloudField::t)) info_.time_base = time_base_of(text);
     TextReader::rewind();
   }
 
@@ -140,6 +141,23 @@ class TextReader final : public CloudReader {
   static std::string_view as_text(const std::vector<std::byte>& bytes) {
     return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
   }
+  /// The first time if it is an integer that a double cannot hold; else 0.
+  [[nodiscard]] std::int64_t time_base_of(std::string_view text) const {
+    std::int64_t base = 0;
+    while (!text.empty()) {
+      const std::size_t end = std::min(text.find(line_end_), text.size());
+      const std::string_view line = text.substr(0, end);
+      text.remove_prefix(std::min(end + 1, text.size()));
+      if (trimmed(line).empty() || comment_of(line)) continue;
+      for_each_cell(line, rows_.separator, [&](std::size_t c, std::string_view cell) {
+        if (c == *info_.columns[static_cast<std::size_t>(CloudField::t)])
+          base = time_base(whole_number(without_quotes(cell)).value_or(0));
+      });
+      break;
+    }
+    return base;
+  }
+
   /// Declared points have been read, and what follows is not theirs.
   [[nodiscard]] bool is_done() const { return rows_.may_continue && rows_.count && point_ >= *rows_.count; }
 
@@ -203,7 +221,7 @@ class TextReader final : public CloudReader {
     auto wanted = wanted_.begin();
     const std::size_t count = for_each_cell(line, rows_.separator, [&](std::size_t c, std::string_view cell) {
       for (; wanted != wanted_.end() && wanted->first == c; ++wanted)
-        if (!take(cell, rows.columns[wanted->second]) && error.empty())
+        if (!take(cell, wanted->second, rows) && error.empty())
           error = "'" + shown_word(cell) + "' is not a number" +
                   (cell.find(',') != std::string_view::npos ? " (decimal commas are not read)" : "");
     });
@@ -212,12 +230,20 @@ class TextReader final : public CloudReader {
   }
 
   /// Empty cells are NaN.
-  static bool take(std::string_view cell, std::vector<double>& column) {
+  bool take(std::string_view cell, std::size_t field, CloudBatch& rows) const {
+    std::vector<double>& column = rows.columns[field];
     cell = without_quotes(cell);
+    const bool is_from_base = info_.time_base != 0 && field == static_cast<std::size_t>(CloudField::t);
+    if (is_from_base) {
+      if (const auto time = whole_number(cell)) {
+        column.push_back(time_from(info_.time_base, *time));
+        return true;
+      }
+    }
     const ParsedNumber number =
         cell.empty() ? ParsedNumber{ParsedNumber::Outcome::number, std::numeric_limits<double>::quiet_NaN()}
                      : parsed_number(cell);
-    column.push_back(number.value);
+    column.push_back(is_from_base ? number.value - static_cast<double>(info_.time_base) : number.value);
     return number.outcome == ParsedNumber::Outcome::number;
   }
 
