@@ -79,6 +79,10 @@ void bind(CLI::App& app, Options& o) {
   app.add_option("--resolution", import.resolution,
                  "Node distance, metres; default with --from: that of the raster")
       ->type_name("M");
+  app.add_option("--up", import.up,
+                 "Axis of a mesh file that points up: z (default), or y, which turns (x, y, z) to (x, -z, y)")
+      ->type_name("AXIS")
+      ->check(CLI::IsMember({"y", "z"}));
   app.add_flag_function(
       "--follow-links",
       [&o](std::int64_t count) { o.links = count > 0 ? RasterLinks::followed : RasterLinks::refused; },

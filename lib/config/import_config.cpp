@@ -77,20 +77,36 @@ bool gives_only_from(const ImportOptions& options) {
   return options == only_from;
 }
 
+/// Whether only options are given that a mesh has.
+bool fits_a_mesh(ImportOptions options) {
+  options.up.clear();
+  return gives_only_from(options);
+}
+
+void set_up(JsonSource& source, const ImportOptions& options) {
+  if (options.up.empty()) return;
+  if (!source.value.is_object() || !source.value.contains("mesh") || !source.value["mesh"].is_object())
+    throw UsageError("--up " + options.up + ": is for a mesh; " +
+                     (options.from.empty() ? source.name + " has none" : options.from + " is not one"));
+  source.value["mesh"]["up"] = options.up;
+}
+
 void apply_mesh_import(JsonSource& source, const ImportOptions& options) {
-  if (!gives_only_from(options))
+  if (!fits_a_mesh(options))
     throw UsageError("--from " + options.from +
                      ": options of rasters and grids do not apply to a mesh; set mesh.scale_m, "
                      "mesh.translate_m and mesh.rotate_rpy_deg instead");
   if (source.value.contains("mesh"))
     throw UsageError(source.name + ": /mesh: the configuration has a mesh and --from names one; remove one");
   source.value["mesh"] = {{"path", options.from}};
+  set_up(source, options);
 }
 
 }  // namespace
 
 void apply_import(JsonSource& source, const ImportOptions& options) {
   if (is_mesh_name(options.from)) return apply_mesh_import(source, options);
+  set_up(source, options);
   if (!options.from.empty()) {
     if (source.value.contains("base"))
       throw UsageError(source.name +

@@ -11,8 +11,8 @@
 namespace landfall {
 
 /// The command-line options to import a raster, as texts; empty if not given. Each sets a key of the terrain
-/// configuration: half_width and resolution keys of /grid, the others keys of /base. If is_mesh_name(from),
-/// `from` sets /mesh/path instead, and no other option may be given.
+/// configuration: half_width and resolution keys of /grid, up of /mesh, the others keys of /base. If
+/// is_mesh_name(from), `from` sets /mesh/path instead, and no other option than up may be given.
 struct ImportOptions {
   std::string from;          ///< path
   std::string center;        ///< "x,y"
@@ -26,12 +26,13 @@ struct ImportOptions {
   std::string nodata;  ///< a number or "none"
   std::string half_width;
   std::string resolution;
+  std::string up;  ///< "y" or "z"
   friend bool operator==(const ImportOptions&, const ImportOptions&) = default;
 };
 
 /// Writes the options, UTF-8, into a configuration as a file would contain them, so that the same run has the
 /// same resolved configuration either way. Throws UsageError naming the option if a text is not a number or
-/// not a pair of numbers, and naming both if the configuration already has a base.
+/// not a pair of numbers, naming both if the configuration already has a base, and for up without a mesh.
 void apply_import(JsonSource& source, const ImportOptions& options);
 
 /// For --from with a terrain.h5, which is exported unchanged: throws UsageError if the run is `configured` or

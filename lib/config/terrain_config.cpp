@@ -102,6 +102,8 @@ MeshImport mesh_import(const Json& json) {
   MeshImport mesh;
   mesh.path = json.at("path").get<std::string>();
   mesh.placement.scale_m = json.at("scale_m").get<double>();
+  mesh.up_is_given = json.contains("up");
+  mesh.placement.y_up = json.value("up", "z") == "y";
   mesh.placement.rotate = roll_pitch_yaw(json.at("rotate_rpy_deg"), kRadiansPerDegree);
   const auto translate = json.at("translate_m").get<std::array<double, 3>>();
   mesh.placement.translate_m = Eigen::Vector3d(translate[0], translate[1], translate[2]);

@@ -16,6 +16,7 @@ namespace landfall {
 struct MeshImport {
   std::string path;
   MeshPlacement placement = {};
+  bool up_is_given = false;  ///< no warning of a mesh that seems to stand on edge
 };
 
 /// A terrain configuration (docs/user/terrain-gen.md), with degrees converted to radians.

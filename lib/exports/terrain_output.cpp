@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "exports/terrain_output.h"
 
+#include <Eigen/Geometry>
 #include <memory>
 #include <utility>
 #include <variant>
@@ -60,6 +61,20 @@ void write_own(const TerrainOutput& output, const Write& write) {
 
 using Warn = std::function<void(const std::string&)>;
 
+/// What a mesh file says of its axes, and how the placed mesh stands.
+std::vector<std::string> place_findings(const MeshImport& import, const PlaceComments& comments,
+                                        const IndexedTriangles& mesh) {
+  constexpr std::size_t kFewestVertices = 16;  // of which a shape is told
+  Eigen::AlignedBox3d box;
+  for (const Eigen::Vector3d& vertex : mesh.vertices) box.extend(vertex);
+  const Eigen::Vector3d size = box.sizes();
+  const bool on_edge =
+      mesh.vertices.size() >= kFewestVertices && stands_on_edge({size.x(), size.y(), size.z()});
+  const RollPitchYaw& turn = import.placement.rotate;
+  const bool is_turned = turn.roll_rad != 0 || turn.pitch_rad != 0;
+  return place_warnings(comments, on_edge, import.up_is_given || is_turned, ": mesh.translate_m can add it");
+}
+
 CleanMesh read_clean_mesh(const MeshImport& import, Provenance& provenance, const Warn& warn,
                           const ProgressCallback& progress) {
   MeshFile read = read_mesh_file(import.path);
@@ -67,6 +82,8 @@ CleanMesh read_clean_mesh(const MeshImport& import, Provenance& provenance, cons
   provenance.add_input("mesh", read.content_id, {});
   for (const std::string& unread : read.soup.unread) warn(import.path + ": " + unread + " is not read");
   CleanMesh mesh = clean_mesh(std::move(read.soup), import.placement, import.path);
+  for (const std::string& finding : place_findings(import, read.comments, mesh.mesh))
+    warn(import.path + ": " + finding);
   report(progress, 1);
   return mesh;
 }

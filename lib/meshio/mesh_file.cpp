@@ -51,7 +51,8 @@ MeshFile read_mesh_file(const fs::path& path) {
   const std::string bytes = read_bytes(path);
   const std::string foreign = foreign_content(bytes);
   if (!foreign.empty() && extension != ".stl") throw FormatError(name + ": " + foreign);
-  MeshFile file{parse(bytes, name), Hash().update(std::as_bytes(std::span(bytes))).hex()};
+  MeshFile file{parse(bytes, name), Hash().update(std::as_bytes(std::span(bytes))).hex(),
+                extension == ".stl" ? PlaceComments{} : place_comments(bytes)};
   if (file.soup.polygon_ends.empty() && !file.soup.points.empty())
     throw FormatError(name + ": has " + std::to_string(file.soup.points.size()) +
                       " vertices but no facet: a point cloud must be meshed, or gridded as a raster, first");

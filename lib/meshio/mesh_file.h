@@ -6,6 +6,7 @@
 #include <string_view>
 
 #include "base/progress.h"
+#include "meshio/up_axis.h"
 #include "output/output_path.h"
 #include "terrain/mesh/polygon_soup.h"
 #include "terrain/relief/triangulated_grid.h"
@@ -15,7 +16,8 @@ namespace landfall {
 /// The contents of a mesh file.
 struct MeshFile {
   PolygonSoup soup;
-  std::string content_id;  ///< the hash of the file's bytes, as from content_id()
+  std::string content_id;    ///< the hash of the file's bytes, as from content_id()
+  PlaceComments comments{};  ///< not of STL, whose bytes may be binary
 };
 
 /// Reads Wavefront OBJ, PLY (ASCII and binary of either byte order), OFF and STL (ASCII and binary), and

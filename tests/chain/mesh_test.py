@@ -235,6 +235,32 @@ class MeshTest(ToolTest):
         again = self.succeed("terrain-gen", "-c", self.config(first, "again.json"), "--print-config").stdout
         self.assertEqual(first, again)
 
+    def test_a_mesh_that_stands_on_edge(self):
+        vertices, faces = rolling_ground_with_a_roof()
+        plain, turned, said = self.path("plain.off"), self.path("turned.off"), self.path("said.off")
+        for path, points, head in ((plain, vertices, ""), (turned, vertices[:, [0, 2, 1]] * [1, 1, -1], ""), (said, vertices, "# Blender v2.93\n")):
+            with open(path, "w", encoding="ascii") as file:
+                file.write(head + off_text(points, faces))
+        h5 = self.path("t.h5")
+
+        def terrain(*arguments):
+            stderr = self.succeed("terrain-gen", *arguments, "-o", h5, "-O").stderr
+            with h5py.File(h5) as file:
+                return stderr, file["mesh/vertices"][()]
+
+        stderr, expected = terrain("--from", plain)
+        self.assertEqual(stderr, "")
+        stderr, _ = terrain("--from", turned)
+        self.assertIn("turned.off: it stands on edge like a wall, far longer in x and z than in y: if its y is up, --up y turns it", stderr)
+        for arguments in (("--from", turned, "--up", "y"), ("-c", self.config({"mesh": {"path": turned, "up": "y"}})), ("-c", self.config({"mesh": {"path": turned}}), "--up", "y")):
+            stderr, vertices = terrain(*arguments)
+            self.assertEqual(stderr, "")
+            np.testing.assert_array_equal(vertices, expected)
+        self.assertIn("its comment '# Blender v2.93' says that y is up", terrain("--from", said)[0])
+        self.assertEqual(terrain("--from", said, "--up", "z")[0], "")
+        for arguments, expected in ((("--set", "seed=2"), "--up y: is for a mesh; "), (("--from", h5), "is exported as it is")):
+            self.refuse(2, "terrain-gen", *arguments, "--up", "y", "-o", self.path("x.ply"), words=[expected], output=self.path("x.ply"))
+
     def test_import_and_export_by_options(self):
         vertices, faces = rolling_ground_with_a_roof()
         source = self.write("m.off", off_text(vertices, faces))

@@ -16,6 +16,7 @@ void place_points(std::vector<Eigen::Vector3d>& points, const MeshPlacement& pla
   const Eigen::Matrix3d rotation = rotation_matrix(placement.rotate);
   for (std::size_t i = 0; i < points.size(); ++i) {
     Eigen::Vector3d& p = points[i];
+    if (placement.y_up) p = Eigen::Vector3d(p.x(), -p.z(), p.y());
     p = rotation * (placement.scale_m * p) + placement.translate_m;
     if (!p.allFinite() || p.cwiseAbs().maxCoeff() > kLargestCoordinate_m)
       throw FormatError(name + ": vertex " + std::to_string(i + 1) +

@@ -27,11 +27,12 @@ struct PolygonSoup {
 };
 
 /// The placement of a mesh in frame D: a point p of the file is moved to R (scale_m p) + translate_m, R as in
-/// D7.
+/// D7; with y_up, p is (x, -z, y) of the file's (x, y, z).
 struct MeshPlacement {
   double scale_m = 1;  ///< metres per unit of the file
   RollPitchYaw rotate = {};
   Eigen::Vector3d translate_m = Eigen::Vector3d::Zero();
+  bool y_up = false;
 };
 
 /// A mesh made from a soup, and what was omitted from it. vertices + welded + unreferenced is the file's
