@@ -142,6 +142,19 @@ OGRSpatialReference crs_of_wkt(const std::string& wkt, const std::string& name) 
   return crs;
 }
 
+/// The name of the file's CRS, if it has one that can be read and that is not this one.
+std::string other_crs_of_file(PointCrs file, const OGRSpatialReference& crs, const std::string& name) {
+  file.option.clear();
+  if (!file.is_given()) return "";
+  try {
+    const ReadCrs own = read_point_crs(file, name);
+    if (own.crs.IsSame(&crs) != 0) return "";
+    return own.crs.GetName() != nullptr ? own.crs.GetName() : "unnamed";
+  } catch (const FormatError&) {
+    return "";  // the option replaces a CRS that cannot be read
+  }
+}
+
 }  // namespace
 
 OGRSpatialReference crs_of_text(const std::string& text, const std::string& name) {
@@ -172,6 +185,7 @@ ReadCrs read_point_crs(const PointCrs& points, const std::string& name) {
   read.vertical = vertical_datum_of(read.crs);
   read.crs.StripVertical();
   read.crs.SetAxisMappingStrategy(OAMS_TRADITIONAL_GIS_ORDER);
+  if (!points.option.empty()) read.replaced = other_crs_of_file(points, read.crs, name);
   return read;
 }
 

@@ -16,6 +16,7 @@ struct ReadCrs {
   OGRSpatialReference crs;
   std::optional<double> metres_per_height;
   std::string vertical;  ///< name of the datum of the heights; empty: not known
+  std::string replaced;  ///< the name of the file's CRS where an option gives another one
 };
 
 /// The CRS of a text that a user gives, axes as above. Opens no file and no connection. Throws UsageError, which

@@ -99,6 +99,9 @@ PointFrame point_frame_in_map(const PointFrameRequest& request) {
     use_map(frame, crs, request);
   set_heights(frame, read, request, unit_m);
   frame.crs_wkt = placed_on(frame.crs_wkt, crs, frame.center, frame.metres_per_unit, read.vertical);
+  if (!read.replaced.empty())
+    frame.assumed.push_back("its CRS is " + read.replaced + ", but --crs gives " + frame.crs_name +
+                            ", which is used");
   return frame;
 }
 
