@@ -15,6 +15,7 @@ void turn(const CloudAxes& axes, CloudBatch& batch) {
 
 void turn(const CloudAxes& axes, CloudInfo& info) {
   const auto swap_axes = [&](std::size_t a, std::size_t b) {
+    std::swap(info.is_float32[a], info.is_float32[b]);
     if (info.steps) {
       std::swap(info.steps->scale[a], info.steps->scale[b]);
       std::swap(info.steps->offset[a], info.steps->offset[b]);

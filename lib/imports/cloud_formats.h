@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <memory>
 #include <optional>
 
+#include "base/stored_number.h"
 #include "imports/cloud_bytes.h"
 #include "imports/cloud_reader.h"
 
@@ -22,6 +24,13 @@ namespace landfall {
   if (__builtin_sub_overflow(time, base, &difference))
     return static_cast<double>(time) - static_cast<double>(base);
   return static_cast<double>(difference);
+}
+
+/// CloudInfo::is_float32 of columns whose types are these.
+template <class TypeOf>
+[[nodiscard]] std::array<bool, 3> float32_axes(const CloudColumns& columns, const TypeOf& type_of) {
+  return {type_of(*columns[0]) == NumberType::float32, type_of(*columns[1]) == NumberType::float32,
+          type_of(*columns[2]) == NumberType::float32};
 }
 
 // One function per format; open_cloud() chooses it.

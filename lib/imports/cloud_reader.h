@@ -41,7 +41,8 @@ struct CloudInfo {
   std::optional<CloudGeoKeys> geo_keys{};     ///< only without a crs_wkt
   std::optional<CloudSteps> steps{};
   std::optional<CloudBox> box{};
-  std::string clock{};  ///< what t counts, where the file says so; its unit is then the second
+  std::array<bool, 3> is_float32{};  ///< coordinates that the file declares as float32
+  std::string clock{};               ///< what t counts, where the file says so; its unit is then the second
   /// Added to t: the first of times that are integers beyond 2^53, which a double cannot hold.
   std::int64_t time_base = 0;
   std::vector<std::string> notes{};  ///< what was ignored or assumed; sentences without the file's name

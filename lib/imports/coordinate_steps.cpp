@@ -56,6 +56,16 @@ bool is_raster(const PointSample& sample, double step_x, double step_y, double s
   return static_cast<double>(repeated_places(sample)) <= meetings / 10;
 }
 
+/// The distance between two float32 at most values of a sample; 0 where these are not float32.
+double float32_step(const PointSample& sample, std::size_t axis) {
+  const auto is_float32 = [](double value) {
+    return value == static_cast<double>(static_cast<float>(value));
+  };
+  if (!std::ranges::all_of(sample[axis], is_float32)) return 0;
+  const auto [low, high] = sample.middle_range(axis);
+  return std::ldexp(1.0, std::ilogb(std::max({std::abs(low), std::abs(high), 1e-30})) - 23);
+}
+
 }  // namespace
 
 double step_of(std::vector<double>& values) {
@@ -101,7 +111,7 @@ double spacing_of(const PointSample& sample) {
   return std::sqrt(covered / points);
 }
 
-std::string coarse_steps(const PointSample& sample, double z_unit) {
+std::string coarse_steps(const PointSample& sample, double z_unit, const std::array<bool, 3>& is_float32) {
   if (sample.size() < kFewPoints) return "";
   const double spacing = spacing_of(sample);
   if (spacing == 0) return "";
@@ -110,7 +120,9 @@ std::string coarse_steps(const PointSample& sample, double z_unit) {
     std::vector<double> values = sample[axis];
     steps[axis] = step_of(values);
   }
-  if (is_raster(sample, steps[0], steps[1], spacing)) return "";
+  if (is_raster(sample, steps[0], steps[1], spacing)) steps = {};
+  for (std::size_t axis = 0; axis < 3; ++axis)
+    if (is_float32[axis]) steps[axis] = std::max(steps[axis], float32_step(sample, axis));
   const std::array<double, 3> units{1, 1, z_unit};
   std::string coarse;
   for (std::size_t axis = 0; axis < 3; ++axis)

@@ -19,8 +19,10 @@ namespace landfall {
 
 /// A warning, without the file's name, where coordinates move in steps of more than a tenth of the spacing of
 /// the points: they were stored as float32 or with few digits. Empty for fewer than 64 points, and for a
-/// raster of points, whose steps are its spacing. `z_unit` is the unit of z in that of x and y; 0: not
-/// comparable, z is not judged.
-[[nodiscard]] std::string coarse_steps(const PointSample& sample, double z_unit);
+/// raster of points, whose steps are its spacing, unless the steps are those of `is_float32`, the axes that
+/// the file declares as such. `z_unit` is the unit of z in that of x and y; 0: not comparable, z is not
+/// judged.
+[[nodiscard]] std::string coarse_steps(const PointSample& sample, double z_unit,
+                                       const std::array<bool, 3>& is_float32);
 
 }  // namespace landfall

@@ -238,6 +238,7 @@ std::unique_ptr<CloudReader> open_pcd(std::unique_ptr<CloudBytes> file, const Co
   const std::vector<Field> fields = fields_of(*file, pcd);
   CloudInfo info{.format = "PCD, " + abbreviated(pcd.data),
                  .columns = cloud_columns(pcd.fields, choice, file->name())};
+  info.is_float32 = float32_axes(info.columns, [&](std::size_t i) { return fields[i].column.type; });
   if (!pcd.viewpoint.empty() && pcd.viewpoint != words_of("0 0 0 1 0 0 0"))
     info.notes.emplace_back("its VIEWPOINT is ignored: the points are taken as they are stored");
   if (pcd.data == "binary_compressed") return open_compressed(std::move(file), pcd, fields, std::move(info));

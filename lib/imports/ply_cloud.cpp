@@ -114,6 +114,7 @@ std::unique_ptr<CloudReader> open_ply_cloud(std::unique_ptr<CloudBytes> file, co
   std::vector<std::string> names;
   for (const PlyProperty& property : vertex.properties) names.push_back(property.name);
   CloudInfo info{.format = "PLY", .columns = cloud_columns(names, choice, file->name())};
+  info.is_float32 = float32_axes(info.columns, [&](std::size_t i) { return vertex.properties[i].type; });
   if (const std::string ignored = ignored_elements(header); !ignored.empty())
     info.notes.push_back("its elements beside the vertices are ignored: " + ignored);
   RowLayout rows{.begin = header.end,

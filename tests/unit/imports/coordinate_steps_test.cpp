@@ -30,7 +30,9 @@ PointSample sample_of(const std::vector<Place>& places) {
   return sample;
 }
 
-std::string verdict(const std::vector<Place>& places) { return coarse_steps(sample_of(places), 1); }
+std::string verdict(const std::vector<Place>& places, const std::array<bool, 3>& is_float32 = {}) {
+  return coarse_steps(sample_of(places), 1, is_float32);
+}
 
 double rounded(double value, double step) { return std::round(value / step) * step; }
 
@@ -129,6 +131,17 @@ TEST(CoordinateSteps, AcceptRastersOfPoints) {
   EXPECT_EQ(verdict(raster(100, 100, 1, 1, [](std::size_t i) { return (i * 2654435761U >> 7U) % 2 == 0; })),
             "");
   EXPECT_EQ(verdict(raster(100, 100, 1, 1, [](std::size_t i) { return i % 100 < i / 100; })), "");
+}
+
+// A raster whose nodes are float32 by chance is told from one that was rounded by the declared type alone.
+TEST(CoordinateSteps, WarnOfRastersThatAreDeclaredAsFloat32) {
+  const std::vector<Place> nodes = raster(41, 41, 0.5, 0.5);
+  EXPECT_THAT(verdict(nodes, {true, true, true}),
+              AllOf(HasSubstr("y moves in steps of 0.5"), Not(HasSubstr("z moves"))));
+  std::vector<Place> cents = nodes;
+  for (Place& p : cents) p[1] += 0.01;
+  EXPECT_EQ(verdict(cents, {true, true, true}), "");  // a text that declares float32, but has more digits
+  EXPECT_EQ(verdict(raster(41, 41, 50, 50), {true, true, true}), "");
 }
 
 TEST(PointSample, KeepsAllPointsOfASmallFileAndOneOfEachBlockOfALargeOne) {
