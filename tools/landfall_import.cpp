@@ -45,6 +45,9 @@ struct Options {
   RasterImport raster;
   std::string center;
   std::string vertical_scale;
+  std::string time_unit;
+  std::string up, axis_order;
+  bool keep_noise = false, first_only = false, last_only = false;
 };
 
 void bind(CLI::App& app, Options& o) {
@@ -67,8 +70,19 @@ void bind(CLI::App& app, Options& o) {
       ->type_name("DEF");
   app.add_option("--columns", o.cloud.columns,
                  "Columns of a text, PLY or PCD by name or number; FIELD is x, y, z, intensity, "
-                 "return_number, t, pulse, pixel or classification")
+                 "return_number, number_of_returns, t, pulse, pixel or classification")
       ->type_name("FIELD=COLUMN,...");
+  app.add_flag("--keep-noise", o.keep_noise,
+               "Keep points marked as noise (classes 7 and 18) or withheld, as false returns; default: leave "
+               "them out");
+  CLI::Option* const first = app.add_flag("--first-only", o.first_only, "Only first returns");
+  app.add_flag("--last-only", o.last_only, "Only last returns")->excludes(first);
+  app.add_option(
+         "--time-unit", o.time_unit,
+         "Unit of the times of a text, PLY or PCD: s, ms, us or ns; default: s, unless a time is beyond "
+         "1e12")
+      ->type_name("UNIT")
+      ->check(CLI::IsMember({"s", "ms", "us", "ns"}));
   app.add_option("--vertical-scale", o.vertical_scale,
                  "Metres per unit of the heights; default: the unit of the CRS, else 1")
       ->type_name("FACTOR");
@@ -101,6 +115,10 @@ void report_cloud(cli::Session& session, const ImportedCloud& cloud) {
   session.count("x_m", cloud.bounds_m[0]);
   session.count("y_m", cloud.bounds_m[1]);
   session.count("z_m", cloud.bounds_m[2]);
+  session.count("left_out", {{"without_position", cloud.left_out.without_position},
+                             {"noise", cloud.left_out.noise},
+                             {"withheld", cloud.left_out.withheld},
+                             {"other_returns", cloud.left_out.other_returns}});
   for (const std::string& warning : cloud.warnings) session.warn(warning);
   const auto range = [&](std::size_t axis) {
     return short_number(cloud.bounds_m[axis][0]) + " to " + short_number(cloud.bounds_m[axis][1]);
@@ -125,15 +143,25 @@ void report_dem(cli::Session& session, const ImportedDem& dem) {
 }
 
 std::optional<double> vertical_scale_of(const std::string& text) {
+  constexpr double kLargest = 1e6;
   if (text.empty()) return std::nullopt;
   const double scale = number_of(text, "--vertical-scale");
-  if (scale == 0) throw UsageError("--vertical-scale: 0 is not allowed");
+  if (!(scale >= 1 / kLargest && scale <= kLargest))
+    throw UsageError("--vertical-scale: " + abbreviated(text) + " is not in [1e-6, 1e6]");
   return scale;
 }
 
+/// The options that only points have.
+void require_no_point_options(const Options& o) {
+  const std::array<std::pair<const char*, bool>, 4> given = {
+      {{"--columns", !o.cloud.columns.empty()}, {"--keep-noise", o.keep_noise}, {"--first-only", o.first_only}, {"--last-only", o.last_only}}};
+  for (const auto& [option, is_given] : given)
+    if (is_given)
+      throw UsageError(std::string(option) + " is for points; " + o.cloud.path + " is read as a raster");
+}
+
 void import_dem(cli::Session& session, const Options& o) {
-  if (!o.cloud.columns.empty())
-    throw UsageError("--columns is for points; " + o.cloud.path + " is read as a raster");
+  require_no_point_options(o);
   RasterImport import = o.raster;
   import.dem.path = o.cloud.path;
   import.dem.crs = o.cloud.crs;
@@ -166,6 +194,13 @@ ExitCode run(cli::Session& session, const Options& o) {
   if (has_truth)
     throw UsageError("--truth and --terrain are for rasters; give regrid the --terrain of points");
   CloudImport import = o.cloud;
+  import.selection = {.keep_noise = o.keep_noise,
+                      .returns = o.first_only  ? ReturnChoice::first
+                                 : o.last_only ? ReturnChoice::last
+                                               : ReturnChoice::all};
+  import.axes = {.latitude_first = o.axis_order == "yx", .y_up = o.up == "y"};
+  import.up_is_given = !o.up.empty();
+  if (!o.time_unit.empty()) import.time_unit = time_unit(o.time_unit);
   import.center = center_of(o.center);
   import.vertical_scale = vertical_scale_of(o.vertical_scale);
   const OutputOptions output = session.output({import.path});

@@ -7,76 +7,100 @@
 #include <utility>
 
 #include "base/error.h"
-#include "base/number_text.h"
-#include "base/parallel.h"
+#include "base/joined.h"
 #include "files/imported_scan.h"
-#include "imports/cloud_reader.h"
+#include "imports/cloud_box.h"
+#include "imports/cloud_bytes.h"
+#include "imports/coordinate_steps.h"
+#include "imports/point_sample.h"
+#include "meshio/up_axis.h"
+#include "runs/site_points.h"
 #include "terrain/gdal/gdal_loader.h"
 #include "terrain/site_wkt.h"
 
 namespace landfall {
 namespace {
 
-constexpr std::size_t kPointsPerPiece = 1U << 14U;
+constexpr std::size_t kFewestPoints = 64;  // of which a shape is told
 constexpr double kInfinite = std::numeric_limits<double>::infinity();
 
 struct Extent {
-  std::array<double, 3> low{kInfinite, kInfinite, kInfinite};
-  std::array<double, 3> high{-kInfinite, -kInfinite, -kInfinite};
-  double first_t_s = kInfinite;
-  std::int64_t count = 0;
-  std::int64_t not_finite = 0;
-  std::int64_t withheld = 0;
+  CloudBox box{.low = {kInfinite, kInfinite, kInfinite}, .high = {-kInfinite, -kInfinite, -kInfinite}};
+  TimeExtent times{.first = kInfinite, .last = -kInfinite};
+  PointSample sample;
+
+  [[nodiscard]] std::int64_t count() const { return sample.point_count(); }
 };
 
-bool is_finite_point(const CloudBatch& batch, std::size_t i) {
-  return std::isfinite(batch.columns[0][i]) && std::isfinite(batch.columns[1][i]) &&
-         std::isfinite(batch.columns[2][i]);
-}
-
-bool is_withheld(const CloudBatch& batch, std::size_t i) {
-  const std::vector<double>& classes = batch[CloudField::classification];
-  return !classes.empty() && classes[i] == kWithheld;
-}
-
 void add(const CloudBatch& batch, Extent& extent) {
-  const std::vector<double>& t = batch[CloudField::t];
-  for (std::size_t i = 0; i < batch.size(); ++i) {
-    if (!is_finite_point(batch, i)) {
-      ++extent.not_finite;
-      continue;
-    }
-    if (is_withheld(batch, i)) {
-      ++extent.withheld;
-      continue;
-    }
-    ++extent.count;
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-      extent.low[axis] = std::min(extent.low[axis], batch.columns[axis][i]);
-      extent.high[axis] = std::max(extent.high[axis], batch.columns[axis][i]);
-    }
-    if (!t.empty()) extent.first_t_s = std::min(extent.first_t_s, t[i]);
+  extent.sample.add(batch);
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const auto [low, high] = std::ranges::minmax(batch.columns[axis]);
+    extent.box.low[axis] = std::min(extent.box.low[axis], low);
+    extent.box.high[axis] = std::max(extent.box.high[axis], high);
+  }
+  for (const double t : batch[CloudField::t]) {
+    if (!std::isfinite(t)) continue;  // SitePoints refuses it
+    extent.times.first = std::min(extent.times.first, t);
+    extent.times.last = std::max(extent.times.last, t);
   }
 }
 
-Extent extent_of(CloudReader& cloud, const std::string& name, const ProgressCallback& progress) {
+Extent extent_of(SelectedCloud& cloud, const std::string& name, const ProgressCallback& progress) {
   Extent extent;
   for (CloudBatch batch; cloud.next(batch); report(progress, cloud.progress())) add(batch, extent);
-  cloud.rewind();
-  if (extent.count == 0)
-    throw FormatError(name + ": has no points" +
-                      (extent.not_finite + extent.withheld > 0
-                           ? " but " + grouped(extent.not_finite) + " without a position and " +
-                                 grouped(extent.withheld) + " withheld ones"
-                           : ""));
-  return extent;
+  if (extent.count() > 0) return extent;
+  const std::string left_out = joined(cloud.sentences(), "; ");
+  throw FormatError(name + ": has no points" + (left_out.empty() ? "" : ": " + left_out));
+}
+
+std::string box_finding(const std::string& name, const CloudInfo& info, const Extent& extent) {
+  if (!info.box || !info.steps) return "";
+  return compare_with_box(name, *info.box, extent.box, *info.steps);
+}
+
+/// What the comments of a file and the extent of its points say of the axis that is up.
+std::vector<std::string> place_findings(const CloudImport& import, const CloudInfo& info,
+                                        const PointFrame& frame, const PointSample& sample) {
+  PlaceComments comments;
+  if (!info.steps) {  // not LAS
+    const CloudBytes file(import.path);
+    const std::vector<std::byte> head = file.up_to(0, kHeadOfComments);
+    comments = place_comments({reinterpret_cast<const char*>(head.data()), head.size()});
+  }
+  std::array<double, 3> extent_m{};
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const auto [low, high] = sample.middle_range(axis);
+    extent_m[axis] = (high - low) * (axis == 2 ? frame.metres_per_height : frame.metres_per_unit);
+  }
+  const bool on_edge =
+      frame.metres_per_unit > 0 && sample.size() >= kFewestPoints && stands_on_edge(extent_m);
+  return place_warnings(comments, on_edge, import.up_is_given, ": its coordinates are taken as they are");
+}
+
+std::string steps_finding(const CloudInfo& info, const PointFrame& frame, const PointSample& sample) {
+  const double z_unit = frame.metres_per_unit > 0 ? frame.metres_per_height / frame.metres_per_unit : 0;
+  return coarse_steps(sample, z_unit, info.is_float32);
+}
+
+/// The scale of the times of a file, of which some are finite; an unused one without times.
+TimeScale times_of(const CloudImport& import, const CloudInfo& info, const Extent& extent) {
+  const bool has_times = info.has(CloudField::t);
+  if (import.time_unit && info.steps)  // LAS
+    throw UsageError("--time-unit is for text, PLY and PCD; " + import.path +
+                     " is LAS, whose times are in seconds");
+  if (import.time_unit && !has_times)
+    throw UsageError("--time-unit: " + import.path +
+                     " has no times: leave the option out, or name their column with --columns t=...");
+  if (!has_times || extent.times.first > extent.times.last) return {};
+  return time_scale(import.path, info, import.time_unit, extent.times);
 }
 
 PointFrame frame_of(const CloudImport& import, const CloudInfo& info, const Extent& extent) {
   PointFrameRequest request{.name = import.path,
                             .crs = {},
-                            .low = {extent.low[0], extent.low[1]},
-                            .high = {extent.high[0], extent.high[1]},
+                            .low = {extent.box.low[0], extent.box.low[1]},
+                            .high = {extent.box.high[0], extent.box.high[1]},
                             .center = {},
                             .vertical_scale = import.vertical_scale};
   request.crs.option = import.crs;
@@ -90,81 +114,6 @@ PointFrame frame_of(const CloudImport& import, const CloudInfo& info, const Exte
   return point_frame(request);
 }
 
-/// Converts points of a file to the site frame, and keeps those that count.
-class SitePoints {
- public:
-  SitePoints(const PointFrame& frame, double center_height, const std::string& name)
-      : frame_(frame), center_height_(center_height), name_(name) {}
-
-  void convert(CloudBatch& batch, ImportedPoints& points) const {
-    keep_valid(batch);
-    const std::size_t count = batch.size();
-    points.columns.x_est.resize(count);
-    points.columns.y_est.resize(count);
-    points.columns.z_est.resize(count);
-    points.columns.status.resize(count);
-    parallel_for(count, frame_.one_thread ? std::max<std::size_t>(count, 1) : kPointsPerPiece,
-                 [&](std::size_t begin, std::size_t end) {
-                   for (std::size_t i = begin; i < end; ++i) place(batch, i, points.columns);
-                 });
-    for (std::size_t i = 0; i < count; ++i)
-      if (!std::isfinite(points.columns.x_est[i]) || !std::isfinite(points.columns.y_est[i]))
-        throw FormatError(name_ + ": the point at " + number_text(batch.columns[0][i]) + ", " +
-                          number_text(batch.columns[1][i]) + " lies outside its map projection");
-    integers(batch, CloudField::pulse, points.columns.pulse);
-    integers(batch, CloudField::pixel, points.columns.pixel);
-    integers(batch, CloudField::return_number, points.columns.return_number);
-    const std::vector<double>& intensity = batch[CloudField::intensity];
-    points.columns.intensity.assign(intensity.begin(), intensity.end());
-    points.t = batch[CloudField::t];
-  }
-
- private:
-  /// Removes the other points.
-  static void keep_valid(CloudBatch& batch) {
-    std::size_t next = 0;
-    for (std::size_t i = 0; i < batch.size(); ++i) {
-      if (!is_finite_point(batch, i) || is_withheld(batch, i)) continue;
-      if (next != i)
-        for (auto& column : batch.columns)
-          if (!column.empty()) column[next] = column[i];
-      ++next;
-    }
-    for (auto& column : batch.columns)
-      if (!column.empty()) column.resize(next);
-  }
-
-  void place(const CloudBatch& batch, std::size_t i, PointColumns& points) const {
-    const MapPoint p{batch.columns[0][i], batch.columns[1][i]};
-    const SitePoint at = frame_.site ? frame_.site(p)
-                                     : SitePoint{(p.x - frame_.center.x) * frame_.metres_per_unit,
-                                                 (p.y - frame_.center.y) * frame_.metres_per_unit};
-    points.x_est[i] = at.x_m;
-    points.y_est[i] = at.y_m;
-    points.z_est[i] = (batch.columns[2][i] - center_height_) * frame_.metres_per_height;
-    const std::vector<double>& classes = batch[CloudField::classification];
-    const bool is_noise = !classes.empty() && (classes[i] == 7 || classes[i] == 18);
-    points.status[i] = is_noise ? PointStatus::false_return : PointStatus::returned;
-  }
-
-  template <class T>
-  void integers(const CloudBatch& batch, CloudField field, std::vector<T>& out) const {
-    const std::vector<double>& values = batch[field];
-    out.resize(values.size());
-    for (std::size_t i = 0; i < values.size(); ++i) {
-      if (!(values[i] >= 0 && values[i] <= static_cast<double>(std::numeric_limits<T>::max()) &&
-            values[i] == std::floor(values[i])))
-        throw FormatError(name_ + ": a " + name_of(field) + " of " + number_text(values[i]) +
-                          " is not an integer in [0, " + std::to_string(std::numeric_limits<T>::max()) + "]");
-      out[i] = static_cast<T>(values[i]);
-    }
-  }
-
-  const PointFrame& frame_;
-  double center_height_;
-  const std::string& name_;
-};
-
 nlohmann::json config_of(const CloudImport& import, const CloudInfo& info, const PointFrame& frame,
                          const std::array<double, 3>& center) {
   nlohmann::json config = {
@@ -174,19 +123,23 @@ nlohmann::json config_of(const CloudImport& import, const CloudInfo& info, const
       {"crs", frame.crs_name.empty() ? nlohmann::json() : nlohmann::json(frame.crs_name)},
       {"vertical_scale", frame.metres_per_height}};
   if (!import.columns.empty()) config["columns"] = import.columns;
+  if (import.selection.keep_noise) config["keep_noise"] = true;
+  if (import.selection.returns != ReturnChoice::all)
+    config["returns"] = import.selection.returns == ReturnChoice::first ? "first" : "last";
+  if (import.axes.latitude_first) config["axis_order"] = "yx";
+  if (import.axes.y_up) config["up"] = "y";
+  if (import.time_unit) config["time_unit"] = name_of(*import.time_unit);
   return config;
 }
 
-std::vector<std::string> warnings_of(const std::string& name, const CloudInfo& info, const PointFrame& frame,
-                                     const Extent& extent) {
-  std::vector<std::string> sentences = info.notes;
-  sentences.insert(sentences.end(), frame.assumed.begin(), frame.assumed.end());
-  if (extent.not_finite > 0)
-    sentences.push_back(grouped(extent.not_finite) + " points without a finite position are left out");
-  if (extent.withheld > 0)
-    sentences.push_back(grouped(extent.withheld) + " points that it marks as withheld are left out");
-  for (std::string& sentence : sentences) sentence.insert(0, name + ": ");
-  return sentences;
+/// The sentences about a file that are not empty, which begin with its name.
+std::vector<std::string> named(const std::string& name,
+                               std::initializer_list<std::vector<std::string>> lists) {
+  std::vector<std::string> warnings;
+  for (const auto& list : lists)
+    for (const std::string& sentence : list)
+      if (!sentence.empty()) warnings.push_back(name + ": " + sentence);
+  return warnings;
 }
 
 void add_bounds(const PointColumns& points, std::array<std::array<double, 2>, 3>& bounds) {
@@ -198,51 +151,64 @@ void add_bounds(const PointColumns& points, std::array<std::array<double, 2>, 3>
   }
 }
 
+/// Which columns an import has, and what its times count.
+ImportedColumns columns_of(const CloudInfo& info, const TimeScale& times) {
+  return {.intensity = info.has(CloudField::intensity),
+          .return_number = info.has(CloudField::return_number),
+          .t = info.has(CloudField::t),
+          .pulse = info.has(CloudField::pulse),
+          .pixel = info.has(CloudField::pixel),
+          .clock = times.clock};
+}
+
 }  // namespace
 
 ImportedCloud import_cloud(const CloudImport& import, ImportOutput output) {
-  const std::unique_ptr<CloudReader> cloud = open_cloud(import.path, column_choice(import.columns));
-  const CloudInfo& info = cloud->info();
+  SelectedCloud cloud(import.path, column_choice(import.columns), import.selection, import.axes);
+  const CloudInfo& info = cloud.info();
   Extent extent;
   output.phase("measure",
-               [&](const ProgressCallback& progress) { extent = extent_of(*cloud, import.path, progress); });
+               [&](const ProgressCallback& progress) { extent = extent_of(cloud, import.path, progress); });
+  const std::string box_warning = box_finding(import.path, info, extent);
   const PointFrame frame = frame_of(import, info, extent);
+  const TimeScale times = times_of(import, info, extent);
   ImportedCloud result{
-      .point_count = extent.count,
+      .point_count = extent.count(),
       .center = {frame.center.x, frame.center.y, import.center.size() > 2 ? import.center[2] : 0},
       .bounds_m = {},
       .format = info.format,
       .crs_name = frame.crs_name,
-      .warnings = warnings_of(import.path, info, frame, extent)};
+      .left_out = cloud.left_out()};
   result.bounds_m.fill({kInfinite, -kInfinite});
   output.provenance.config = config_of(import, info, frame, result.center);
   std::vector<std::string> assumed = info.notes;
   assumed.insert(assumed.end(), frame.assumed.begin(), frame.assumed.end());
+  result.warnings =
+      named(import.path, {assumed,
+                          cloud.sentences(),
+                          {times.warning, box_warning, steps_finding(info, frame, extent.sample)},
+                          place_findings(import, info, frame, extent.sample)});
+  cloud.rewind();
   output.phase("identify", [&](const ProgressCallback&) {
     output.provenance.add_input("points", content_id(import.path), nlohmann::json::array(),
                                 std::move(assumed));
   });
   LandfallFileWriter file(output.file, "scan", output.provenance);
-  ImportedScanWriter writer(file,
-                            {.intensity = info.has(CloudField::intensity),
-                             .return_number = info.has(CloudField::return_number),
-                             .t = info.has(CloudField::t),
-                             .pulse = info.has(CloudField::pulse),
-                             .pixel = info.has(CloudField::pixel),
-                             .clock = info.clock},
+  ImportedScanWriter writer(file, columns_of(info, times),
                             raised(frame.crs_wkt, result.center[2] * frame.metres_per_height));
   output.phase("write", [&](const ProgressCallback& progress) {
-    const SitePoints site(frame, result.center[2], import.path);
+    const SitePoints site(frame, result.center[2], times, import.path);
     ImportedPoints points;
     std::int64_t count = 0;
-    for (CloudBatch batch; cloud->next(batch); report(progress, cloud->progress())) {
+    for (CloudBatch batch; cloud.next(batch); report(progress, cloud.progress())) {
       site.convert(batch, points);
       count += static_cast<std::int64_t>(points.columns.size());
       add_bounds(points.columns, result.bounds_m);
       writer.append(points);
     }
-    if (count != extent.count) throw FormatError(import.path + ": changed while it was read");
-    writer.commit({result.center, info.format, std::isfinite(extent.first_t_s) ? extent.first_t_s : 0});
+    if (count != extent.count()) throw FormatError(import.path + ": changed while it was read");
+    const double first_t_s = times.seconds(extent.times.first);
+    writer.commit({result.center, info.format, std::isfinite(first_t_s) ? first_t_s : 0});
   });
   return result;
 }

@@ -49,7 +49,7 @@ class Las(Imports):
         for minor, formats in {0: (0, 1), 1: (0, 1), 2: (0, 1, 2, 3), 3: range(6), 4: range(11)}.items():
             for fmt in formats:
                 with self.subTest(minor=minor, fmt=fmt):
-                    data, attributes = self.imported("a.las", clouds.las(points, fmt, minor, offset=OFFSET, extra=3), *UTM)
+                    data, attributes = self.imported("a.las", clouds.las(points, fmt, minor, offset=OFFSET, extra=3), *UTM, "--keep-noise")
                     center = [attributes["origin_" + axis] for axis in "xyz"]
                     for k, axis in enumerate("xyz"):
                         back = (data[axis + "_est"] + center[k] - OFFSET[k]) / 0.001
@@ -77,14 +77,65 @@ class Las(Imports):
         for k, axis in enumerate("xyz"):
             np.testing.assert_allclose(data[axis + "_est"], xyz[:, k] - (548300.5, 5389900.25, 200)[k], atol=1e-9)
 
-    def test_withheld_points_are_left_out_and_counted(self):
-        points = clouds.las_points(30)
-        for p in points[:4]:
+    def test_noise_and_withheld_points_are_left_out_and_counted(self):
+        points = clouds.las_points(300)
+        for p in points[:40]:
             p["withheld"] = 1
+        for i, p in enumerate(points[40:]):
+            p["class"] = (1, 2, 7, 18, 12)[i % 5]  # 12 is overlap, which is no noise
         for fmt, minor in ((1, 2), (6, 4)):
-            data, _ = self.imported("a.las", clouds.las(points, fmt, minor), *UTM, silent=False)
-            self.assertEqual(len(data["x_est"]), 26)
-            self.assertIn("4 points that it marks as withheld are left out", self.said)
+            content = clouds.las(points, fmt, minor)
+            data, attributes = self.imported("a.las", content, *UTM, silent=False)
+            self.assertEqual((len(data["x_est"]), attributes["false_return_count"]), (156, 0))
+            self.assertEqual(self.said.splitlines(), [f"landfall-import: warning: {self.path('a.las')}: 104 points that it marks as noise and 40 points that it "
+                                                      "marks as withheld are left out (--keep-noise keeps them as false returns)"])
+            data, attributes = self.imported("a.las", content, *UTM, "--keep-noise")
+            self.assertEqual((len(data["x_est"]), attributes["false_return_count"]), (300, 144))
+            np.testing.assert_array_equal(data["status"], [6 if p["withheld"] or p["class"] in (7, 18) else 0 for p in points])
+        for p in points:
+            p["class"] = 7
+        self.refused("a.las", clouds.las(points), "has no points: 260 points that it marks as noise and 40", *UTM)
+
+    def test_first_and_last_returns_alone(self):
+        points = clouds.las_points(300)
+        for i, p in enumerate(points):
+            p.update({"return": 1 + i % 3, "of": 1 + i % 3 + i % 2, "class": 2})
+        for fmt, minor in ((1, 2), (6, 4)):
+            content = clouds.las(points, fmt, minor)
+            for option, kept in (("--first-only", [p["return"] == 1 for p in points]), ("--last-only", [p["return"] == p["of"] for p in points])):
+                data, _ = self.imported("a.las", content, *UTM, option, "--center", "0,0", silent=False)
+                np.testing.assert_array_equal(np.round(data["x_est"] * 1000), np.array([p["xyz"][0] for p in points])[kept])
+                self.assertIn(f"{300 - sum(kept)} points that are not {option[2:-5]} returns are left out", self.said)
+        self.refused("a.las", content, "mutually exclusive", "--first-only", "--last-only", code=2)
+        rows = "0,0,1,1,2\n1,0,1,2,2\n2,0,1,1,1\n"
+        data, _ = self.imported("a.csv", "x,y,z,ReturnNumber,NumberOfReturns\n" + rows, "--center", "0,0", "--last-only", silent=False)
+        np.testing.assert_array_equal(data["x_est"], [1, 2])
+        self.refused("a.csv", "x,y,z,return_number,other\n" + rows, "a.csv has no column number_of_returns", "--last-only", code=2)
+        self.refused("a.csv", "x,y,z,other,number_of_returns\n" + rows, "a.csv has no column return_number", "--first-only", code=2)
+
+    def test_a_header_that_contradicts_the_points_is_refused(self):
+        points = clouds.las_points(50)
+        low, high = np.min([p["xyz"] for p in points], axis=0) * 0.001, np.max([p["xyz"] for p in points], axis=0) * 0.001
+        true = np.column_stack([high, low]).ravel()  # max x, min x, max y, ...
+        for shift, expected in ((-0.002, ""), (-0.005, "but its header declares"), (-2, None)):
+            for edge, sign in ((0, 1), (3, -1), (4, 1)):
+                box = true.copy()
+                box[edge] += sign * shift
+                with self.subTest(shift=shift, edge=edge):
+                    content = clouds.las(points, box=box)
+                    if expected is None:
+                        self.refused("a.las", content, "its header or its points are damaged", *UTM, "--keep-noise")
+                    else:
+                        self.imported("a.las", content, *UTM, "--keep-noise", silent=not expected)
+                        self.assertIn(expected, self.said)
+        self.imported("a.las", clouds.las(points, box=[0.0] * 6), *UTM, "--keep-noise", silent=False)
+        self.assertIn("the extent in its header is all zero", self.said)
+
+    def test_bytes_behind_the_points(self):
+        points = clouds.las_points(20)
+        self.refused("a.las", clouds.las(points) + bytes(40), "declares 20 points, but the bytes of 2 more follow", *UTM)
+        self.imported("a.las", clouds.las(points) + bytes(41), *UTM, "--keep-noise", silent=False)
+        self.assertIn("has 41 bytes that belong to nothing that its header declares", self.said)
 
     def test_the_crs_of_the_file_is_kept(self):
         keys = struct.pack("<16H", 1, 1, 0, 3, 1024, 0, 1, 1, 3072, 0, 1, 32632, 3076, 0, 1, 9001)
@@ -137,6 +188,8 @@ class Las(Imports):
             with self.subTest(name):
                 self.refused("b.las", content, expected)
         self.refused("b.e57", b"ASTM-E57" + bytes(100), "is an E57 file")
+        self.refused("b.las", good, "--vertical-scale: -1 is not in [1e-6, 1e6]", "--vertical-scale=-1", code=2)
+        self.refused("b.las", good, "--vertical-scale: 1e7 is not in [1e-6, 1e6]", "--vertical-scale", "1e7", code=2)
         self.refused("b.las", good, "--columns is for text", "--columns", "x=1", code=2)
         self.refused("b.las", good, "is not a CRS", "--crs", "EPSG:99999999", code=2)
         self.refused("b.las", good, "lies beyond a pole", "--crs", "EPSG:4326")
@@ -166,6 +219,113 @@ class Las(Imports):
                     stored = np.array([struct.unpack_from("<i", content, begin + i * size + 4 * k)[0] for i in range(count)])
                     back = (points[axis + "_est"][()] + points.attrs["origin_" + axis] - offset[k]) / scale[k]
                     np.testing.assert_array_equal(np.round(back), stored)
+
+
+class Axes(Imports):
+    GROUND = [(x * 0.5, y * 0.5, math.sin(x / 9) * math.cos(y / 7)) for x in range(40) for y in range(40)]
+
+    def text(self, order, head=""):
+        return head + "x,y,z\n" + "".join(",".join(f"{row[k] if k >= 0 else -row[-k - 1]:.6f}" for k in order) + "\n" for row in self.GROUND)
+
+    def test_y_up_is_turned(self):
+        expected, _ = self.imported("a.csv", self.text((0, 1, 2)), "--center", "0,0", silent=False)
+        self.assertNotIn("--up", self.said)
+        turned, _ = self.imported("b.csv", self.text((0, 2, -2)), "--center", "0,0", "--up", "y", silent=False)  # (x, z, -y)
+        self.assertNotIn("--up y", self.said)
+        for name in ("x_est", "y_est", "z_est"):
+            np.testing.assert_allclose(turned[name], expected[name], atol=1e-9)
+
+    def test_points_on_edge_and_comments_are_said(self):
+        self.imported("a.csv", self.text((0, 2, 1)), silent=False)
+        self.assertIn("it stands on edge like a wall, far longer in x and z than in y: if its y is up, --up y turns it", self.said)
+        self.imported("a.csv", self.text((0, 2, 1)), "--up", "z", silent=False)
+        self.assertNotIn("--up", self.said)
+        for head, expected in (("# up_axis Y\n", "its comment '# up_axis Y' says that y is up"), ("# offset 500000 5400000 300\n", "is not applied")):
+            self.imported("a.csv", self.text((0, 1, 2), head), silent=False)
+            self.assertIn(expected, self.said)
+        points = np.array(self.GROUND, "f4").view([(a, "f4") for a in "xyz"]).ravel()
+        self.imported("a.ply", clouds.ply(points).replace(b"comment by a test", b"comment y up; offset 1 2 3"), silent=False)
+        self.assertIn("'comment y up; offset 1 2 3' says that y is up", self.said)
+        self.assertIn("'comment y up; offset 1 2 3' is not applied", self.said)
+
+    def test_latitude_first(self):
+        xyz = [(390000000 + i % 20, -834000000 + i // 20, i) for i in range(400)]
+        points = [{**p, "xyz": at, "class": 2} for p, at in zip(clouds.las_points(400), xyz)]
+        content = clouds.las(points, scale=1e-7)
+        swapped = clouds.las([{**p, "xyz": (p["xyz"][1], p["xyz"][0], p["xyz"][2])} for p in points], scale=1e-7)
+        expected, _ = self.imported("b.las", swapped, "--crs", "EPSG:4326", silent=False)
+        data, attributes = self.imported("a.las", content, "--crs", "EPSG:4326", "--axis-order", "yx", silent=False)
+        np.testing.assert_array_equal(data["x_est"], expected["x_est"])
+        np.testing.assert_array_equal(data["y_est"], expected["y_est"])
+        self.assertAlmostEqual(attributes["origin_x"], -83.4, places=4)
+        self.refused("a.las", content, "excludes", "--axis-order", "yx", "--up", "y", code=2)
+        self.refused("a.las", content, "--up", "--up", "x", code=2)
+
+    def test_a_crs_that_contradicts_the_file_is_said(self):
+        keys = struct.pack("<16H", 1, 1, 0, 3, 1024, 0, 1, 1, 3072, 0, 1, 32632, 3076, 0, 1, 9001)
+        content = clouds.las(clouds.las_points(40), offset=OFFSET, records=[clouds.las_vlr("LASF_Projection", 34735, keys)])
+        self.imported("a.las", content, "--crs", "EPSG:32632", "--keep-noise")
+        self.imported("a.las", content, "--crs", "EPSG:32633", "--keep-noise", silent=False)
+        self.assertEqual(self.said.count("warning"), 1)
+        self.assertIn("its CRS is WGS 84 / UTM zone 32N, but --crs gives WGS 84 / UTM zone 33N, which is used", self.said)
+
+
+class Times(Imports):
+    NS = [1770000000000000001, 1770000000000000002, 1770000000100000001]
+
+    def test_the_unit_is_asked_for_and_keeps_all_digits(self):
+        content = "x,y,z,timestamp\n" + "".join(f"{i},0,0,{t}\n" for i, t in enumerate(self.NS))
+        self.refused("a.csv", content, "a.csv: a time of 1770000000100000001 is not in seconds: give its unit with --time-unit")
+        data, attributes = self.imported("a.csv", content, "--time-unit", "ns", silent=False)
+        np.testing.assert_array_equal(data["t"], [0, 1e-9, 0.1])
+        self.assertEqual(attributes["first_t_s"], 0)
+        with h5py.File(self.path("scan.h5")) as file:
+            self.assertIn("since 1770000000000000001 ns", file["points/t"].attrs["long_name"].decode())
+        self.refused("a.csv", "x,y,z\n1,2,3\n", "a.csv has no times", "--time-unit", "ns", code=2)
+        self.refused("a.las", clouds.las(clouds.las_points(9), 1), "a.las is LAS, whose times are in seconds", "--time-unit", "s", code=2)
+        self.refused("a.csv", content, "--time-unit", "--time-unit", "min", code=2)
+
+    def test_more_than_a_day_is_said(self):
+        points = np.zeros(9, [("x", "f4"), ("y", "f4"), ("z", "f4"), ("t", "u4")])
+        points["t"] = np.arange(9) * 12500000
+        self.imported("a.pcd", clouds.pcd(points), silent=False)
+        self.assertIn("its times span 100000000 s, which is more than a day", self.said)
+        data, _ = self.imported("a.pcd", clouds.pcd(points), "--time-unit", "ns", silent=False)
+        np.testing.assert_array_equal(data["t"], np.arange(9) / 80)
+        self.assertNotIn("a day", self.said)
+        self.imported("a.las", clouds.las([{**p, "t": i * 1e6, "class": 2} for i, p in enumerate(clouds.las_points(9))], 1), *UTM)
+
+    def test_times_and_intensities_that_are_not_finite_are_refused(self):
+        for column in ("t", "intensity"):
+            for value in ("nan", "inf"):
+                self.refused("a.csv", f"x,y,z,{column}\n1,2,3,4\n1,2,4,{value}\n", f"a.csv: its column {column} holds {value}, which is not finite")
+
+
+class Precision(Imports):
+    def test_steps_are_said(self):
+        random = np.random.default_rng(4)
+        x, y = random.uniform(0, 30, (2, 2000))
+        xyz = np.column_stack([500000 + x, 5400000 + y, 300 + np.sin(x) * np.cos(y)])
+        names = [(a, "f4") for a in "xyz"]
+        single = np.array(xyz, "f4").view(names).ravel()
+        for name, content in (("a.ply", clouds.ply(single)), ("a.pcd", clouds.pcd(single, "binary_compressed")), ("a.xyz", "".join("%g %g %g\n" % tuple(row) for row in xyz)),
+                              ("a.las", clouds.las([{**p, "xyz": tuple(np.rint(row / 0.5).astype(int)), "class": 2} for p, row in zip(clouds.las_points(2000), xyz)], scale=0.5))):
+            with self.subTest(name):
+                self.imported(name, content, silent=False)
+                self.assertRegex(self.said, r"y moves in steps of (0.5|10): more than a tenth of the spacing of its points, 0\.\d+")
+        for name, content in (("b.xyz", "".join("%.2f %.2f %.2f\n" % tuple(row) for row in xyz)), ("b.ply", clouds.ply(np.array(xyz - (500000, 5400000, 0), "f4").view(names).ravel())),
+                              ("c.xyz", "".join(f"{500000 + i % 64} {5400000 + i // 64} {300 + i % 7}\n" for i in range(4096)))):
+            with self.subTest(name):
+                self.imported(name, content, silent=False)
+                self.assertNotIn("steps", self.said)
+
+    def test_a_scan_of_landfall_has_no_steps(self):
+        self.succeed("terrain-gen", "-o", self.path("t.h5"), "--set", "grid.half_width_m=30", "--set", "grid.resolution_m=0.5", "--set", 'base={"type":"fractal"}')
+        self.succeed("scan-sim", "--terrain", self.path("t.h5"), "-o", self.path("s.h5"), "-q", "--set", "laser.scan_time_s=0.05")
+        self.succeed("landfall-export", self.path("s.h5"), "-o", self.path("s.ply"))
+        said = self.succeed("landfall-import", self.path("s.ply"), "-o", self.path("again.h5")).stderr
+        self.assertNotIn("steps", said)
+        self.assertNotIn("--up", said)
 
 
 def table(count=300, seed=2):
@@ -281,7 +441,7 @@ class Text(Imports):
         self.assertEqual(*contents)
 
     def test_wrong_files_are_refused(self):
-        cases = [("", "is empty"), ("x,y,z\n1,2,3\n4,b,6\n", "line 3: 'b' is not a number"), ("x,y,z\n1,2,nan\n", "has no points but 1 without a position"),
+        cases = [("", "is empty"), ("x,y,z\n1,2,3\n4,b,6\n", "line 3: 'b' is not a number"), ("x,y,z\n1,2,nan\n", "has no points: 1 points without a finite position"),
                  ("x,y,z,pulse\n1,2,3,4.5\n", "a pulse of 4.5 is not an integer")]
         for content, expected in cases:
             with self.subTest(expected):
@@ -543,6 +703,7 @@ class Rasters(Imports):
 
     def test_options_of_points_and_rasters_are_not_mixed(self):
         for arguments, expected in ((("--crs", "EPSG:32632"), "are for points"), (("--center", "1,2,3"), "a raster keeps its heights"),
+                                    (("--up", "y"), "--up is for points"), (("--keep-noise",), "--keep-noise is for points"),
                                     (("--truth", self.dem, "--terrain", "t.h5"), "mutually exclusive")):
             self.refuse(2, "landfall-import", self.dem, "-o", self.path("x.h5"), *arguments, words=[expected], output=self.path("x.h5"))
         self.refused("p.csv", "x,y,z\n1,2,3\n", "are for rasters", "--truth", self.dem, code=2)

@@ -320,6 +320,15 @@ def make_las():
     for name, record in (("packed_record", ("laszip encoded", 22204, b"x")), ("bad_keys", ("LASF_Projection", 34735, bytes(8))),
                          ("bad_wkt", ("LASF_Projection", 2112, b"PROJCS["))):
         write_bytes(name + ".las", clouds.las(points, records=[clouds.las_vlr(*record)]))
+    write_bytes("more_points.las", good + bytes(20))
+    write_bytes("extra_bytes.las", clouds.las(points, records=[clouds.las_vlr("LASF_Spec", 4, b"\0\0\x0a".ljust(192, b"\0"))]))
+    patched("by_return", 111, "<I", 9)
+    corners = [{**points[0], "xyz": (0, 0, 0), "class": 2}, {**points[0], "xyz": (1000, 1000, 0), "class": 2}]
+    write_bytes("other_box.las", clouds.las(corners, box=[0.5, 0, 1, 0, 0, 0]))
+    good = clouds.las(points, 6, 4)
+    patched("two_counts", 107, "<I", 3)
+    good = good[:243] + struct.pack("<I", 1) + good[247:]
+    patched("early_records", 235, "<Q", 400)
 
 
 def make_pcd():

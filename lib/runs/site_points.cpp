@@ -1,0 +1,82 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "runs/site_points.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "base/error.h"
+#include "base/number_text.h"
+#include "base/parallel.h"
+#include "runs/selected_cloud.h"
+
+namespace landfall {
+namespace {
+
+constexpr std::size_t kPointsPerPiece = 1U << 14U;
+
+}  // namespace
+
+void SitePoints::convert(const CloudBatch& batch, ImportedPoints& points) const {
+  const std::size_t count = batch.size();
+  points.columns.x_est.resize(count);
+  points.columns.y_est.resize(count);
+  points.columns.z_est.resize(count);
+  points.columns.status.resize(count);
+  parallel_for(count, frame_.one_thread ? std::max<std::size_t>(count, 1) : kPointsPerPiece,
+               [&](std::size_t begin, std::size_t end) {
+                 for (std::size_t i = begin; i < end; ++i) place(batch, i, points.columns);
+               });
+  require_places(batch, points.columns);
+  integers(batch, CloudField::pulse, points.columns.pulse);
+  integers(batch, CloudField::pixel, points.columns.pixel);
+  integers(batch, CloudField::return_number, points.columns.return_number);
+  require_finite(batch, CloudField::intensity);
+  const std::vector<double>& intensity = batch[CloudField::intensity];
+  points.columns.intensity.assign(intensity.begin(), intensity.end());
+  require_finite(batch, CloudField::t);
+  points.t.clear();
+  for (const double t : batch[CloudField::t]) points.t.push_back(times_.seconds(t));
+}
+
+void SitePoints::place(const CloudBatch& batch, std::size_t i, PointColumns& points) const {
+  const MapPoint p{batch.columns[0][i], batch.columns[1][i]};
+  const SitePoint at = frame_.site ? frame_.site(p)
+                                   : SitePoint{(p.x - frame_.center.x) * frame_.metres_per_unit,
+                                               (p.y - frame_.center.y) * frame_.metres_per_unit};
+  points.x_est[i] = at.x_m;
+  points.y_est[i] = at.y_m;
+  points.z_est[i] = (batch.columns[2][i] - center_height_) * frame_.metres_per_height;
+  const std::vector<double>& classes = batch[CloudField::classification];
+  points.status[i] =
+      !classes.empty() && is_noise(classes[i]) ? PointStatus::false_return : PointStatus::returned;
+}
+
+void SitePoints::require_places(const CloudBatch& batch, const PointColumns& points) const {
+  for (std::size_t i = 0; i < batch.size(); ++i)
+    if (!std::isfinite(points.x_est[i]) || !std::isfinite(points.y_est[i]))
+      throw FormatError(name_ + ": the point at " + number_text(batch.columns[0][i]) + ", " +
+                        number_text(batch.columns[1][i]) + " lies outside its map projection");
+}
+
+void SitePoints::require_finite(const CloudBatch& batch, CloudField field) const {
+  for (const double value : batch[field])
+    if (!std::isfinite(value))
+      throw FormatError(name_ + ": its column " + name_of(field) + " holds " + number_text(value) +
+                        ", which is not finite: remove those points");
+}
+
+template <class T>
+void SitePoints::integers(const CloudBatch& batch, CloudField field, std::vector<T>& out) const {
+  const std::vector<double>& values = batch[field];
+  out.resize(values.size());
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    if (!(values[i] >= 0 && values[i] <= static_cast<double>(std::numeric_limits<T>::max()) &&
+          values[i] == std::floor(values[i])))
+      throw FormatError(name_ + ": a " + name_of(field) + " of " + number_text(values[i]) +
+                        " is not an integer in [0, " + std::to_string(std::numeric_limits<T>::max()) + "]");
+    out[i] = static_cast<T>(values[i]);
+  }
+}
+
+}  // namespace landfall
