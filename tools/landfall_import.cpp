@@ -77,6 +77,18 @@ void bind(CLI::App& app, Options& o) {
                "them out");
   CLI::Option* const first = app.add_flag("--first-only", o.first_only, "Only first returns");
   app.add_flag("--last-only", o.last_only, "Only last returns")->excludes(first);
+  CLI::Option* const up =
+      app.add_option(
+             "--up", o.up,
+             "Axis of the file that points up: z (default), or y, which turns (x, y, z) to (x, -z, y)")
+          ->type_name("AXIS")
+          ->check(CLI::IsMember({"y", "z"}));
+  app.add_option(
+         "--axis-order", o.axis_order,
+         "Order of the horizontal axes in the file: xy (default), or yx for latitude or northing first")
+      ->type_name("ORDER")
+      ->check(CLI::IsMember({"xy", "yx"}))
+      ->excludes(up);
   app.add_option(
          "--time-unit", o.time_unit,
          "Unit of the times of a text, PLY or PCD: s, ms, us or ns; default: s, unless a time is beyond "
@@ -153,8 +165,13 @@ std::optional<double> vertical_scale_of(const std::string& text) {
 
 /// The options that only points have.
 void require_no_point_options(const Options& o) {
-  const std::array<std::pair<const char*, bool>, 4> given = {
-      {{"--columns", !o.cloud.columns.empty()}, {"--keep-noise", o.keep_noise}, {"--first-only", o.first_only}, {"--last-only", o.last_only}}};
+  const std::array<std::pair<const char*, bool>, 7> given = {{{"--columns", !o.cloud.columns.empty()},
+                                                              {"--keep-noise", o.keep_noise},
+                                                              {"--first-only", o.first_only},
+                                                              {"--last-only", o.last_only},
+                                                              {"--up", !o.up.empty()},
+                                                              {"--axis-order", !o.axis_order.empty()},
+                                                              {"--time-unit", !o.time_unit.empty()}}};
   for (const auto& [option, is_given] : given)
     if (is_given)
       throw UsageError(std::string(option) + " is for points; " + o.cloud.path + " is read as a raster");

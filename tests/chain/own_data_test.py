@@ -66,13 +66,13 @@ class Las(Imports):
     def test_the_middle_of_the_extent_rounded_to_a_metre_is_the_origin(self):
         points = clouds.las_points()
         xyz = np.array([p["xyz"] for p in points]) * 0.001 + OFFSET
-        _, attributes = self.imported("a.las", clouds.las(points, offset=OFFSET), *UTM)
+        _, attributes = self.imported("a.las", clouds.las(points, offset=OFFSET), *UTM, "--keep-noise")
         middle = np.round((xyz.min(axis=0) + xyz.max(axis=0)) / 2)
         self.assertEqual([attributes["origin_x"], attributes["origin_y"], attributes["origin_z"]], [middle[0], middle[1], 0])
 
     def test_a_given_center_is_the_origin_of_all_three_axes(self):
         points = clouds.las_points(40)
-        data, _ = self.imported("a.las", clouds.las(points, offset=OFFSET), *UTM, "--center", "548300.5,5389900.25,200")
+        data, _ = self.imported("a.las", clouds.las(points, offset=OFFSET), *UTM, "--keep-noise", "--center", "548300.5,5389900.25,200")
         xyz = np.array([p["xyz"] for p in points]) * 0.001 + OFFSET
         for k, axis in enumerate("xyz"):
             np.testing.assert_allclose(data[axis + "_est"], xyz[:, k] - (548300.5, 5389900.25, 200)[k], atol=1e-9)
@@ -101,9 +101,9 @@ class Las(Imports):
         for i, p in enumerate(points):
             p.update({"return": 1 + i % 3, "of": 1 + i % 3 + i % 2, "class": 2})
         for fmt, minor in ((1, 2), (6, 4)):
-            content = clouds.las(points, fmt, minor)
+            content = clouds.las(points, fmt, minor, offset=OFFSET)
             for option, kept in (("--first-only", [p["return"] == 1 for p in points]), ("--last-only", [p["return"] == p["of"] for p in points])):
-                data, _ = self.imported("a.las", content, *UTM, option, "--center", "0,0", silent=False)
+                data, _ = self.imported("a.las", content, *UTM, option, "--center", "548351,5389938", silent=False)
                 np.testing.assert_array_equal(np.round(data["x_est"] * 1000), np.array([p["xyz"][0] for p in points])[kept])
                 self.assertIn(f"{300 - sum(kept)} points that are not {option[2:-5]} returns are left out", self.said)
         self.refused("a.las", content, "mutually exclusive", "--first-only", "--last-only", code=2)
@@ -141,7 +141,7 @@ class Las(Imports):
         keys = struct.pack("<16H", 1, 1, 0, 3, 1024, 0, 1, 1, 3072, 0, 1, 32632, 3076, 0, 1, 9001)
         points = clouds.las_points(40)
         for record in (clouds.las_vlr("LASF_Projection", 34735, keys),):
-            self.imported("a.las", clouds.las(points, offset=OFFSET, records=[record]))
+            self.imported("a.las", clouds.las(points, offset=OFFSET, records=[record]), "--keep-noise")
             with h5py.File(self.path("scan.h5")) as file:
                 self.assertIn("landfall site frame", file["crs"].attrs["crs_wkt"].decode())
                 self.assertIn("Transverse Mercator", file["crs"].attrs["crs_wkt"].decode())
@@ -258,7 +258,7 @@ class Axes(Imports):
         np.testing.assert_array_equal(data["x_est"], expected["x_est"])
         np.testing.assert_array_equal(data["y_est"], expected["y_est"])
         self.assertAlmostEqual(attributes["origin_x"], -83.4, places=4)
-        self.refused("a.las", content, "excludes", "--axis-order", "yx", "--up", "y", code=2)
+        self.refused("a.las", content, "mutually exclusive", "--axis-order", "yx", "--up", "y", code=2)
         self.refused("a.las", content, "--up", "--up", "x", code=2)
 
     def test_a_crs_that_contradicts_the_file_is_said(self):
