@@ -252,7 +252,7 @@ class MeshTest(ToolTest):
         self.assertEqual(stderr, "")
         stderr, _ = terrain("--from", turned)
         self.assertIn("turned.off: it stands on edge like a wall, far longer in x and z than in y: if its y is up, --up y turns it", stderr)
-        for arguments in (("--from", turned, "--up", "y"), ("-c", self.config({"mesh": {"path": turned, "up": "y"}})), ("-c", self.config({"mesh": {"path": turned}}), "--up", "y")):
+        for arguments in (("--from", turned, "--up", "y"), ("-c", self.config({"mesh": {"path": turned, "up": "y"}}, "up.json")), ("-c", self.config({"mesh": {"path": turned}}), "--up", "y")):
             stderr, vertices = terrain(*arguments)
             self.assertEqual(stderr, "")
             np.testing.assert_array_equal(vertices, expected)

@@ -10,7 +10,7 @@ import unittest
 import h5py
 import numpy as np
 
-from harness import ToolTest, clouds, columns, run
+from harness import SCAN, TERRAIN, ToolTest, clouds, columns, run
 
 OUTSIDE = os.path.join(os.environ.get("LANDFALL_DATA", os.path.join(os.environ["LANDFALL_ROOT"], "..", "shared", "data")), "outside")
 
@@ -320,8 +320,8 @@ class Precision(Imports):
                 self.assertNotIn("steps", self.said)
 
     def test_a_scan_of_landfall_has_no_steps(self):
-        self.succeed("terrain-gen", "-o", self.path("t.h5"), "--set", "grid.half_width_m=30", "--set", "grid.resolution_m=0.5", "--set", 'base={"type":"fractal"}')
-        self.succeed("scan-sim", "--terrain", self.path("t.h5"), "-o", self.path("s.h5"), "-q", "--set", "laser.scan_time_s=0.05")
+        self.succeed("terrain-gen", "-c", self.config(TERRAIN, "t.json"), "-o", self.path("t.h5"))
+        self.succeed("scan-sim", "-c", self.config(SCAN, "s.json"), "--terrain", self.path("t.h5"), "-o", self.path("s.h5"), "-q")
         self.succeed("landfall-export", self.path("s.h5"), "-o", self.path("s.ply"))
         said = self.succeed("landfall-import", self.path("s.ply"), "-o", self.path("again.h5")).stderr
         self.assertNotIn("steps", said)
