@@ -11,7 +11,7 @@ import sys
 # A folder may include itself and folders of lower levels, but no other folder of its own level.
 LEVELS = {
     "base": 0,
-    "dictionary": 1, "geometry": 1, "raster": 1, "output": 1, "returns": 1,
+    "dictionary": 1, "geometry": 1, "raster": 1, "output": 1, "returns": 1, "units": 1,
     "picture": 2, "terrain": 2, "detector": 2, "scanner": 2, "trajectory": 2, "error_models": 2, "receiver": 2, "hdf5": 2,
     "ray": 3, "meshio": 3,
     "imports": 4, "opencl": 4, "simulation": 4, "gridding": 4, "evaluation": 4, "hazards": 4,

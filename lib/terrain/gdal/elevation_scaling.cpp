@@ -10,7 +10,7 @@
 #include "base/error.h"
 #include "base/number_text.h"
 #include "base/shown_text.h"
-#include "terrain/gdal/length_unit.h"
+#include "units/spelled_unit.h"
 
 namespace landfall {
 namespace {

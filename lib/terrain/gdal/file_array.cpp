@@ -10,7 +10,7 @@
 
 #include "base/error.h"
 #include "base/number_text.h"
-#include "terrain/gdal/lower_case.h"
+#include "base/lower_case.h"
 #include "terrain/gdal/raster_files.h"
 
 namespace landfall {

@@ -19,7 +19,7 @@
 #include <utility>
 #include <vector>
 
-#include "terrain/gdal/lower_case.h"
+#include "base/lower_case.h"
 #include "terrain/gdal/raster_files.h"
 #include "terrain/gdal/registry.h"
 

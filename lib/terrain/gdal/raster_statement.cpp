@@ -14,7 +14,7 @@
 #include "base/number_text.h"
 #include "base/shown_text.h"
 #include "terrain/gdal/elevation_scaling.h"
-#include "terrain/gdal/length_unit.h"
+#include "units/spelled_unit.h"
 
 namespace landfall {
 namespace {

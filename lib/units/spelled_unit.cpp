@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Decisions: D371
-#include "terrain/gdal/length_unit.h"
+#include "units/spelled_unit.h"
 
 #include <udunits2.h>
 
@@ -12,7 +12,7 @@
 #include <numbers>
 #include <string_view>
 
-#include "terrain/gdal/lower_case.h"
+#include "base/lower_case.h"
 
 namespace landfall {
 namespace {
@@ -81,12 +81,15 @@ class Udunits {
     if (!system_) return;
     metre_ = unit("meter");
     radian_ = unit("radian");
+    second_ = unit("second");
   }
 
   [[nodiscard]] SpelledUnit read(const std::string& text) const {
     const Handle parsed = system_ ? unit(text.c_str()) : Handle();
     if (!parsed) return {};
-    return {factor(parsed, metre_), factor(parsed, radian_)};
+    return {.metres = factor(parsed, metre_),
+            .radians = factor(parsed, radian_),
+            .seconds = factor(parsed, second_)};
   }
 
  private:
@@ -110,17 +113,18 @@ class Udunits {
   std::unique_ptr<ut_system, Free> system_;
   Handle metre_;
   Handle radian_;
+  Handle second_;
 };
 
 SpelledUnit plain_unit(const std::string& text) {
   const auto is_letter = [](unsigned char c) { return std::isalpha(c) != 0 || c > 127; };
   if (std::ranges::none_of(text, is_letter)) return {};  // a number is an angle in radians to UDUNITS
-  if (lower_case(text) == "deg") return {0, std::numbers::pi / 180};
+  if (lower_case(text) == "deg") return {.radians = std::numbers::pi / 180};
   const auto own = std::ranges::find_if(kOwnNames, [&](const Unit& unit) { return text == unit.name; });
   if (own != std::end(kOwnNames)) return {own->metres};
   static const Udunits udunits;
   SpelledUnit unit = udunits.read(text);
-  if (unit.metres > 0 || unit.radians > 0) return unit;
+  if (unit.is_known()) return unit;
   const std::string name = normalised(text);
   for (const Unit& known : kOwnNames)
     if (name == known.name) return {known.metres};
@@ -133,7 +137,7 @@ SpelledUnit plain_unit(const std::string& text) {
 SpelledUnit spelled_unit(const std::string& text) {
   const std::string spelled = trimmed(text);
   SpelledUnit unit = plain_unit(spelled);
-  if (unit.metres > 0 || unit.radians > 0) return unit;
+  if (unit.is_known()) return unit;
   const std::string length = without_datum(spelled);
   if (length.empty() || length.size() == spelled.size()) return {};
   unit = plain_unit(length);
@@ -146,7 +150,8 @@ SpelledUnit spelled_unit(const std::string& text) {
 
 bool says_no_unit(const std::string& text) {
   const std::string name = normalised(text);
-  return name.empty() || name == "1" || name == "none" || name == "unknown" || name == "na" ||
+  const bool has_sign = std::ranges::any_of(text, [](unsigned char c) { return c > 127; });  // a degree sign
+  return (name.empty() && !has_sign) || name == "1" || name == "none" || name == "unknown" || name == "na" ||
          name == "unk" || name == "null" || name == "dimensionless" || name == "unspecified";
 }
 
