@@ -11,6 +11,7 @@
 
 #include "base/number_text.h"
 #include "base/shown_text.h"
+#include "base/trimmed.h"
 #include "cli/meeting_options.h"
 #include "cli/tool.h"
 #include "files/landfall_file.h"
@@ -102,8 +103,9 @@ void bind(CLI::App& app, Options& o) {
 
 double number_of(const std::string& text, const char* option) {
   double number = 0;
-  const char* const end = text.data() + text.size();
-  const auto [stop, error] = std::from_chars(text.data(), end, number);
+  const std::string_view digits = trimmed(text);
+  const char* const end = digits.data() + digits.size();
+  const auto [stop, error] = std::from_chars(digits.data(), end, number);
   if (error != std::errc() || stop != end || !std::isfinite(number))
     throw UsageError(std::string(option) + ": '" + abbreviated(text) + "' is not a number");
   return number;

@@ -8,6 +8,7 @@
 
 #include "base/parsed_number.h"
 #include "base/shown_text.h"
+#include "base/trimmed.h"
 #include "cli/comparison_text.h"
 #include "cli/description_text.h"
 #include "cli/devices.h"
@@ -167,9 +168,10 @@ ExitCode compare(cli::Session& session, const Options& o) {
 }
 
 SitePoint point_of(const std::string& text) {
-  const std::size_t comma = std::min(text.find(','), text.size());
-  const ParsedNumber x = parsed_number(text.substr(0, comma));
-  const ParsedNumber y = parsed_number(text.substr(std::min(comma + 1, text.size())));
+  const std::string_view both = text;
+  const std::size_t comma = std::min(both.find(','), both.size());
+  const ParsedNumber x = parsed_number(trimmed(both.substr(0, comma)));
+  const ParsedNumber y = parsed_number(trimmed(both.substr(std::min(comma + 1, both.size()))));
   const auto is_finite = [](const ParsedNumber& number) {
     return number.outcome == ParsedNumber::Outcome::number && std::isfinite(number.value);
   };

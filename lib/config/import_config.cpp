@@ -11,6 +11,7 @@
 #include "base/error.h"
 #include "base/netcdf_name.h"
 #include "base/shown_text.h"
+#include "base/trimmed.h"
 #include "config/plain_number.h"
 #include "config/schema.h"
 #include "config/terrain_config.h"
@@ -26,8 +27,10 @@ Json number_of(const std::string& text, const char* option) {
   Json value = Json::parse(text, nullptr, false);
   if (value.is_number()) return value;
   double number = 0;
-  const auto [stop, error] = std::from_chars(text.data(), text.data() + text.size(), number);
-  if (error != std::errc() || stop != text.data() + text.size() || !std::isfinite(number))
+  const std::string_view digits = trimmed(text);
+  const char* const end = digits.data() + digits.size();
+  const auto [stop, error] = std::from_chars(digits.data(), end, number);
+  if (error != std::errc() || stop != end || !std::isfinite(number))
     throw UsageError(std::string(option) + ": '" + abbreviated(text) + "' is not a number");
   return number;
 }

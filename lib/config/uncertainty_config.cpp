@@ -14,6 +14,7 @@
 #include "base/light.h"
 #include "base/number_text.h"
 #include "base/shown_text.h"
+#include "base/trimmed.h"
 #include "config/config_path.h"
 #include "config/json_values.h"
 #include "config/key_effects.h"
@@ -28,8 +29,9 @@ constexpr std::array<const char*, 4> kNavigationKeys = {"position_m", "velocity_
 
 double sigma_of(const std::string& text, const std::string& assignment) {
   double value = 0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (error != std::errc() || end != text.data() + text.size())
+  const std::string_view digits = trimmed(text);
+  const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), value);
+  if (error != std::errc() || end != digits.data() + digits.size())
     throw UsageError("--navigation-sigma " + abbreviated(assignment) + ": '" + abbreviated(text) +
                      "' is not a number; expected KEY=SIGMA or KEY=X,Y,Z");
   return value;
