@@ -40,18 +40,7 @@ template <class TypeOf>
                                                           const ColumnChoice& choice);
 [[nodiscard]] std::unique_ptr<CloudReader> open_pcd(std::unique_ptr<CloudBytes> file,
                                                     const ColumnChoice& choice);
-
-/// Text whose rows begin at an offset, and the number of points that a header declares.
-struct TextRows {
-  std::uint64_t begin = 0;
-  std::size_t first_line = 1;  ///< number of the line there, for messages
-  std::optional<std::int64_t> count{};
-  bool may_continue = false;  ///< other elements may follow the declared points
-  char separator = ' ';
-  std::size_t column_count = 0;
-};
-[[nodiscard]] std::unique_ptr<CloudReader> read_text_rows(std::unique_ptr<CloudBytes> file,
-                                                          const TextRows& rows, CloudInfo info);
+[[nodiscard]] std::unique_ptr<CloudReader> open_ptx(std::unique_ptr<CloudBytes> file);
 /// Text with a header line or none.
 [[nodiscard]] std::unique_ptr<CloudReader> open_text_cloud(std::unique_ptr<CloudBytes> file,
                                                            const ColumnChoice& choice);

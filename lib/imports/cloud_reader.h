@@ -7,6 +7,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "imports/cloud_fields.h"
@@ -36,6 +37,7 @@ struct CloudBox {
 struct CloudInfo {
   std::string format;                         ///< "LAS 1.4, point format 6"
   CloudColumns columns;                       ///< which fields its points have
+  CloudUnits units{};                         ///< of these fields
   std::optional<std::int64_t> point_count{};  ///< as declared; text declares none
   std::string crs_wkt{};                      ///< empty: none
   std::optional<CloudGeoKeys> geo_keys{};     ///< only without a crs_wkt
@@ -51,6 +53,13 @@ struct CloudInfo {
     return columns[static_cast<std::size_t>(field)].has_value();
   }
 };
+
+/// A file with these columns and no other statements.
+[[nodiscard]] inline CloudInfo info_of(std::string format, CloudTable table) {
+  CloudInfo info{.format = std::move(format), .columns = table.columns, .units = std::move(table.units)};
+  info.notes = std::move(table.notes);
+  return info;
+}
 
 /// Consecutive points. A column that the file lacks is empty; the others have one length.
 struct CloudBatch {
@@ -90,12 +99,15 @@ class CloudReader {
   CloudInfo info_;
 };
 
-/// True for a file that is read as points: LAS, PLY, PCD and E57 by their first bytes, text and .laz by the
-/// extension (.csv, .txt, .xyz, .pts, .dat, .las, .laz, .ply, .pcd, .e57).
+/// True for a file that is read as points. Its content decides: LAS, PLY, PCD, E57 and QFIT by their first
+/// bytes, text with rows of at least three numbers, unless it begins as grids of Esri, Surfer or GRASS do. A
+/// file that is missing, or whose content is nothing of that, is points by the extension (.csv, .txt, .xyz,
+/// .pts, .ptx, .dat, .qi, .las, .laz, .ply, .pcd, .e57), unless it is text of a grid or begins as binary.
 [[nodiscard]] bool is_cloud_file(const std::filesystem::path& path);
 
-/// Opens LAS 1.0 to 1.4 (point formats 0 to 10), PLY, PCD (ascii, binary, binary_compressed) and text: comma,
-/// semicolon, tab or blanks, with or without a header, and HELIOS++ xyz (11 columns without a header).
+/// Opens LAS 1.0 to 1.4 (point formats 0 to 10), PLY, PCD (ascii, binary, binary_compressed), PTX, QFIT of
+/// ATM and text: comma, semicolon, tab or blanks, with or without a header, and HELIOS++ xyz (11 columns
+/// without a header). Rows of PTX and QFIT that are not points have the position NaN.
 ///
 /// Throws FormatError, naming the file and what to do: LAZ and E57, other formats, a file that is shorter
 /// than its header says, counts and offsets that do not fit, points without x, y or z, no points; UsageError

@@ -36,6 +36,8 @@ TimeUnit time_unit(const std::string& text) {
   throw UsageError("--time-unit: '" + text + "' is not one of s, ms, us, ns");
 }
 
+double per_second(TimeUnit unit) { return kUnits[static_cast<std::size_t>(unit)].per_second; }
+
 const char* name_of(TimeUnit unit) { return kUnits[static_cast<std::size_t>(unit)].name; }
 
 TimeScale time_scale(const std::string& name, const CloudInfo& info, std::optional<TimeUnit> unit,

@@ -13,6 +13,7 @@ enum class TimeUnit { s, ms, us, ns };
 /// The unit of "s", "ms", "us" or "ns". Throws UsageError for another text.
 [[nodiscard]] TimeUnit time_unit(const std::string& text);
 [[nodiscard]] const char* name_of(TimeUnit unit);
+[[nodiscard]] double per_second(TimeUnit unit);
 
 /// The first and the last t of a file's points, in its unit, without CloudInfo::time_base.
 struct TimeExtent {

@@ -12,6 +12,7 @@
 #include "imports/cloud_formats.h"
 #include "imports/lzf.h"
 #include "imports/row_reader.h"
+#include "imports/text_rows.h"
 
 namespace landfall {
 namespace {
@@ -236,8 +237,7 @@ CloudColumns text_columns(const CloudColumns& fields, const std::vector<Field>& 
 std::unique_ptr<CloudReader> open_pcd(std::unique_ptr<CloudBytes> file, const ColumnChoice& choice) {
   const PcdHeader pcd = read_pcd_header(*file);
   const std::vector<Field> fields = fields_of(*file, pcd);
-  CloudInfo info{.format = "PCD, " + abbreviated(pcd.data),
-                 .columns = cloud_columns(pcd.fields, choice, file->name())};
+  CloudInfo info = info_of("PCD, " + abbreviated(pcd.data), cloud_columns(pcd.fields, choice, file->name()));
   info.is_float32 = float32_axes(info.columns, [&](std::size_t i) { return fields[i].column.type; });
   if (!pcd.viewpoint.empty() && pcd.viewpoint != words_of("0 0 0 1 0 0 0"))
     info.notes.emplace_back("its VIEWPOINT is ignored: the points are taken as they are stored");
@@ -257,13 +257,11 @@ std::unique_ptr<CloudReader> open_pcd(std::unique_ptr<CloudBytes> file, const Co
   }
   if (pcd.data != "ascii") file->fail("DATA '" + shown_word(pcd.data) + "' is not a form of PCD");
   info.columns = text_columns(info.columns, fields);
-  return read_text_rows(std::move(file),
-                        {.begin = pcd.end,
+  const TextRows in_text{.begin = pcd.end,
                          .first_line = pcd.lines + 1,
                          .count = static_cast<std::int64_t>(pcd.points),
-                         .separator = ' ',
-                         .column_count = values},
-                        std::move(info));
+                         .column_count = values};
+  return std::make_unique<TextReader>(std::move(file), in_text, std::move(info));
 }
 
 }  // namespace landfall

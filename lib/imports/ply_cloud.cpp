@@ -7,6 +7,7 @@
 #include "base/shown_text.h"
 #include "imports/cloud_formats.h"
 #include "imports/row_reader.h"
+#include "imports/text_rows.h"
 #include "meshio/ply_header.h"
 
 namespace landfall {
@@ -113,7 +114,7 @@ std::unique_ptr<CloudReader> open_ply_cloud(std::unique_ptr<CloudBytes> file, co
   const PlyElement& vertex = vertex_of(*file, header);
   std::vector<std::string> names;
   for (const PlyProperty& property : vertex.properties) names.push_back(property.name);
-  CloudInfo info{.format = "PLY", .columns = cloud_columns(names, choice, file->name())};
+  CloudInfo info = info_of("PLY", cloud_columns(names, choice, file->name()));
   info.is_float32 = float32_axes(info.columns, [&](std::size_t i) { return vertex.properties[i].type; });
   if (const std::string ignored = ignored_elements(header); !ignored.empty())
     info.notes.push_back("its elements beside the vertices are ignored: " + ignored);
@@ -129,9 +130,8 @@ std::unique_ptr<CloudReader> open_ply_cloud(std::unique_ptr<CloudBytes> file, co
                            .first_line = before + lines + 1,
                            .count = vertex.count,
                            .may_continue = has_elements_behind(header, vertex),
-                           .separator = ' ',
                            .column_count = names.size()};
-    return read_text_rows(std::move(file), in_text, std::move(info));
+    return std::make_unique<TextReader>(std::move(file), in_text, std::move(info));
   }
   rows.begin += skipped_rows(*file, header, vertex, false);
   std::size_t offset = 0;

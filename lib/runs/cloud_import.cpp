@@ -11,6 +11,7 @@
 #include "files/imported_scan.h"
 #include "imports/cloud_box.h"
 #include "imports/cloud_bytes.h"
+#include "imports/cloud_units.h"
 #include "imports/coordinate_steps.h"
 #include "imports/point_sample.h"
 #include "meshio/up_axis.h"
@@ -83,8 +84,18 @@ std::string steps_finding(const CloudInfo& info, const PointFrame& frame, const 
   return coarse_steps(sample, z_unit, info.is_float32);
 }
 
+/// The unit of the times: that of --time-unit, else that of their column's name if it is one of these.
+std::optional<TimeUnit> time_unit_of(const CloudImport& import, const CloudInfo& info) {
+  const ColumnUnit& unit = info.units[static_cast<std::size_t>(CloudField::t)];
+  if (import.time_unit || unit.kind != ColumnUnit::Kind::time) return import.time_unit;
+  for (const TimeUnit known : {TimeUnit::s, TimeUnit::ms, TimeUnit::us, TimeUnit::ns})
+    if (std::abs(unit.factor * per_second(known) - 1) < 1e-9) return known;
+  return std::nullopt;
+}
+
 /// The scale of the times of a file, of which some are finite; an unused one without times.
-TimeScale times_of(const CloudImport& import, const CloudInfo& info, const Extent& extent) {
+TimeScale times_of(const CloudImport& import, const CloudInfo& info, std::optional<TimeUnit> unit,
+                   const Extent& extent) {
   const bool has_times = info.has(CloudField::t);
   if (import.time_unit && info.steps)  // LAS
     throw UsageError("--time-unit is for text, PLY and PCD; " + import.path +
@@ -93,7 +104,20 @@ TimeScale times_of(const CloudImport& import, const CloudInfo& info, const Exten
     throw UsageError("--time-unit: " + import.path +
                      " has no times: leave the option out, or name their column with --columns t=...");
   if (!has_times || extent.times.first > extent.times.last) return {};
-  return time_scale(import.path, info, import.time_unit, extent.times);
+  return time_scale(import.path, info, unit, extent.times);
+}
+
+bool has_crs(const CloudImport& import, const CloudInfo& info) {
+  return !import.crs.empty() || !info.crs_wkt.empty() || info.geo_keys.has_value();
+}
+
+std::optional<StatedMapUnit> stated_unit(const CloudInfo& info) {
+  const ColumnUnit& x = info.units[0];
+  const ColumnUnit& y = info.units[1];
+  if (x.kind == ColumnUnit::Kind::angle) return StatedMapUnit{.is_angle = true};
+  if (x.kind != ColumnUnit::Kind::length || y.kind != ColumnUnit::Kind::length) return std::nullopt;
+  return StatedMapUnit{.metres = {x.factor, y.factor},
+                       .text = x.text == y.text ? x.text : x.text + " and " + y.text};
 }
 
 PointFrame frame_of(const CloudImport& import, const CloudInfo& info, const Extent& extent) {
@@ -110,6 +134,8 @@ PointFrame frame_of(const CloudImport& import, const CloudInfo& info, const Exte
     request.crs.key_numbers = info.geo_keys->numbers;
     request.crs.key_texts = info.geo_keys->texts;
   }
+  request.stated = stated_unit(info);
+  if (!request.vertical_scale && info.units[2].kind == ColumnUnit::Kind::length) request.vertical_scale = 1;
   if (import.center.size() >= 2) request.center = MapPoint{import.center[0], import.center[1]};
   return point_frame(request);
 }
@@ -164,14 +190,20 @@ ImportedColumns columns_of(const CloudInfo& info, const TimeScale& times) {
 }  // namespace
 
 ImportedCloud import_cloud(const CloudImport& import, ImportOutput output) {
-  SelectedCloud cloud(import.path, column_choice(import.columns), import.selection, import.axes);
-  const CloudInfo& info = cloud.info();
+  std::unique_ptr<CloudReader> opened = open_cloud(import.path, column_choice(import.columns));
+  CloudInfo info = opened->info();
+  const std::optional<TimeUnit> time_unit = time_unit_of(import, info);
+  UnitConversion conversion = unit_conversion(info, has_crs(import, info), import.vertical_scale);
+  if (time_unit) conversion.factors[static_cast<std::size_t>(CloudField::t)] = 1;  // TimeScale converts them
+  SelectedCloud cloud(converted(std::move(opened), conversion), import.path, import.selection, import.axes);
+  info = cloud.info();
+  info.notes.insert(info.notes.end(), conversion.notes.begin(), conversion.notes.end());
   Extent extent;
   output.phase("measure",
                [&](const ProgressCallback& progress) { extent = extent_of(cloud, import.path, progress); });
   const std::string box_warning = box_finding(import.path, info, extent);
   const PointFrame frame = frame_of(import, info, extent);
-  const TimeScale times = times_of(import, info, extent);
+  const TimeScale times = times_of(import, info, time_unit, extent);
   ImportedCloud result{
       .point_count = extent.count(),
       .center = {frame.center.x, frame.center.y, import.center.size() > 2 ? import.center[2] : 0},

@@ -2,6 +2,7 @@
 #include "runs/selected_cloud.h"
 
 #include <cmath>
+#include <utility>
 
 #include "base/error.h"
 #include "base/number_text.h"
@@ -36,9 +37,9 @@ bool is_noise(double classification) {
   return classification == 7 || classification == 18 || classification == kWithheld;
 }
 
-SelectedCloud::SelectedCloud(const std::string& path, const ColumnChoice& columns,
+SelectedCloud::SelectedCloud(std::unique_ptr<CloudReader> cloud, const std::string& path,
                              const PointSelection& selection, const CloudAxes& axes)
-    : cloud_(open_cloud(path, columns)), info_(cloud_->info()), selection_(selection), axes_(axes) {
+    : cloud_(std::move(cloud)), info_(cloud_->info()), selection_(selection), axes_(axes) {
   require_returns(info_, selection.returns, path);
   turn(axes_, info_);
 }

@@ -33,9 +33,8 @@ struct LeftOut {
 /// The selected points of a file with their axes turned, batch by batch.
 class SelectedCloud {
  public:
-  /// Throws as open_cloud() does, and UsageError, naming the file, where it lacks the numbers that the choice
-  /// of returns needs.
-  SelectedCloud(const std::string& path, const ColumnChoice& columns, const PointSelection& selection,
+  /// Throws UsageError, naming the file, where it lacks the numbers that the choice of returns needs.
+  SelectedCloud(std::unique_ptr<CloudReader> cloud, const std::string& path, const PointSelection& selection,
                 const CloudAxes& axes);
 
   [[nodiscard]] const CloudInfo& info() const { return info_; }

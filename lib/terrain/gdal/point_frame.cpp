@@ -66,6 +66,27 @@ void use_map(PointFrame& frame, const OGRSpatialReference& crs, const PointFrame
   frame.crs_wkt = shifted_wkt(crs, projection, frame.center);
 }
 
+/// The unit that the file states for x and y is that of the CRS. International and US feet are taken for each
+/// other: a header does not tell them apart.
+void require_stated_unit(const PointFrameRequest& request, const OGRSpatialReference& crs) {
+  if (!request.stated) return;
+  const StatedMapUnit& stated = *request.stated;
+  const bool is_geographic = crs.IsGeographic() != 0;
+  const char* unit = nullptr;
+  const double size = is_geographic ? crs.GetAngularUnits(&unit) : crs.GetLinearUnits(&unit);
+  const auto is_that = [&](double metres) { return std::abs(metres - size) <= 1e-5 * size; };
+  const bool fits = stated.is_angle
+                        ? is_geographic && std::abs(size - std::numbers::pi / 180) < 1e-9
+                        : !is_geographic && is_that(stated.metres[0]) && is_that(stated.metres[1]);
+  if (fits) return;
+  throw FormatError(
+      request.name + ": x and y are " +
+      (stated.is_angle ? "longitudes and latitudes in degrees" : "in " + stated.text) +
+      " by their names, but the CRS counts in " + (unit != nullptr ? unit : "another unit") +
+      ": give --crs that of the coordinates" +
+      (stated.is_angle ? ", such as EPSG:4326" : "; a PROJ text may have +units=km or another unit"));
+}
+
 void set_heights(PointFrame& frame, const ReadCrs& read, const PointFrameRequest& request,
                  double metres_per_unit) {
   if (request.vertical_scale) {
@@ -89,6 +110,7 @@ PointFrame point_frame_in_map(const PointFrameRequest& request) {
   const double unit_m = is_geographic ? crs.GetAngularUnits() * crs.GetSemiMajor() : crs.GetLinearUnits();
   if (!(std::isfinite(unit_m) && unit_m > 0))
     throw FormatError(request.name + ": its CRS has no linear unit");
+  require_stated_unit(request, crs);
   PointFrame frame;
   frame.center = request.center.value_or(rounded_center(request.low, request.high, unit_m));
   frame.metres_per_unit = unit_m;

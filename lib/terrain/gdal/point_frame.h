@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <functional>
 #include <optional>
@@ -24,12 +25,20 @@ struct PointCrs {
   [[nodiscard]] bool is_given() const { return !option.empty() || !wkt.empty() || !key_directory.empty(); }
 };
 
+/// The unit that a file itself states for x and y.
+struct StatedMapUnit {
+  bool is_angle = false;           ///< degrees
+  std::array<double, 2> metres{};  ///< of a length: metres per unit of x and of y
+  std::string text{};              ///< of a length, as the file spells it
+};
+
 struct PointFrameRequest {
   std::string name;  ///< begins messages
   PointCrs crs;
   MapPoint low, high;              ///< the extent of the points, units of the CRS
   std::optional<MapPoint> center;  ///< none: the middle of the extent, rounded
   std::optional<double> vertical_scale{};
+  std::optional<StatedMapUnit> stated{};  ///< none: the file states no unit
 };
 
 /// The frame of a site for points of a map, as SiteFrame is for a raster.
@@ -49,7 +58,7 @@ struct PointFrame {
 /// the unit that is at most a metre (1 m, 1 ft, 0.000001 degree).
 [[nodiscard]] MapPoint rounded_center(const MapPoint& low, const MapPoint& high, double metres_per_unit);
 
-/// The frame of points without a CRS: metres.
+/// The frame of points without a CRS: metres. Throws FormatError for longitudes and latitudes.
 [[nodiscard]] PointFrame local_point_frame(const PointFrameRequest& request);
 
 }  // namespace landfall

@@ -103,7 +103,7 @@ TEST(PcdReader, RefusesWhatDoesNotFit) {
   EXPECT_THAT(refusal(with(binary, "COUNT 1 3 1", "COUNT 3 1")), HasSubstr("COUNT differ in length"));
   EXPECT_THAT(refusal(with(pcd_header("binary", ""), "WIDTH 2\nHEIGHT 1", "WIDTH 16777217\nHEIGHT 16777217")),
               HasSubstr("declares too many points"));
-  EXPECT_THAT(refusal(with(binary, " z ", " u ")), HasSubstr("no column is recognised as z"));
+  EXPECT_THAT(refusal(with(binary, " z ", " q ")), HasSubstr("no column is recognised as z"));
   EXPECT_THAT(refusal(with(binary, "DATA binary", "DATA other")), HasSubstr("'other' is not a form of PCD"));
   EXPECT_THAT(refusal(binary.substr(0, 80)), HasSubstr("has no line DATA"));
   EXPECT_THAT(refusal(pcd_header("ascii") + "1 9 9 9 1 0 0 1 7\n"),

@@ -78,7 +78,7 @@ TEST(PlyCloud, RefusesWhatDoesNotFit) {
   EXPECT_THAT(refusal(with(good, "vertex 2", "vertex 9000000000000000000")), HasSubstr("it is truncated"));
   EXPECT_THAT(refusal(with(good, "vertex 2", "vertex 0")), HasSubstr("has no points"));
   EXPECT_THAT(refusal(with(good, "element vertex", "element point")), HasSubstr("has no element vertex"));
-  EXPECT_THAT(refusal(with(good, "short z", "short u")), HasSubstr("no column is recognised as z"));
+  EXPECT_THAT(refusal(with(good, "short z", "short q")), HasSubstr("no column is recognised as z"));
   EXPECT_THAT(refusal(with(good, "float f", "list uchar float f")), HasSubstr("element camera has a list"));
   EXPECT_THAT(refusal(with(good, "short z", "list uchar short z")), HasSubstr("element vertex has a list"));
   EXPECT_THAT(refusal(with(good, "camera 1", "camera 9000000000000000000")),

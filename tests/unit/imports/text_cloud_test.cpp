@@ -43,8 +43,76 @@ TEST(TextCloud, ReadsHeadersInCommentsAndInQuotes) {
   EXPECT_THAT(read_cloud("a.csv", "\"x\",'y [m]',z\n\"1\",\"2\",\"3\"\n")[CloudField::y], ElementsAre(2));
 }
 
-TEST(TextCloud, AnEmptyCellHasNoValue) {
-  EXPECT_TRUE(std::isnan(read_cloud("a.csv", "x,y,z\n1,,3\n")[CloudField::y].at(0)));
+TEST(TextCloud, ACommentWithAsManyNamesAsColumnsIsTheHeader) {
+  const auto first_x = [](const std::string& text) { return read_cloud("a.txt", text)[CloudField::x].at(0); };
+  EXPECT_EQ(first_x("# LFID SHOT TIME X Y Z\n9 8 7 1 2 3\n"), 1);
+  EXPECT_EQ(first_x("//X [m], Y [m], Z [m], Intensity\n1 2 3 4\n"), 1);
+  EXPECT_EQ(first_x("# made by a tool\n1 2 3\n"), 1);  // three words that are no names of fields
+  EXPECT_THAT(cloud_refusal("a.txt", "# LFID SHOT TIME FOO BAR\n9 8 7 1 2\n"),
+              HasSubstr("no column is recognised as x; it has LFID, SHOT, TIME"));
+}
+
+TEST(TextCloud, SaysThatTheUnitOfACommentIsIgnored) {
+  EXPECT_THAT(read_cloud("a.txt", "# Units: mm\nx,y,z\n1,2,3\n").info.notes,
+              ElementsAre(HasSubstr("its comment 'Units: mm' is ignored")));
+  EXPECT_THAT(read_cloud("a.txt", "# Units: m\nx,y,z\n1,2,3\n").info.notes, IsEmpty());
+}
+
+TEST(TextCloud, NamesMayHaveBlanksOrAnotherSeparator) {
+  EXPECT_THAT(read_cloud("a.txt", "x [mm] y [mm] z [US ft]\n1 2 3\n").info.units[2].text, "US ft");
+  EXPECT_THAT(read_cloud("a.txt", "Return Number\tX\tY\tZ\n1\t2\t3\t4\n")[CloudField::x], ElementsAre(2));
+  EXPECT_THAT(read_cloud("a.txt", "X Y Z\n1,2,3\n")[CloudField::z], ElementsAre(3));
+}
+
+TEST(TextCloud, AMissingCellHasNoValue) {
+  for (const std::string row : {"1,,3", "1,NA,3", "1,null,3", "1,N/A,3", "1,nan,3", "1,\"NA\",3"})
+    EXPECT_TRUE(std::isnan(read_cloud("a.csv", "x,y,z\n" + row + "\n")[CloudField::y].at(0))) << row;
+  EXPECT_TRUE(std::isnan(read_cloud("a.csv", "x,y,z\n1,2,\n")[CloudField::z].at(0)));
+  EXPECT_TRUE(std::isnan(read_cloud("a.csv", "x\ty\tz\n1\t2\t\n")[CloudField::z].at(0)));
+  EXPECT_TRUE(std::isnan(read_cloud("a.csv", "x\ty\tz\n\t2\t3\n")[CloudField::x].at(0)));
+}
+
+TEST(TextCloud, LeavesColumnsOfTextOut) {
+  const std::string text = "timestamp,x,y,z,classification\n2026-03-05T12:00:00Z,1,2,3,ground\n";
+  const WholeCloud cloud = read_cloud("a.csv", text);
+  EXPECT_THAT(cloud[CloudField::x], ElementsAre(1));
+  EXPECT_FALSE(cloud.info.has(CloudField::t));
+  EXPECT_FALSE(cloud.info.has(CloudField::classification));
+  EXPECT_THAT(
+      cloud.info.notes,
+      ElementsAre(HasSubstr("column timestamp is left out: it holds text, such as '2026-03-05T12:00:00Z'"),
+                  HasSubstr("column classification is left out")));
+  EXPECT_THAT(read_cloud("a.csv", text, column_choice("t=-,classification=-")).info.notes, IsEmpty());
+  EXPECT_THAT(cloud_refusal("a.csv", text, column_choice("t=timestamp")), HasSubstr("is not a number"));
+  const WholeCloud bare = read_cloud("a.csv", "ground,1,2,3\nrock,4,5,6\n");
+  EXPECT_THAT(bare[CloudField::x], ElementsAre(1, 4));
+  EXPECT_THAT(bare.info.notes, ElementsAre(HasSubstr("columns 2, 3, 4 are taken as x, y, z")));
+}
+
+TEST(TextCloud, LeavesAnUnnamedFirstColumnOut) {
+  for (const std::string text :
+       {"x,y,z\n1,5,6,7\n2,8,9,10\n", ",x,y,z\n1,5,6,7\n2,8,9,10\n",
+        "\"\",\"x\",\"y\",\"z\"\n\"1\",5,6,7\n\"2\",8,9,10\n", "x y z\n\"a\" 5 6 7\n\"b\" 8 9 10\n",
+        "\tx\ty\tz\n0\t5\t6\t7\n1\t8\t9\t10\n"}) {
+    const WholeCloud cloud = read_cloud("a.csv", text);
+    EXPECT_THAT(cloud[CloudField::x], ElementsAre(5, 8)) << text;
+    EXPECT_THAT(cloud.info.notes, ElementsAre(HasSubstr("first column has no name"))) << text;
+  }
+  EXPECT_THAT(cloud_refusal("a.csv", "x,y,z\n1.5,5,6,7\n0.5,8,9,10\n"),
+              HasSubstr("line 2: has 4 cells, but the header has 3 names"));
+}
+
+TEST(TextCloud, ReadsDecimalCommas) {
+  for (const std::string text :
+       {"1,5;-2,25;3\n4;5;6,125\n", "1,5\t-2,25\t3\n4\t5\t6,125\n", "1,5 -2,25 3\n4 5 6,125\n",
+        "4;5;6\n1,5;-2,25;3\n", "x;y;z\n1,5;-2,25;3\n4;5;6,125\n"}) {
+    const WholeCloud cloud = read_cloud("a.txt", text);
+    EXPECT_THAT(cloud[CloudField::x], testing::UnorderedElementsAre(1.5, 4)) << text;
+    EXPECT_THAT(cloud.info.notes, testing::Contains(HasSubstr("decimals"))) << text;
+  }
+  EXPECT_THAT(cloud_refusal("a.txt", "1,5;2,5;3,5\n1.5;2;3\n"),
+              HasSubstr("line 2: '1.5' is not a number: elsewhere the file has decimal commas"));
+  EXPECT_THAT(cloud_refusal("a.txt", "x;y;z\n1,234,567;2;3\n"), HasSubstr("'1,234,567' is not a number"));
 }
 
 TEST(TextCloud, TakesTheCountAtTheBeginningOfPts) {
@@ -84,7 +152,6 @@ TEST(TextCloud, RefusesWhatIsNotPoints) {
   EXPECT_THAT(refusal("x,y\n1,2\n"), HasSubstr("no column is recognised as z; it has x, y"));
   EXPECT_THAT(refusal("1 2\n"), HasSubstr("has 2 columns, but a point has x, y and z"));
   EXPECT_THAT(refusal("x,y,z\n1,2,3\n4,b,6\n"), HasSubstr("line 3: 'b' is not a number"));
-  EXPECT_THAT(refusal("x;y;z\n1,5;2;3\n"), HasSubstr("decimal commas are not read"));
   EXPECT_THAT(refusal("x,y,z,X\n1,2,3,4\n"), HasSubstr("two of its columns could be x"));
   EXPECT_THAT(refusal(std::string("x,y,z\n1,2,3\n\0", 13)), HasSubstr("is not a point cloud"));
   EXPECT_THAT(cloud_refusal("a.e57", "ASTM-E57 and more"), HasSubstr("is an E57 file"));
