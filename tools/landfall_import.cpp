@@ -35,11 +35,11 @@ The next steps are regrid, dem-eval and hazard-map, as for a scan of scan-sim.
 docs/user/judge-your-own-data.md has whole examples.)";
 
 constexpr const char* kDescription =
-    R"(Writes points as scan.h5 in a site frame, so that regrid, dem-eval and hazard-map judge them. Read are LAS 1.0 to 1.4, PLY, PCD, CSV and other text, and the .xyz files of HELIOS++. LAZ and E57 must be converted first.
+    R"(Writes points as scan.h5 in a site frame, so that regrid, dem-eval and hazard-map judge them. Read are LAS 1.0 to 1.4, PLY, PCD, PTX, QFIT of ATM, CSV and other text, and the .xyz files of HELIOS++. LAZ and E57 must be converted first.
 
 A raster that GDAL reads becomes dem.h5 on its own grid, with the true elevations of another raster or of a terrain. Its pixels must be square and north up, in metres or another unit of length.
 
-Coordinates become metres around the centre. The CRS is that of the file or of --crs; longitudes and latitudes, and maps whose scale at the site is not 1, are projected to a plane at the centre. Without a CRS they are taken as metres.)";
+Coordinates become metres around the centre. The CRS is that of the file or of --crs; longitudes and latitudes, and maps whose scale at the site is not 1, are projected to a plane at the centre. Without a CRS they are taken as metres, unless the names of their columns state a unit; longitudes and latitudes need a CRS.)";
 
 struct Options {
   CloudImport cloud;
@@ -52,12 +52,16 @@ struct Options {
 };
 
 void bind(CLI::App& app, Options& o) {
-  app.add_option("input", o.cloud.path,
-                 "File to import: points (.las, .ply, .pcd, .csv, .xyz, .txt), or a raster that GDAL reads")
+  app.add_option(
+         "input", o.cloud.path,
+         "File to import: points (.las, .ply, .pcd, .ptx, .qi, .csv, .xyz, .txt), or a raster that GDAL "
+         "reads; its content decides")
       ->type_name("FILE");
-  app.add_option("--center", o.center,
-                 "Origin of the site frame in the units of the data; default: the middle of the data, to a "
-                 "metre, and height 0")
+  app.add_option(
+         "--center", o.center,
+         "Origin of the site frame in the units of the data (metres where a header states other lengths "
+         "and there is no CRS); default: the middle of the data, to a "
+         "metre, and height 0")
       ->type_name("E,N[,H]");
   CLI::Option* const truth =
       app.add_option("--truth", o.raster.truth, "Raster of the true elevations of a raster")
@@ -69,9 +73,10 @@ void bind(CLI::App& app, Options& o) {
   app.add_option("--crs", o.cloud.crs,
                  "CRS of the data: EPSG:NUMBER, a PROJ text or WKT; default: that of the file")
       ->type_name("DEF");
-  app.add_option("--columns", o.cloud.columns,
-                 "Columns of a text, PLY or PCD by name or number; FIELD is x, y, z, intensity, "
-                 "return_number, number_of_returns, t, pulse, pixel or classification")
+  app.add_option(
+         "--columns", o.cloud.columns,
+         "Columns of a text, PLY or PCD by name or number, or - for none; FIELD is x, y, z, intensity, "
+         "return_number, number_of_returns, t, pulse, pixel or classification")
       ->type_name("FIELD=COLUMN,...");
   app.add_flag("--keep-noise", o.keep_noise,
                "Keep points marked as noise (classes 7 and 18) or withheld, as false returns; default: leave "

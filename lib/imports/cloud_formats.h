@@ -41,8 +41,12 @@ template <class TypeOf>
 [[nodiscard]] std::unique_ptr<CloudReader> open_pcd(std::unique_ptr<CloudBytes> file,
                                                     const ColumnChoice& choice);
 [[nodiscard]] std::unique_ptr<CloudReader> open_ptx(std::unique_ptr<CloudBytes> file);
+[[nodiscard]] std::unique_ptr<CloudReader> open_qfit(std::unique_ptr<CloudBytes> file);
 /// Text with a header line or none.
 [[nodiscard]] std::unique_ptr<CloudReader> open_text_cloud(std::unique_ptr<CloudBytes> file,
                                                            const ColumnChoice& choice);
+
+/// True where a file begins as QFIT: the length of its records, then records of its header.
+[[nodiscard]] bool is_qfit(const CloudBytes& file);
 
 }  // namespace landfall

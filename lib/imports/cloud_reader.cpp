@@ -15,7 +15,7 @@
 namespace landfall {
 namespace {
 
-enum class Format { las, e57, ply, pcd, ptx, text, none };
+enum class Format { las, e57, ply, pcd, qfit, ptx, text, none };
 
 std::string_view first_line(std::string_view text) { return text.substr(0, text.find_first_of("\r\n")); }
 
@@ -39,7 +39,7 @@ bool is_binary(std::string_view bytes) {
 
 /// The format that an extension promises.
 Format promised_format(const std::filesystem::path& path) {
-  constexpr std::array<std::pair<std::string_view, Format>, 11> kExtensions = {{{".csv", Format::text},
+  constexpr std::array<std::pair<std::string_view, Format>, 12> kExtensions = {{{".csv", Format::text},
                                                                                 {".txt", Format::text},
                                                                                 {".xyz", Format::text},
                                                                                 {".pts", Format::text},
@@ -48,6 +48,7 @@ Format promised_format(const std::filesystem::path& path) {
                                                                                 {".pcd", Format::text},
                                                                                 {".e57", Format::text},
                                                                                 {".ptx", Format::ptx},
+                                                                                {".qi", Format::qfit},
                                                                                 {".las", Format::las},
                                                                                 {".laz", Format::las}}};
   const std::string extension = file_extension(path);
@@ -76,7 +77,8 @@ Format format_of(const CloudBytes& file, Format promised) {
   if (begin.starts_with("ASTM-E57")) return Format::e57;
   if (is_ply(begin)) return Format::ply;
   if (is_pcd(begin)) return Format::pcd;
-  if (promised == Format::las) return promised;
+  if (is_qfit(file)) return Format::qfit;
+  if (promised == Format::las || promised == Format::qfit) return promised;
   return text_format(begin, bytes.size() == file.size(), promised);
 }
 
@@ -120,6 +122,9 @@ std::unique_ptr<CloudReader> open_cloud(const std::filesystem::path& path, const
     case Format::ptx:
       require_no_choice(*file, choice, "PTX");
       return open_ptx(std::move(file));
+    case Format::qfit:
+      require_no_choice(*file, choice, "QFIT");
+      return open_qfit(std::move(file));
     case Format::e57:
       refuse_e57(*file);
     default:

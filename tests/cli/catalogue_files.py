@@ -341,9 +341,18 @@ def make_pcd():
     write_bytes("before.pcd", good[:body + 8] + b"\xff\xff\xff" + good[body + 11:])
 
 
+def make_qfit():
+    head = struct.pack(">12i", 48, *[0] * 11)
+    shots = head + struct.pack(">12i", -9000008, 96, *[0] * 10) + struct.pack(">12i", *range(12))
+    write_bytes("qfit_record.qi", head + struct.pack(">12i", *range(12)))
+    write_bytes("qfit_offset.qi", shots[:52] + struct.pack(">i", 48) + shots[56:])
+    write_bytes("qfit_cut.qi", shots[:-1])
+
+
 def make_imports():
     make_las()
     make_pcd()
+    make_qfit()
     write("far.asc", asc([[1, 2], [3, 4]]).replace("corner 0", "corner 500"))
     write("oblong.asc", asc([[1, 2], [3, 4]]).replace("cellsize 1", "dx 1\ndy 2"))
     write("empty.asc", asc([[-9999, -9999], [-9999, -9999]]))

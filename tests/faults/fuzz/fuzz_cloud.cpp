@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Files of points, as landfall-import takes them: LAS, PLY, PCD, text.
+// Files of points, as landfall-import takes them: LAS, PLY, PCD, PTX, QFIT, text.
 //
 // An input is a letter (c: columns are chosen, else not) and the file.
 #include "fuzz_target.h"

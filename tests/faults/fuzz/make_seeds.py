@@ -186,6 +186,12 @@ def clouds():
     yield "n# a b\n//X Y Z\n1 2 3\n\n4\t5 6\n"
     yield "n2\n1 2 3 4\n5 6 7 8\n"
     yield "n1.0 2.0 3.0 4.0 0.0 1 2 7 3 0 0.5\n"
+    yield "n# x [mm] y [mm] z [ft]\n1,5;NA;3\n"
+    yield "n,lon,lat,H,timestamp\n1,2,3,4,noon\n"
+    yield "n" + 2 * "1\n1\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n1 0 0 0\n0 1 0 0\n0 0 1 0\n5 6 7 1\n1 2 3 0.5\n"
+    for words, order in itertools.product((10, 12, 14), "<>"):
+        head = struct.pack(order + "i", 4 * words).ljust(4 * words) + struct.pack(order + "ii", -9000008, 8 * words).ljust(4 * words)
+        yield b"n" + head + struct.pack(f"{order}{words}i", *range(words))
 
 
 def hdf5_files():
