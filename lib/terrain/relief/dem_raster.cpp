@@ -13,7 +13,9 @@
 namespace landfall {
 namespace {
 
-constexpr double kBorderTolerance = 1e-6;  // pixels; georeferences carry no more than 9 to 12 digits
+/// Pixels within which a position is on the border or on a pixel's centre: georeferences carry no more than 9
+/// to 12 digits.
+constexpr double kTolerance_px = 1e-6;
 
 /// How far beyond the first and the last pixel centre a method reaches.
 double overhang(Interpolation method) { return method == Interpolation::nearest ? 0.5 : 0; }
@@ -25,7 +27,8 @@ struct Taps {
   std::array<double, N> weight{};
 };
 
-/// The cell of a coordinate and the fraction within it. The last centre belongs to the last cell.
+/// The cell of a coordinate and the fraction within it, which is 0 or 1 on a pixel's centre, so that no other
+/// sample has a weight there. The last centre belongs to the last cell.
 struct Cell {
   std::int64_t index;
   double fraction;
@@ -34,7 +37,9 @@ struct Cell {
 Cell cell_of(double coordinate, std::int64_t count) {
   const double clamped = std::clamp(coordinate, 0.0, static_cast<double>(count - 1));
   const auto index = std::min(static_cast<std::int64_t>(clamped), std::max<std::int64_t>(count - 2, 0));
-  return {index, clamped - static_cast<double>(index)};
+  const double fraction = clamped - static_cast<double>(index);
+  if (fraction <= kTolerance_px) return {index, 0};
+  return {index, fraction >= 1 - kTolerance_px ? 1 : fraction};
 }
 
 Taps<1> nearest_taps(double coordinate, std::int64_t count) {
@@ -103,7 +108,7 @@ double interpolate(const DemSamples& samples, Interpolation method, const PixelP
 }
 
 bool box_inside(const RasterSize& size, Interpolation method, const PixelBox& box) {
-  const double reach = overhang(method) + kBorderTolerance;
+  const double reach = overhang(method) + kTolerance_px;
   return within(box.low.col, box.high.col, size.cols, reach) &&
          within(box.low.row, box.high.row, size.rows, reach);
 }

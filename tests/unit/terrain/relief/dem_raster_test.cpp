@@ -102,6 +102,21 @@ TEST(Holes, DoNotGrowUnderBicubic) {
           << col << ' ' << row;
 }
 
+// A lattice whose georeference is rounded: each node is the sample, also beside a hole.
+TEST(Holes, DoNotReachTheNodesBesideThem) {
+  DemSamples s = sampled({5, 5}, [](double c, double r) { return 10 * r + c / 3; });
+  s.values[2 * 5 + 2] = kNan;
+  for (const Interpolation method : {bilinear, bicubic})
+    for (const double off : {-9e-7, -1e-10, 1e-10, 9e-7})
+      for (double row = 0; row < 5; ++row)
+        for (double col = 0; col < 5; ++col) {
+          const double z = interpolate(s, method, {col + off, row - off});
+          const double node = s.at(static_cast<std::int64_t>(row), static_cast<std::int64_t>(col));
+          EXPECT_TRUE(z == node || (std::isnan(z) && std::isnan(node))) << col << ' ' << row;
+        }
+  EXPECT_TRUE(std::isnan(interpolate(s, bilinear, {1 + 2e-6, 2})));
+}
+
 TEST(Inside, AllowsForRoundingOnTheBorder) {
   const DemSamples s = counting();
   EXPECT_EQ(interpolate(s, bilinear, {3 + 1e-9, -1e-9}), 3);
