@@ -41,6 +41,8 @@ A raster that GDAL reads becomes dem.h5 on its own grid, with the true elevation
 
 Coordinates become metres around the centre. The CRS is that of the file or of --crs; longitudes and latitudes, and maps whose scale at the site is not 1, are projected to a plane at the centre. Without a CRS they are taken as metres, unless the names of their columns state a unit; longitudes and latitudes need a CRS.)";
 
+constexpr const char* kKeepFills = "none";  // --nodata
+
 struct Options {
   CloudImport cloud;
   RasterImport raster;
@@ -49,6 +51,8 @@ struct Options {
   std::string time_unit;
   std::string up, axis_order;
   bool keep_noise = false, first_only = false, last_only = false;
+  std::string nodata;
+  std::optional<int> band;
 };
 
 void bind(CLI::App& app, Options& o) {
@@ -104,6 +108,16 @@ void bind(CLI::App& app, Options& o) {
   app.add_option("--vertical-scale", o.vertical_scale,
                  "Metres per unit of the heights; default: the unit of the CRS, else 1")
       ->type_name("FACTOR");
+  app.add_option(
+         "--nodata", o.nodata,
+         "Values that are no elevations, separated by commas: points with such a z are left out, such "
+         "samples of a raster and of its --truth are holes. none: numbers that look like undeclared "
+         "fill values are kept")
+      ->type_name("VALUE[,...]");
+  app.add_option("--band", o.band,
+                 "Band of a raster; default: the first, unless it is a colour, which only a given number "
+                 "accepts")
+      ->type_name("N");
 }
 
 double number_of(const std::string& text, const char* option) {
@@ -116,11 +130,17 @@ double number_of(const std::string& text, const char* option) {
   return number;
 }
 
+std::vector<double> numbers_of(const std::string& text, const char* option) {
+  std::vector<double> numbers;
+  if (text.empty()) return numbers;
+  for (const std::string& part : CLI::detail::split(text, ',')) numbers.push_back(number_of(part, option));
+  return numbers;
+}
+
 /// E,N or E,N,H.
 std::vector<double> center_of(const std::string& text) {
-  std::vector<double> center;
+  std::vector<double> center = numbers_of(text, "--center");
   if (text.empty()) return center;
-  for (const std::string& part : CLI::detail::split(text, ',')) center.push_back(number_of(part, "--center"));
   if (center.size() != 2 && center.size() != 3)
     throw UsageError("--center: '" + abbreviated(text) + "' is not E,N or E,N,H");
   return center;
@@ -190,6 +210,10 @@ void import_dem(cli::Session& session, const Options& o) {
   import.dem.path = o.cloud.path;
   import.dem.crs = o.cloud.crs;
   import.dem.vertical_scale = vertical_scale_of(o.vertical_scale);
+  import.dem.band = o.band.value_or(1);
+  import.dem.takes_colours = o.band.has_value();
+  import.dem.keeps_undeclared_fills = o.nodata == kKeepFills;
+  if (o.nodata != kKeepFills) import.dem.nodata = numbers_of(o.nodata, "--nodata");
   const std::vector<double> center = center_of(o.center);
   if (center.size() == 3) throw UsageError("--center: a raster keeps its heights: give E,N");
   if (!center.empty()) import.dem.center = std::array<double, 2>{center[0], center[1]};
@@ -217,6 +241,7 @@ ExitCode run(cli::Session& session, const Options& o) {
   }
   if (has_truth)
     throw UsageError("--truth and --terrain are for rasters; give regrid the --terrain of points");
+  if (o.band) throw UsageError("--band is for rasters; " + o.cloud.path + " is read as points");
   CloudImport import = o.cloud;
   import.selection = {.keep_noise = o.keep_noise,
                       .returns = o.first_only  ? ReturnChoice::first
@@ -225,6 +250,8 @@ ExitCode run(cli::Session& session, const Options& o) {
   import.axes = {.latitude_first = o.axis_order == "yx", .y_up = o.up == "y"};
   import.up_is_given = !o.up.empty();
   if (!o.time_unit.empty()) import.time_unit = time_unit(o.time_unit);
+  import.nodata.keeps_undeclared_fills = o.nodata == kKeepFills;
+  if (o.nodata != kKeepFills) import.nodata.z = numbers_of(o.nodata, "--nodata");
   import.center = center_of(o.center);
   import.vertical_scale = vertical_scale_of(o.vertical_scale);
   const OutputOptions output = session.output({import.path});

@@ -57,7 +57,8 @@ void bind(CLI::App& app, Options& o) {
       of_raster("--center", import.center, "X,Y",
                 "Site centre in the CRS of the raster; default: the middle of the raster");
   of_raster("--center-pixel", import.center_pixel, "COLUMN,ROW", "Site centre in pixels")->excludes(center);
-  of_raster("--band", import.band, "N", "Band number; the first is 1");
+  of_raster("--band", import.band, "N",
+            "Band number; default: the first, unless it is a colour, which only a given number accepts");
   of_raster("--interpolation", import.interpolation, "METHOD",
             "Interpolation: nearest, bilinear or bicubic (default)");
   of_raster("--datum", import.datum, "DATUM",
@@ -70,9 +71,9 @@ void bind(CLI::App& app, Options& o) {
   of_raster("--crs", import.crs, "DEF",
             "CRS of the raster in place of its own: EPSG:NUMBER, a PROJ text or WKT");
   of_raster(
-      "--nodata", import.nodata, "VALUE",
-      "Samples that are holes, beside those that the raster declares; none: keep numbers that look like "
-      "undeclared fill values");
+      "--nodata", import.nodata, "VALUE[,...]",
+      "Samples that are holes, in addition to those that the raster declares; none: keep numbers that look "
+      "like undeclared fill values");
   app.add_option("--half-width", import.half_width,
                  "Half width of the site, metres; default with --from: the largest that fits")
       ->type_name("M");

@@ -4,6 +4,7 @@
 // resolved configuration as numbers.
 #include "config/import_config.h"
 
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <optional>
@@ -43,6 +44,18 @@ Json pair_of(const std::string& text, const char* option) {
   return {number_of(text.substr(0, comma), option), number_of(text.substr(comma + 1), option)};
 }
 
+/// "none", a number, or a list of numbers.
+Json nodata_of(const std::string& text) {
+  if (text == "none") return text;
+  Json numbers = Json::array();
+  for (std::size_t begin = 0; begin <= text.size();) {
+    const std::size_t comma = std::min(text.find(',', begin), text.size());
+    numbers.push_back(number_of(text.substr(begin, comma - begin), "--nodata"));
+    begin = comma + 1;
+  }
+  return numbers.size() == 1 ? numbers[0] : numbers;
+}
+
 Json imported_base(const ImportOptions& options) {
   Json base = {{"type", "dem"}, {"path", options.from}};
   if (!options.center.empty()) base["center"] = pair_of(options.center, "--center");
@@ -55,9 +68,7 @@ Json imported_base(const ImportOptions& options) {
   if (!options.horizontal_scale.empty())
     base["horizontal_scale_m"] = number_of(options.horizontal_scale, "--horizontal-scale");
   if (!options.crs.empty()) base["crs"] = options.crs;
-  if (options.nodata == "none") base["nodata"] = options.nodata;
-  if (!options.nodata.empty() && options.nodata != "none")
-    base["nodata"] = number_of(options.nodata, "--nodata");
+  if (!options.nodata.empty()) base["nodata"] = nodata_of(options.nodata);
   return base;
 }
 

@@ -23,7 +23,7 @@ struct ImportOptions {
   std::string vertical_scale;
   std::string horizontal_scale;
   std::string crs;
-  std::string nodata;  ///< a number or "none"
+  std::string nodata;  ///< numbers separated by commas, or "none"
   std::string half_width;
   std::string resolution;
   std::string up;  ///< "y" or "z"

@@ -46,7 +46,7 @@ Base base_of(const Json& json) {
 DemBase site_raster(const Json& json) {
   DemBase raster;
   raster.path = json.at("path").get<std::string>();
-  raster.band = json.at("band").get<int>();
+  raster.band = json.value("band", 1);
   raster.center = optional_pair(json, "center");
   raster.center_pixel = optional_pair(json, "center_pixel");
   raster.interpolation = interpolation_of(json.at("interpolation").get<std::string>());
@@ -54,16 +54,25 @@ DemBase site_raster(const Json& json) {
     raster.horizontal_scale_m = json.at("horizontal_scale_m").get<double>();
   raster.crs = json.value("crs", "");
   if (json.contains("nodata")) {
-    raster.keeps_undeclared_fills = json.at("nodata").is_string();  // "none"
-    if (!raster.keeps_undeclared_fills) raster.nodata = json.at("nodata").get<double>();
+    const Json& nodata = json.at("nodata");
+    raster.keeps_undeclared_fills = nodata.is_string();  // "none"
+    if (nodata.is_number()) raster.nodata = {nodata.get<double>()};
+    if (nodata.is_array()) raster.nodata = nodata.get<std::vector<double>>();
   }
+  return raster;
+}
+
+/// A raster that is legitimately one of colours.
+DemBase picture(const Json& json) {
+  DemBase raster = site_raster(json);
+  raster.takes_colours = true;
   return raster;
 }
 
 std::variant<double, AlbedoGradient, AlbedoPatches, AlbedoRaster> ground_albedo(const Json& json) {
   if (json.is_number()) return json.get<double>();
   if (json.at("type") == "raster")
-    return AlbedoRaster{site_raster(json), number(json, "scale"), number(json, "offset")};
+    return AlbedoRaster{picture(json), number(json, "scale"), number(json, "offset")};
   if (json.at("type") == "patches")
     return AlbedoPatches{number(json, "albedo"), number(json, "albedo_between"), number(json, "cover_frac"),
                          number(json, "longest_wavelength_m"), number(json, "hurst_exponent")};
@@ -114,6 +123,7 @@ MeshImport mesh_import(const Json& json) {
 
 DemBase dem_base(const Json& json) {
   DemBase base = site_raster(json);
+  base.takes_colours = json.contains("band");
   base.datum = json.at("datum") == "center" ? Datum::center : Datum::none;
   if (json.contains("vertical_scale")) base.vertical_scale = json.at("vertical_scale").get<double>();
   return base;

@@ -10,6 +10,7 @@
 #include "base/progress.h"
 #include "files/landfall_file.h"
 #include "imports/cloud_times.h"
+#include "imports/screened_cloud.h"
 #include "runs/selected_cloud.h"
 
 namespace landfall {
@@ -25,6 +26,7 @@ struct CloudImport {
   CloudAxes axes{};
   bool up_is_given = false;  ///< no warning of points that seem to stand on edge
   std::optional<TimeUnit> time_unit{};
+  CloudNodata nodata{};  ///< --nodata
 };
 
 /// An output and what it needs; the provenance without configuration and inputs, which are added.

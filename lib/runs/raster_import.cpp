@@ -3,6 +3,7 @@
 
 #include <cmath>
 #include <filesystem>
+#include <string_view>
 #include <utility>
 
 #include "base/error.h"
@@ -62,11 +63,23 @@ Truth truth_of_terrain(const ImportedRaster& dem, Provenance& provenance,
   return {bin_elevations(*scene.surface, dem.grid.spec), "elevation of the terrain at the bin centre"};
 }
 
+/// sample_raster(); the option that gives a band is not for the truth.
+SampledRaster sampled_truth(const DemBase& truth, const RasterGrid& grid, RasterLinks links) {
+  try {
+    return sample_raster(truth, grid, links);
+  } catch (const FormatError& error) {
+    if (std::string_view(error.parameter()) != "band") throw;
+    throw FormatError(std::string(error.what()) + ", in a file of its own: gdal_translate -b");
+  }
+}
+
 Truth truth_of_raster(const ImportedRaster& dem, Provenance& provenance, std::vector<std::string>& warnings) {
   const RasterImport& import = dem.import;
   DemBase base{.path = import.truth, .center = {}, .center_pixel = {}, .horizontal_scale_m = {}};
+  base.nodata = import.dem.nodata;
+  base.keeps_undeclared_fills = import.dem.keeps_undeclared_fills;
   screen_raster(base, import.links);
-  SampledRaster sampled = sample_raster(base, dem.grid, import.links);
+  SampledRaster sampled = sampled_truth(base, dem.grid, import.links);
   static_cast<void>(place_truth(dem, "truth_of_raster", {import.truth, sampled.crs_wkt}, warnings));
   for (const std::string& sentence : sampled.assumed) warnings.push_back(import.truth + ": " + sentence);
   provenance.add_input("raster", sampled.source_id, nlohmann::json::array(), sampled.assumed);

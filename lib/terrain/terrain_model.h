@@ -43,6 +43,8 @@ enum class Datum { center, none };
 struct DemBase {
   std::string path;
   int band = 1;
+  /// Whether a band of colours is accepted; else it is refused, because colours are not elevations.
+  bool takes_colours = false;
   std::optional<std::array<double, 2>> center;  ///< [x, y] in the raster's CRS (longitude before latitude)
   std::optional<std::array<double, 2>> center_pixel;  ///< [column, row] from 0, the centre of that pixel
   Interpolation interpolation = Interpolation::bicubic;
@@ -53,8 +55,8 @@ struct DemBase {
   /// Metres per unit of the raster's coordinates (per pixel without any), for a raster without a CRS.
   std::optional<double> horizontal_scale_m;
   std::string crs{};  ///< a definition in place of the raster's own CRS; empty: its own
-  /// Samples, before scale and offset, that are holes beside those that the raster declares.
-  std::optional<double> nodata{};
+  /// Samples, before scale and offset, that are holes in addition to those that the raster declares.
+  std::vector<double> nodata{};
   /// Whether samples that look like fill values, but are not declared, are elevations; else they are refused.
   bool keeps_undeclared_fills = false;
   friend bool operator==(const DemBase&, const DemBase&) = default;

@@ -293,12 +293,17 @@ class Fills(ForeignRasters):
         self.load(self.holed(5, "float64", 40))
 
     def test_zeros_around_the_ground(self):
-        z = plane(offsets(COLS), offsets(ROWS)) + 500
-        z[:3], z[-3:], z[:, :3], z[:, -3:] = 0, 0, 0, 0
-        path = foreign.geotiff(self.path("zero.tif"), formats.polar_stereographic(MOON_M), (0, 5, 0, 0, 0, -5), z)
-        self.load(path, warnings=[("samples of 0 fill the border", "nodata 0")])
-        _, _, holed = self.load(path, "--nodata", "0")
-        self.assertEqual(np.nanmin(holed) > 400, True)
+        ground = plane(offsets(COLS), offsets(ROWS))
+        for relief in (0.5, 1.5):  # from 0 to the lowest ground; farther than its own relief they are fills
+            z = ground - ground.min() + relief * np.ptp(ground)
+            z[:3], z[-3:], z[:, :3], z[:, -3:] = 0, 0, 0, 0
+            path = foreign.geotiff(self.path("zero.tif"), formats.polar_stereographic(MOON_M), (0, 5, 0, 0, 0, -5), z)
+            if relief < 1:
+                self.load(path, warnings=[("samples of 0 fill the border", "nodata 0")])
+            else:
+                self.refused(path, "samples are 0, which looks like an undeclared fill value", "--nodata")
+            _, _, holed = self.load(path, "--nodata", "0")
+            self.assertGreater(np.nanmin(holed), 0)
         flat = foreign.geotiff(self.path("zero.tif"), formats.polar_stereographic(MOON_M), (0, 5, 0, 0, 0, -5), z * 0)
         self.load(flat)
 

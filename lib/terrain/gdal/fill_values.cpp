@@ -3,100 +3,17 @@
 #include "terrain/gdal/fill_values.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <limits>
 #include <vector>
 
 #include "base/error.h"
+#include "base/joined.h"
 #include "base/number_text.h"
+#include "raster/fill_search.h"
 
 namespace landfall {
 namespace {
-
-/// Raw numbers that stand for "no data" in files of many producers.
-constexpr std::array kFills = {-32768.0,      -32767.0,      32767.0,      65535.0,  -9999.0,
-                               9999.0,        -99999.0,      99999.0,      -999.0,   1e6,
-                               -2147483648.0, -2147483647.0, 2147483647.0, -999999.0};
-constexpr double kAbsurd = 1e12;  ///< no elevation; -3.4e38 and the default fills of netCDF lie beyond
-
-struct Fill {
-  double raw;
-  double value;  ///< after scaling
-  std::int64_t count = 0;
-};
-
-struct Range {
-  double low = std::numeric_limits<double>::infinity();
-  double high = -std::numeric_limits<double>::infinity();
-  void add(double value) {
-    low = std::min(low, value);
-    high = std::max(high, value);
-  }
-  [[nodiscard]] bool empty() const { return low > high; }
-  [[nodiscard]] double relief() const { return high - low; }
-  /// The distance of a value outside the range; negative inside.
-  [[nodiscard]] double distance(double value) const { return std::max(low - value, value - high); }
-};
-
-/// A value after scaling whose raw number is beyond any elevation.
-bool is_absurd(double value, const Scaling& elevation) {
-  return std::abs(value - elevation.offset) >= kAbsurd * std::abs(elevation.scale);
-}
-
-/// Samples, sorted into fills and the rest.
-class Sorted {
- public:
-  Sorted(const DemSamples& samples, const Scaling& elevation) : elevation_(elevation) {
-    for (const double raw : kFills) fills_.push_back({raw, elevation.scale * raw + elevation.offset});
-    for (const double value : samples.values)
-      if (!std::isnan(value)) add(value);
-  }
-  [[nodiscard]] const std::vector<Fill>& fills() const { return fills_; }
-  [[nodiscard]] const Range& rest() const { return rest_; }
-  [[nodiscard]] std::int64_t total() const { return total_; }
-
- private:
-  void add(double value) {
-    ++total_;
-    const auto known = std::ranges::find(fills_, value, &Fill::value);
-    if (known != fills_.end()) {
-      ++known->count;
-    } else if (is_absurd(value, elevation_)) {
-      fills_.push_back({(value - elevation_.offset) / elevation_.scale, value, 1});
-    } else {
-      rest_.add(value);
-    }
-  }
-
-  Scaling elevation_;
-  std::vector<Fill> fills_;
-  Range rest_;
-  std::int64_t total_ = 0;
-};
-
-/// The lowest and the highest sample: only if one of them may be a fill are all samples sorted.
-bool may_hold_fills(const DemSamples& samples, const Scaling& elevation) {
-  Range range;
-  for (const double value : samples.values)
-    if (!std::isnan(value)) range.add(value);
-  if (range.empty()) return false;
-  const auto is_end = [&](double raw) {
-    const double value = elevation.scale * raw + elevation.offset;
-    return value == range.low || value == range.high;
-  };
-  return is_absurd(range.low, elevation) || is_absurd(range.high, elevation) ||
-         std::ranges::any_of(kFills, is_end);
-}
-
-bool is_isolated(const Fill& fill, const Sorted& sorted, const Scaling& elevation, bool is_integer) {
-  if (fill.count == 0) return false;
-  if (sorted.rest().empty() || is_absurd(fill.value, elevation)) return true;
-  const double distance = sorted.rest().distance(fill.value);
-  if (is_integer && distance <= 2 * std::abs(elevation.scale)) return false;  // a step of the numbers
-  const double relief = sorted.rest().relief();
-  return distance > 0.1 * relief || (distance > 0.001 * relief && 100 * fill.count > sorted.total());
-}
 
 bool lies_in(const DemSamples& samples, const PixelBox& box, double value) {
   constexpr double kReach = 2;  // of bicubic interpolation
@@ -112,14 +29,25 @@ bool lies_in(const DemSamples& samples, const PixelBox& box, double value) {
   return false;
 }
 
-[[noreturn]] void refuse(const Fill& fill, const Sorted& sorted, const DemBase& dem) {
-  const std::string number = number_text(fill.raw);
-  const std::string others = sorted.rest().empty() ? "no other sample has a value"
-                                                   : "the others lie in " + short_number(sorted.rest().low) +
-                                                         " .. " + short_number(sorted.rest().high) + " m";
-  throw FormatError(dem.path + ": " + std::to_string(fill.count) + " of " + std::to_string(sorted.total()) +
-                        " samples are " + number + ", which looks like an undeclared fill value (" + others +
-                        "); give nodata " + number + " to make them holes, or nodata none to keep them",
+/// "-9999", "-9999 or -32768".
+std::string numbers_of(const std::vector<Fill>& fills, const char* separator) {
+  return joined(fills, separator, [](const Fill& fill) { return number_text(fill.raw); });
+}
+
+[[noreturn]] void refuse(const std::vector<Fill>& fills, const FillSearch::Result& found,
+                         const DemBase& dem) {
+  std::int64_t count = 0;
+  for (const Fill& fill : fills) count += fill.count;
+  const std::string numbers = numbers_of(fills, ",");
+  const std::string others = found.rest.empty() ? "no other sample has a value"
+                                                : "the others lie in " + short_number(found.rest.low) +
+                                                      " .. " + short_number(found.rest.high) + " m";
+  throw FormatError(dem.path + ": " + std::to_string(count) + " of " + std::to_string(found.total) +
+                        " samples are " + numbers_of(fills, " or ") +
+                        (fills.size() == 1 ? ", which looks like an undeclared fill value ("
+                                           : ", which look like undeclared fill values (") +
+                        others + "); give nodata " + numbers +
+                        " to make them holes, or nodata none to keep them",
                     "nodata");
 }
 
@@ -155,7 +83,7 @@ class ZeroBorder {
 std::optional<std::string> zero_fill(const DemSamples& samples, const Scaling& elevation) {
   const double zero = elevation.offset;
   if (!ZeroBorder(samples, zero).filled()) return std::nullopt;
-  Range rest;
+  FillSearch::Range rest;
   std::int64_t zeros = 0;
   double nearest = std::numeric_limits<double>::infinity();
   for (const double value : samples.values) {
@@ -164,10 +92,10 @@ std::optional<std::string> zero_fill(const DemSamples& samples, const Scaling& e
       ++zeros;
       continue;
     }
-    rest.add(value);
+    rest = {std::min(rest.low, value), std::max(rest.high, value)};
     nearest = std::min(nearest, std::abs(value - zero));
   }
-  if (rest.empty() || nearest <= 0.1 * rest.relief()) return std::nullopt;
+  if (rest.empty() || nearest <= 0.1 * (rest.high - rest.low)) return std::nullopt;
   return std::to_string(zeros) +
          " samples of 0 fill the border, far from all others: 0 as an elevation is assumed (nodata 0 makes "
          "them "
@@ -179,12 +107,11 @@ std::optional<std::string> zero_fill(const DemSamples& samples, const Scaling& e
 std::optional<std::string> check_fill_values(const DemSamples& samples, const PixelBox& needed,
                                              const Scaling& elevation, bool is_integer, const DemBase& dem) {
   if (dem.keeps_undeclared_fills) return std::nullopt;
-  if (may_hold_fills(samples, elevation)) {
-    const Sorted sorted(samples, elevation);
-    for (const Fill& fill : sorted.fills())
-      if (is_isolated(fill, sorted, elevation, is_integer) && lies_in(samples, needed, fill.value))
-        refuse(fill, sorted, dem);
-  }
+  FillSearch search({elevation.scale, elevation.offset, is_integer});
+  search.add(samples.values);
+  FillSearch::Result found = search.result();
+  std::erase_if(found.fills, [&](const Fill& fill) { return !lies_in(samples, needed, fill.value); });
+  if (!found.fills.empty()) refuse(found.fills, found, dem);
   return zero_fill(samples, elevation);
 }
 

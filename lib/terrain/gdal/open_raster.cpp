@@ -159,9 +159,22 @@ void require_own_data(const OpenRaster& raster, const DemBase& dem) {
                       ") describes otherwise; rename one of them, or gdal_translate it");
 }
 
+/// The samples of a picture, and elevations that are coded in several colours, are not elevations.
+void require_no_colour(GDALRasterBand& band, const DemBase& dem) {
+  const GDALColorInterp colour = band.GetColorInterpretation();
+  if (dem.takes_colours || colour == GCI_Undefined || colour == GCI_GrayIndex) return;
+  const std::string number = std::to_string(dem.band);
+  throw FormatError(dem.path + ": band " + number + " is a colour (" +
+                        GDALGetColorInterpretationName(colour) +
+                        "), not an elevation; give the band of the elevations, or band " + number +
+                        " to take its samples as they are",
+                    "band");
+}
+
 void require_usable(const OpenRaster& raster, const DemBase& dem) {
   const auto [rows, cols] = raster.size;
   require_whole_usgs_dem(raster, dem);
+  require_no_colour(*raster.band, dem);
   if (rows < 2 || cols < 2)
     throw FormatError(dem.path + ": " + std::to_string(cols) + " x " + std::to_string(rows) +
                       " pixels are fewer than 2 x 2, which a surface needs; is it a cut or truncated file?");

@@ -15,6 +15,7 @@
 #include "base/hash.h"
 #include "base/number_text.h"
 #include "base/parallel.h"
+#include "terrain/gdal/fill_values.h"
 #include "terrain/gdal/map_position.h"
 #include "terrain/gdal/map_projection.h"
 #include "terrain/gdal/open_raster.h"
@@ -119,9 +120,10 @@ std::unique_ptr<OGRCoordinateTransformation> transformation(const RasterStatemen
   const OGRSpatialReference* const a = from.georeference.crs;
   const OGRSpatialReference* const b = to.georeference.crs;
   if ((a == nullptr) != (b == nullptr))
-    throw FormatError((a == nullptr ? from_dem : to_dem).path + ": has no CRS, but " +
-                      (a == nullptr ? to_dem : from_dem).path +
-                      " has one; assign it with gdal_translate -a_srs, or take both as one frame with --same-frame");
+    throw FormatError(
+        (a == nullptr ? from_dem : to_dem).path + ": has no CRS, but " +
+        (a == nullptr ? to_dem : from_dem).path +
+        " has one; assign it with gdal_translate -a_srs, or take both as one frame with --same-frame");
   if (a == nullptr) return nullptr;
   OGRSpatialReference source = *a;
   OGRSpatialReference target = *b;
@@ -137,24 +139,71 @@ std::unique_ptr<OGRCoordinateTransformation> transformation(const RasterStatemen
   return made;
 }
 
-DemSamples read_whole(const OpenRaster& raster, const RasterStatement& statement, const DemBase& dem,
-                      GdalErrors& errors) {
+void require_readable_whole(const OpenRaster& raster, const DemBase& dem) {
   if (raster.size.rows * raster.size.cols > kMaxSampled)
-    throw FormatError(dem.path + ": has more than 256 Mpx; cut out the place (gdal_translate -projwin)");
-  WindowReader reader(raster, statement, dem, errors);
-  return reader.read({0, 0, raster.size});
+    throw FormatError(
+        dem.path + ": has " + grouped(raster.size.cols) + " x " + grouped(raster.size.rows) +
+        " pixels, more than 256 Mpx; cut out the place (gdal_translate -projwin ULX ULY LRX LRY)");
 }
 
-std::string id_of(const DemSamples& samples, const GeoTransform& transform) {
-  const auto c = transform.coefficients();
-  return Hash().update(std::as_bytes(std::span(samples.values))).update(std::as_bytes(std::span(c))).hex();
-}
+/// Another raster, sampled at points of its map.
+class PointSamples {
+ public:
+  PointSamples(const OpenRaster& raster, const RasterStatement& statement, const DemBase& dem,
+               GdalErrors& errors)
+      : dem_(dem),
+        elevation_(statement.elevation),
+        transform_(transform_of(raster, statement, dem)),
+        middle_(transform_.map_point(middle_of(raster.size))),
+        is_integer_(GDALDataTypeIsInteger(raster.band->GetRasterDataType()) != 0) {
+    require_readable_whole(raster, dem);
+    if (const OGRSpatialReference* crs = statement.georeference.crs;
+        crs != nullptr && crs->IsGeographic() != 0)
+      turn_ = 2 * std::numbers::pi / crs->GetAngularUnits();
+    samples_ = WindowReader(raster, statement, dem, errors).read({0, 0, raster.size});
+  }
+
+  /// The elevation, bilinear; longitudes may differ from those of the raster by whole turns.
+  [[nodiscard]] double at(MapPoint point) {
+    if (turn_ > 0) point.x = middle_.x + std::remainder(point.x - middle_.x, turn_);
+    const PixelPosition pixel = transform_.pixel(point);
+    if (inside(samples_.size, Interpolation::bilinear, pixel)) use(pixel);
+    return dem_.vertical_scale.value_or(1) * interpolate(samples_, Interpolation::bilinear, pixel);
+  }
+  /// Throws FormatError for undeclared fill values where at() used the raster; returns a sentence of doubt.
+  [[nodiscard]] std::optional<std::string> check_fills() const {
+    if (!used_) return std::nullopt;
+    return check_fill_values(samples_, *used_, elevation_, is_integer_, dem_);
+  }
+  /// A hash of its samples and georeference.
+  [[nodiscard]] std::string id() const {
+    const auto c = transform_.coefficients();
+    return Hash().update(std::as_bytes(std::span(samples_.values))).update(std::as_bytes(std::span(c))).hex();
+  }
+
+ private:
+  void use(const PixelPosition& p) {
+    if (!used_) used_ = PixelBox{p, p};
+    used_->low = {std::min(used_->low.col, p.col), std::min(used_->low.row, p.row)};
+    used_->high = {std::max(used_->high.col, p.col), std::max(used_->high.row, p.row)};
+  }
+
+  const DemBase& dem_;
+  Scaling elevation_;
+  GeoTransform transform_;
+  MapPoint middle_;
+  bool is_integer_;
+  double turn_ = 0;  ///< of longitude, units of the raster; 0: its coordinates are not longitudes
+  DemSamples samples_;
+  std::optional<PixelBox> used_;
+};
 
 }  // namespace
 
 RasterGrid grid_of_raster(const DemBase& asked, RasterLinks links) {
   GdalErrors errors;
   const OpenRaster raster = open_raster(asked, links, errors);
+  require_readable_whole(raster, asked);
   const RasterStatement statement = raster_statement(raster, asked);
   const GeoTransform transform = transform_of(raster, statement, asked);
   if (!transform.invertible()) throw FormatError(asked.path + ": its geotransform gives cells without area");
@@ -185,16 +234,13 @@ SampledRaster sample_at_bins(const DemBase& truth, const RasterGrid& grid, Raste
   const GeoTransform own_transform = transform_of(own, own_statement, grid.dem);
   const OpenRaster raster = open_raster(truth, links, errors);
   const RasterStatement statement = raster_statement(raster, truth);
-  const GeoTransform transform = transform_of(raster, statement, truth);
   const auto to_truth = grid.same_frame ? nullptr : transformation(own_statement, grid.dem, statement, truth);
-  const DemSamples samples = read_whole(raster, statement, truth, errors);
-  SampledRaster result{.z = Grid<double>(grid.spec), .source_id = id_of(samples, transform)};
+  PointSamples samples(raster, statement, truth, errors);
+  SampledRaster result{.z = Grid<double>(grid.spec), .source_id = samples.id()};
   result.is_reprojected = to_truth != nullptr;
   if (const OGRSpatialReference* const crs = statement.georeference.crs)
-    result.crs_wkt = placed_on(kLocalSiteCrsWkt, *crs, transform.map_point(middle_of(raster.size)), 0,
-                               vertical_datum_of(*crs));
+    result.crs_wkt = placed_on(kLocalSiteCrsWkt, *crs, {}, 0, vertical_datum_of(*crs));
   result.assumed = statement.assumed;
-  const double scale = truth.vertical_scale.value_or(1);
   std::vector<double> x(static_cast<std::size_t>(grid.spec.cols));
   std::vector<double> y(x.size());
   std::vector<int> done(x.size(), TRUE);
@@ -208,10 +254,9 @@ SampledRaster sample_at_bins(const DemBase& truth, const RasterGrid& grid, Raste
     if (to_truth) to_truth->Transform(static_cast<int>(x.size()), x.data(), y.data(), nullptr, done.data());
     for (std::size_t col = 0; col < x.size(); ++col)
       result.z.at({row, static_cast<std::int64_t>(col)}) =
-          done[col] != FALSE
-              ? scale * interpolate(samples, Interpolation::bilinear, transform.pixel({x[col], y[col]}))
-              : std::nan("");
+          done[col] != FALSE ? samples.at({x[col], y[col]}) : std::nan("");
   }
+  if (auto doubt = samples.check_fills()) result.assumed.push_back(std::move(*doubt));
   return result;
 }
 

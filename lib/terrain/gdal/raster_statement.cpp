@@ -201,7 +201,7 @@ RasterStatement raster_statement(const OpenRaster& raster, const DemBase& dem) {
   result.packing = packing_of(raster, dem, array);
   result.elevation = elevation_scaling(raster, dem, array, result);
   if (const auto nodata = gdal_nodata(*raster.band)) result.nodata.push_back(*nodata);
-  if (dem.nodata) result.nodata.push_back(*dem.nodata);
+  result.nodata.insert(result.nodata.end(), dem.nodata.begin(), dem.nodata.end());
   if (array) {
     result.nodata.insert(result.nodata.end(), array->fills.begin(), array->fills.end());
     result.valid = array->valid;
