@@ -14,7 +14,9 @@
 #include "imports/cloud_units.h"
 #include "imports/coordinate_steps.h"
 #include "imports/point_sample.h"
+#include "imports/screened_cloud.h"
 #include "meshio/up_axis.h"
+#include "runs/geodetic_cloud.h"
 #include "runs/site_points.h"
 #include "terrain/gdal/gdal_loader.h"
 #include "terrain/site_wkt.h"
@@ -23,6 +25,8 @@ namespace landfall {
 namespace {
 
 constexpr std::size_t kFewestPoints = 64;  // of which a shape is told
+constexpr const char* kBeyondHorizon =
+    " points lie beyond the horizon of the site, 90 degrees or more from its centre";
 constexpr double kInfinite = std::numeric_limits<double>::infinity();
 
 struct Extent {
@@ -120,13 +124,16 @@ std::optional<StatedMapUnit> stated_unit(const CloudInfo& info) {
                        .text = x.text == y.text ? x.text : x.text + " and " + y.text};
 }
 
-PointFrame frame_of(const CloudImport& import, const CloudInfo& info, const Extent& extent) {
+PointFrame frame_of(const CloudImport& import, const CloudInfo& info, const Extent& extent,
+                    const std::optional<GroundExtent>& across_seam, bool is_geodetic) {
   PointFrameRequest request{.name = import.path,
                             .crs = {},
                             .low = {extent.box.low[0], extent.box.low[1]},
                             .high = {extent.box.high[0], extent.box.high[1]},
                             .center = {},
-                            .vertical_scale = import.vertical_scale};
+                            .vertical_scale = import.vertical_scale,
+                            .across_seam = across_seam,
+                            .is_geodetic = is_geodetic};
   request.crs.option = import.crs;
   request.crs.wkt = info.crs_wkt;
   if (info.geo_keys) {
@@ -138,6 +145,42 @@ PointFrame frame_of(const CloudImport& import, const CloudInfo& info, const Exte
   if (!request.vertical_scale && info.units[2].kind == ColumnUnit::Kind::length) request.vertical_scale = 1;
   if (import.center.size() >= 2) request.center = MapPoint{import.center[0], import.center[1]};
   return point_frame(request);
+}
+
+/// The extent of points on both sides of the seam of their CRS; none of others.
+std::optional<GroundExtent> extent_across_seam(SelectedCloud& cloud, const PointFrame& frame) {
+  GroundExtentSearch search;
+  for (CloudBatch batch; cloud.next(batch);)
+    for (std::size_t i = 0; i < batch.size(); ++i)
+      search.add(frame.ground({batch.columns[0][i], batch.columns[1][i]}));
+  return search.across_seam();
+}
+
+/// The frame of the points, and their extent, which becomes that of their longitudes, latitudes and heights
+/// if they are body-fixed.
+PointFrame place_cloud(const CloudImport& import, const CloudInfo& info, SelectedCloud& cloud, Extent& extent,
+                       const ProgressCallback& progress) {
+  PointFrame frame = frame_of(import, info, extent, {}, false);
+  const bool is_geodetic = frame.body_fixed.has_value();
+  if (is_geodetic) {
+    cloud.convert([&](auto source) { return geodetic_cloud(std::move(source), *frame.body_fixed); });
+    cloud.rewind();
+    extent = extent_of(cloud, import.path, progress);
+    frame = frame_of(import, info, extent, {}, true);
+  }
+  if (!frame.ground) return frame;
+  cloud.rewind();
+  const auto across = extent_across_seam(cloud, frame);
+  return across ? frame_of(import, info, extent, across, is_geodetic) : frame;
+}
+
+/// What the first pass left out, without the file's name.
+std::vector<std::string> left_out_sentences(const SelectedCloud& cloud, const ScreenedCloud& source,
+                                            const CloudNodata& nodata) {
+  std::vector<std::string> sentences = cloud.sentences();
+  if (!nodata.z.empty())
+    sentences.push_back(grouped(source.left_out()) + " points with a z of --nodata are left out");
+  return sentences;
 }
 
 nlohmann::json config_of(const CloudImport& import, const CloudInfo& info, const PointFrame& frame,
@@ -155,6 +198,8 @@ nlohmann::json config_of(const CloudImport& import, const CloudInfo& info, const
   if (import.axes.latitude_first) config["axis_order"] = "yx";
   if (import.axes.y_up) config["up"] = "y";
   if (import.time_unit) config["time_unit"] = name_of(*import.time_unit);
+  if (import.nodata.keeps_undeclared_fills) config["nodata"] = "none";
+  if (!import.nodata.z.empty()) config["nodata"] = import.nodata.z;
   return config;
 }
 
@@ -190,19 +235,26 @@ ImportedColumns columns_of(const CloudInfo& info, const TimeScale& times) {
 }  // namespace
 
 ImportedCloud import_cloud(const CloudImport& import, ImportOutput output) {
-  std::unique_ptr<CloudReader> opened = open_cloud(import.path, column_choice(import.columns));
-  CloudInfo info = opened->info();
+  auto screened = std::make_unique<ScreenedCloud>(open_cloud(import.path, column_choice(import.columns)),
+                                                  import.path, import.nodata);
+  const ScreenedCloud& source = *screened;
+  CloudInfo info = source.info();
   const std::optional<TimeUnit> time_unit = time_unit_of(import, info);
   UnitConversion conversion = unit_conversion(info, has_crs(import, info), import.vertical_scale);
   if (time_unit) conversion.factors[static_cast<std::size_t>(CloudField::t)] = 1;  // TimeScale converts them
-  SelectedCloud cloud(converted(std::move(opened), conversion), import.path, import.selection, import.axes);
+  SelectedCloud cloud(converted(std::move(screened), conversion), import.path, import.selection, import.axes);
   info = cloud.info();
   info.notes.insert(info.notes.end(), conversion.notes.begin(), conversion.notes.end());
   Extent extent;
   output.phase("measure",
                [&](const ProgressCallback& progress) { extent = extent_of(cloud, import.path, progress); });
   const std::string box_warning = box_finding(import.path, info, extent);
-  const PointFrame frame = frame_of(import, info, extent);
+  const std::vector<std::string> left_out = left_out_sentences(cloud, source, import.nodata);
+  const LeftOut counts = cloud.left_out();
+  PointFrame frame;
+  output.phase("place", [&](const ProgressCallback& progress) {
+    frame = place_cloud(import, info, cloud, extent, progress);
+  });
   const TimeScale times = times_of(import, info, time_unit, extent);
   ImportedCloud result{
       .point_count = extent.count(),
@@ -210,14 +262,14 @@ ImportedCloud import_cloud(const CloudImport& import, ImportOutput output) {
       .bounds_m = {},
       .format = info.format,
       .crs_name = frame.crs_name,
-      .left_out = cloud.left_out()};
+      .left_out = counts};
   result.bounds_m.fill({kInfinite, -kInfinite});
   output.provenance.config = config_of(import, info, frame, result.center);
   std::vector<std::string> assumed = info.notes;
   assumed.insert(assumed.end(), frame.assumed.begin(), frame.assumed.end());
   result.warnings =
       named(import.path, {assumed,
-                          cloud.sentences(),
+                          left_out,
                           {times.warning, box_warning, steps_finding(info, frame, extent.sample)},
                           place_findings(import, info, frame, extent.sample)});
   cloud.rewind();
@@ -232,13 +284,21 @@ ImportedCloud import_cloud(const CloudImport& import, ImportOutput output) {
     const SitePoints site(frame, result.center[2], times, import.path);
     ImportedPoints points;
     std::int64_t count = 0;
+    std::int64_t beyond = 0;
     for (CloudBatch batch; cloud.next(batch); report(progress, cloud.progress())) {
-      site.convert(batch, points);
+      beyond += site.convert(batch, points);
       count += static_cast<std::int64_t>(points.columns.size());
       add_bounds(points.columns, result.bounds_m);
       writer.append(points);
     }
-    if (count != extent.count()) throw FormatError(import.path + ": changed while it was read");
+    if (count + beyond != extent.count()) throw FormatError(import.path + ": changed while it was read");
+    if (count == 0)
+      throw FormatError(import.path + ": all " + grouped(beyond) + kBeyondHorizon +
+                        "; give a --center among its points");
+    if (beyond > 0)
+      result.warnings.push_back(import.path + ": " + grouped(beyond) + " of " + grouped(extent.count()) +
+                                kBeyondHorizon + " and are left out");
+    result.point_count = count;
     const double first_t_s = times.seconds(extent.times.first);
     writer.commit({result.center, info.format, std::isfinite(first_t_s) ? first_t_s : 0});
   });

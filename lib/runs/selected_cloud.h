@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "imports/cloud_axes.h"
@@ -38,6 +39,12 @@ class SelectedCloud {
                 const CloudAxes& axes);
 
   [[nodiscard]] const CloudInfo& info() const { return info_; }
+  /// Puts a conversion between the file and this: convert(the reader so far) gives the new one. Before or
+  /// after a pass.
+  template <class Convert>
+  void convert(const Convert& conversion) {
+    cloud_ = conversion(std::move(cloud_));
+  }
   /// Reads the next points, at least one; false after the last one. Throws as CloudReader::next() does.
   bool next(CloudBatch& batch);
   /// Begins again with the first point, and with no point left out.

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
+#include <vector>
 
 #include "base/error.h"
 #include "base/number_text.h"
@@ -15,41 +17,63 @@ namespace {
 
 constexpr std::size_t kPointsPerPiece = 1U << 14U;
 
+/// Keeps the values of a column at these places.
+template <class T>
+void keep(std::vector<T>& column, const std::vector<char>& is_kept) {
+  std::size_t kept = 0;
+  for (std::size_t i = 0; i < column.size(); ++i)
+    if (is_kept[i] != 0) column[kept++] = column[i];
+  column.resize(kept);
+}
+
 }  // namespace
 
-void SitePoints::convert(const CloudBatch& batch, ImportedPoints& points) const {
+std::int64_t SitePoints::convert(CloudBatch& batch, ImportedPoints& points) const {
   const std::size_t count = batch.size();
-  points.columns.x_est.resize(count);
-  points.columns.y_est.resize(count);
-  points.columns.z_est.resize(count);
-  points.columns.status.resize(count);
+  PointColumns& columns = points.columns;
+  columns.x_est.resize(count);
+  columns.y_est.resize(count);
+  columns.z_est.resize(count);
+  columns.status.resize(count);
+  std::vector<char> is_placed(count);
   parallel_for(count, frame_.one_thread ? std::max<std::size_t>(count, 1) : kPointsPerPiece,
                [&](std::size_t begin, std::size_t end) {
-                 for (std::size_t i = begin; i < end; ++i) place(batch, i, points.columns);
+                 for (std::size_t i = begin; i < end; ++i) is_placed[i] = place(batch, i, columns) ? 1 : 0;
                });
-  require_places(batch, points.columns);
-  integers(batch, CloudField::pulse, points.columns.pulse);
-  integers(batch, CloudField::pixel, points.columns.pixel);
-  integers(batch, CloudField::return_number, points.columns.return_number);
+  const std::int64_t beyond = std::ranges::count(is_placed, 0);
+  if (beyond > 0) {
+    for (auto& column : batch.columns)
+      if (!column.empty()) keep(column, is_placed);
+    for (auto* column : {&columns.x_est, &columns.y_est, &columns.z_est}) keep(*column, is_placed);
+    keep(columns.status, is_placed);
+  }
+  require_places(batch, columns);
+  integers(batch, CloudField::pulse, columns.pulse);
+  integers(batch, CloudField::pixel, columns.pixel);
+  integers(batch, CloudField::return_number, columns.return_number);
   require_finite(batch, CloudField::intensity);
   const std::vector<double>& intensity = batch[CloudField::intensity];
-  points.columns.intensity.assign(intensity.begin(), intensity.end());
+  columns.intensity.assign(intensity.begin(), intensity.end());
   require_finite(batch, CloudField::t);
   points.t.clear();
   for (const double t : batch[CloudField::t]) points.t.push_back(times_.seconds(t));
+  return beyond;
 }
 
-void SitePoints::place(const CloudBatch& batch, std::size_t i, PointColumns& points) const {
+/// False for a point beyond the horizon of the site.
+bool SitePoints::place(const CloudBatch& batch, std::size_t i, PointColumns& points) const {
   const MapPoint p{batch.columns[0][i], batch.columns[1][i]};
-  const SitePoint at = frame_.site ? frame_.site(p)
-                                   : SitePoint{(p.x - frame_.center.x) * frame_.metres_per_unit,
-                                               (p.y - frame_.center.y) * frame_.metres_per_unit};
-  points.x_est[i] = at.x_m;
-  points.y_est[i] = at.y_m;
+  std::optional<SitePoint> at = SitePoint{(p.x - frame_.center.x) * frame_.metres_per_unit,
+                                          (p.y - frame_.center.y) * frame_.metres_per_unit};
+  if (frame_.site) at = frame_.site(p);
+  if (!at) return false;
+  points.x_est[i] = at->x_m;
+  points.y_est[i] = at->y_m;
   points.z_est[i] = (batch.columns[2][i] - center_height_) * frame_.metres_per_height;
   const std::vector<double>& classes = batch[CloudField::classification];
   points.status[i] =
       !classes.empty() && is_noise(classes[i]) ? PointStatus::false_return : PointStatus::returned;
+  return true;
 }
 
 void SitePoints::require_places(const CloudBatch& batch, const PointColumns& points) const {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <cstdint>
 #include <string>
 
 #include "files/imported_scan.h"
@@ -17,12 +18,13 @@ class SitePoints {
   SitePoints(const PointFrame& frame, double center_height, TimeScale times, const std::string& name)
       : frame_(frame), center_height_(center_height), times_(std::move(times)), name_(name) {}
 
-  /// Throws FormatError for a point that lies outside its map projection, for an intensity or a time that is
-  /// not finite, and for a pulse, pixel or number of a return that is not an integer in its range.
-  void convert(const CloudBatch& batch, ImportedPoints& points) const;
+  /// Removes points beyond the horizon of the site from the batch; returns their number. Throws FormatError
+  /// for a point that lies outside its map projection, for an intensity or a time that is not finite, and for
+  /// a pulse, pixel or number of a return that is not an integer in its range.
+  std::int64_t convert(CloudBatch& batch, ImportedPoints& points) const;
 
  private:
-  void place(const CloudBatch& batch, std::size_t i, PointColumns& points) const;
+  [[nodiscard]] bool place(const CloudBatch& batch, std::size_t i, PointColumns& points) const;
   void require_places(const CloudBatch& batch, const PointColumns& points) const;
   void require_finite(const CloudBatch& batch, CloudField field) const;
   template <class T>

@@ -3,6 +3,8 @@
 // The plugin's side of point_frame() (lib/terrain/gdal/gdal_loader.h).
 #include "terrain/gdal/point_frame.h"
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <memory>
 #include <numbers>
@@ -27,26 +29,53 @@ void use_ground(PointFrame& frame, const OGRSpatialReference& crs, const PointFr
   for (const double latitude : {request.low.y, request.high.y, frame.center.y})
     if (!(std::abs(latitude * radians) <= kPole))
       throw FormatError(request.name + ": a latitude of " + number_text(latitude) +
-                        " lies beyond a pole: are its coordinates those of its CRS? --crs gives another");
+                        " lies beyond a pole: are its coordinates those of its CRS? --crs gives another; "
+                        "body-fixed x, y, z take --crs \"+proj=geocent +a=" +
+                        number_text(crs.GetSemiMajor()) + " +b=" + number_text(crs.GetSemiMinor()) + "\"");
   const LonLat ground{frame.center.x * radians, frame.center.y * radians};
   const OrthographicFrame plane(body_of(crs), ground);
-  frame.site = [plane, center = frame.center, radians](const MapPoint& p) {
-    return plane.point({(p.x - center.x) * radians, (p.y - center.y) * radians});
+  const double turn = 2 * std::numbers::pi / radians;
+  frame.site = [plane, center = frame.center, radians, turn](const MapPoint& p) {
+    return plane.point({std::remainder(p.x - center.x, turn) * radians, (p.y - center.y) * radians});
   };
+  if (request.high.x - request.low.x > turn / 2)
+    frame.ground = [radians](const MapPoint& p) { return LonLat{p.x * radians, p.y * radians}; };
   frame.metres_per_unit = 0;
   frame.crs_wkt = orthographic_wkt(crs, lon_lat_of(crs, ground));
 }
 
-/// A map whose scale at the site is not that of the ground, point by point in an orthographic frame.
-bool use_distorted(PointFrame& frame, const OGRSpatialReference& crs, const MapProjection& projection,
-                   const PointFrameRequest& request) {
+/// True for a map whose meridians are cut at a seam and whose parallels are straight (cylindrical and
+/// pseudocylindrical ones), and for points that may lie on both sides of the seam: it may be near at any
+/// distance from the middle, because parallels become shorter towards the poles.
+bool may_cross_seam(const MapProjection& projection, const LonLat& ground, const PointFrameRequest& request,
+                    double metres_per_unit) {
+  constexpr double kStep = 0.02;
+  constexpr double kLeastWidth = 0.01;
+  const double radius = projection.body().semi_major_m / metres_per_unit;
+  if (!(request.high.x - request.low.x > kLeastWidth * radius)) return false;
+  const double y = projection.map_point(ground).y;
+  return std::ranges::any_of(std::array{-kStep, kStep}, [&](double step) {
+    const double there = projection.map_point({ground.lon_rad + step, ground.lat_rad}).y;
+    return std::abs(there - y) <= 1e-9 * radius;
+  });
+}
+
+/// A map whose scale at the site is not that of the ground, or whose seam lies among the points, point by
+/// point in an orthographic frame.
+bool use_plane(PointFrame& frame, const OGRSpatialReference& crs, const MapProjection& projection,
+               const PointFrameRequest& request) {
   const LonLat ground = projection.ground(frame.center);
   if (!std::isfinite(ground.lon_rad) || !std::isfinite(ground.lat_rad))
     throw FormatError(request.name +
                       ": the site centre lies outside its map projection: are its coordinates those of its "
                       "CRS? --crs gives another");
   const OrthographicFrame plane(projection.body(), ground);
-  if (!map_distortion(projection, plane, ground, crs.GetLinearUnits()).matters()) return false;
+  if (may_cross_seam(projection, ground, request, crs.GetLinearUnits())) {
+    frame.ground = [projection](const MapPoint& p) { return projection.ground(p); };
+    frame.one_thread = true;
+  }
+  if (!request.across_seam && !map_distortion(projection, plane, ground, crs.GetLinearUnits()).matters())
+    return false;
   const std::unique_ptr<OGRSpatialReference> geographic(crs.CloneGeogCS());
   frame.site = [plane, projection, ground](const MapPoint& p) {
     const LonLat at = projection.ground(p);
@@ -58,9 +87,9 @@ bool use_distorted(PointFrame& frame, const OGRSpatialReference& crs, const MapP
   return true;
 }
 
-void use_map(PointFrame& frame, const OGRSpatialReference& crs, const PointFrameRequest& request) {
-  const std::optional<MapProjection> projection = MapProjection::of(crs);
-  if (projection && use_distorted(frame, crs, *projection, request)) return;
+void use_map(PointFrame& frame, const OGRSpatialReference& crs, const PointFrameRequest& request,
+             const std::optional<MapProjection>& projection) {
+  if (projection && use_plane(frame, crs, *projection, request)) return;
   if (!projection && crs.IsProjected() != 0)
     frame.assumed.emplace_back("its map projection is not known: a scale of 1 is assumed at the site");
   frame.crs_wkt = shifted_wkt(crs, projection, frame.center);
@@ -100,25 +129,71 @@ void set_heights(PointFrame& frame, const ReadCrs& read, const PointFrameRequest
   }
 }
 
+PointFrame body_fixed_frame(const OGRSpatialReference& crs, const PointFrameRequest& request) {
+  const double metres_per_unit = crs.GetLinearUnits();
+  if (!(std::isfinite(metres_per_unit) && metres_per_unit > 0))
+    throw FormatError(request.name + ": its CRS has no linear unit");
+  if (request.vertical_scale)
+    throw UsageError(
+        request.name +
+        ": --vertical-scale does not apply to body-fixed x, y, z: their CRS gives one unit for all");
+  PointFrame frame;
+  frame.body_fixed = BodyFixed{body_of(crs), metres_per_unit};
+  return frame;
+}
+
+/// Longitudes, latitudes and heights on the body of a geocentric CRS.
+ReadCrs geodetic_crs(const OGRSpatialReference& geocentric) {
+  const std::unique_ptr<OGRSpatialReference> geographic(geocentric.CloneGeogCS());
+  ReadCrs read{.crs = *geographic, .metres_per_height = 1};
+  read.crs.SetAxisMappingStrategy(OAMS_TRADITIONAL_GIS_ORDER);
+  return read;
+}
+
+/// The middle of the points. That of longitudes across the seam is in (-180, 180] degrees where the file has
+/// negative ones, else in [0, 360).
+MapPoint default_center(const PointFrameRequest& request, const OGRSpatialReference& crs,
+                        const std::optional<MapProjection>& projection, double unit_m) {
+  if (!request.across_seam) return rounded_center(request.low, request.high, unit_m);
+  const LonLat middle = request.across_seam->middle();
+  if (projection) {
+    const MapPoint exact = projection->map_point(middle);
+    const MapPoint rounded = rounded_center(exact, exact, unit_m);
+    return std::isfinite(projection->ground(rounded).lon_rad) ? rounded : exact;
+  }
+  const double radians = crs.GetAngularUnits();
+  const double turn = 2 * std::numbers::pi / radians;
+  MapPoint at{middle.lon_rad / radians, middle.lat_rad / radians};
+  constexpr double kRounding = 1e-9;
+  const double end = request.low.x < 0 ? turn / 2 * (1 + kRounding) : turn * (1 - kRounding);
+  if (at.x > end) at.x -= turn;
+  return rounded_center(at, at, unit_m);
+}
+
 }  // namespace
 
 PointFrame point_frame_in_map(const PointFrameRequest& request) {
-  const ReadCrs read = read_point_crs(request.crs, request.name);
+  ReadCrs read = read_point_crs(request.crs, request.name);
+  const std::string crs_name = read.crs.GetName() != nullptr ? read.crs.GetName() : "unnamed";
+  if (read.crs.IsGeocentric() != 0) {
+    if (!request.is_geodetic) return body_fixed_frame(read.crs, request);
+    read = geodetic_crs(read.crs);
+  }
   const OGRSpatialReference& crs = read.crs;
-  if (crs.IsGeocentric() != 0) throw FormatError(request.name + ": its CRS is geocentric, not a map");
   const bool is_geographic = crs.IsGeographic() != 0;
   const double unit_m = is_geographic ? crs.GetAngularUnits() * crs.GetSemiMajor() : crs.GetLinearUnits();
   if (!(std::isfinite(unit_m) && unit_m > 0))
     throw FormatError(request.name + ": its CRS has no linear unit");
   require_stated_unit(request, crs);
   PointFrame frame;
-  frame.center = request.center.value_or(rounded_center(request.low, request.high, unit_m));
+  const auto projection = is_geographic ? std::nullopt : MapProjection::of(crs);
+  frame.center = request.center.value_or(default_center(request, crs, projection, unit_m));
   frame.metres_per_unit = unit_m;
-  frame.crs_name = crs.GetName() != nullptr ? crs.GetName() : "unnamed";
+  frame.crs_name = crs_name;
   if (is_geographic)
     use_ground(frame, crs, request);
   else
-    use_map(frame, crs, request);
+    use_map(frame, crs, request, projection);
   set_heights(frame, read, request, unit_m);
   frame.crs_wkt = placed_on(frame.crs_wkt, crs, frame.center, frame.metres_per_unit, read.vertical);
   if (!read.replaced.empty())

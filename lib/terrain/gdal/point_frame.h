@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "terrain/relief/ground_extent.h"
 #include "terrain/relief/site_mapping.h"
 #include "terrain/site_point.h"
 
@@ -39,6 +40,17 @@ struct PointFrameRequest {
   std::optional<MapPoint> center;  ///< none: the middle of the extent, rounded
   std::optional<double> vertical_scale{};
   std::optional<StatedMapUnit> stated{};  ///< none: the file states no unit
+  /// Their extent where they lie across the seam of their CRS (GroundExtentSearch).
+  std::optional<GroundExtent> across_seam{};
+  /// Whether body-fixed x, y, z of a geocentric CRS are longitude, latitude (degrees) and height (metres)
+  /// now.
+  bool is_geodetic = false;
+};
+
+/// Body-fixed x, y, z of a geocentric CRS.
+struct BodyFixed {
+  Ellipsoid body;
+  double metres_per_unit = 1;
 };
 
 /// The frame of a site for points of a map, as SiteFrame is for a raster.
@@ -46,9 +58,14 @@ struct PointFrame {
   MapPoint center;             ///< of the site, units of the CRS
   double metres_per_unit = 1;  ///< of the map; 0 where `site` is set
   double metres_per_height = 1;
-  /// The place of a point of the map; not set: (point - center) metres_per_unit.
-  std::function<SitePoint(const MapPoint&)> site{};
-  bool one_thread = false;             ///< `site` must not be called from several threads
+  /// The place of a point of the map: none beyond the horizon of the site, NaN outside the map's projection.
+  /// Not set: (point - center) metres_per_unit.
+  std::function<std::optional<SitePoint>(const MapPoint&)> site{};
+  /// Set where the points may lie across the seam of their CRS: ask again with their extent if they do.
+  std::function<LonLat(const MapPoint&)> ground{};
+  /// Set for a geocentric CRS, and nothing else: ask again with geodetic points.
+  std::optional<BodyFixed> body_fixed{};
+  bool one_thread = false;             ///< `site` and `ground` must not be called from several threads
   std::string crs_wkt;                 ///< of the site
   std::string crs_name;                ///< of the points
   std::vector<std::string> assumed{};  ///< sentences without the file's name

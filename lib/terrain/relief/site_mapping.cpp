@@ -8,6 +8,12 @@
 #include "base/portable_math.h"
 
 namespace landfall {
+namespace {
+
+/// Cosine of the largest angle from the centre: 90 degrees but for rounding (microns on the ground).
+constexpr double kHorizonCosine = 1e-12;
+
+}  // namespace
 
 GeoTransform::GeoTransform(const std::array<double, 6>& c) : origin_(c[0], c[3]) {
   cell_ << c[1], c[2], c[4], c[5];
@@ -57,16 +63,18 @@ LonLat OrthographicFrame::difference(const SitePoint& point) const {
   return {portable::atan2(q.y(), q.x()), lat_rad - center_.lat_rad};
 }
 
-SitePoint OrthographicFrame::point(const LonLat& difference) const {
+std::optional<SitePoint> OrthographicFrame::point(const LonLat& difference) const {
   const double lat_rad = center_.lat_rad + difference.lat_rad;
   const double s = portable::sin(lat_rad);
   const double c = portable::cos(lat_rad);
+  const Eigen::Vector3d normal(c * portable::cos(difference.lon_rad), c * portable::sin(difference.lon_rad),
+                               s);
+  if (R_body_plane_.col(2).dot(normal) <= kHorizonCosine) return std::nullopt;
   const double e2 = body_.flattening * (2 - body_.flattening);
   const double normal_m = body_.semi_major_m / std::sqrt(1 - e2 * s * s);
-  const Eigen::Vector3d ground(normal_m * c * portable::cos(difference.lon_rad),
-                               normal_m * c * portable::sin(difference.lon_rad), normal_m * (1 - e2) * s);
+  const Eigen::Vector3d ground = normal_m * normal.cwiseProduct(Eigen::Vector3d(1, 1, 1 - e2));
   const Eigen::Vector3d step = ground - origin_m_;
-  return {R_body_plane_.col(0).dot(step), R_body_plane_.col(1).dot(step)};
+  return SitePoint{R_body_plane_.col(0).dot(step), R_body_plane_.col(1).dot(step)};
 }
 
 SitePoint OrthographicFrame::pole() const {

@@ -74,8 +74,9 @@ class OrthographicFrame {
   /// beyond the body's limb. The longitude difference lies in [-pi, pi].
   [[nodiscard]] LonLat difference(const SitePoint& point) const;
   /// The point of the plane over the ground at a longitude and latitude, both relative to the centre: the
-  /// inverse of difference().
-  [[nodiscard]] SitePoint point(const LonLat& difference) const;
+  /// inverse of difference(). None beyond the horizon: where the surface's normal is 90 degrees or more from
+  /// that of the centre, so that difference() never returns this ground. NaN of NaN.
+  [[nodiscard]] std::optional<SitePoint> point(const LonLat& difference) const;
   /// The pole of the centre's hemisphere.
   [[nodiscard]] SitePoint pole() const;
 

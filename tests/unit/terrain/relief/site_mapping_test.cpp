@@ -67,11 +67,37 @@ TEST(OrthographicFrame, PointIsTheInverseOfDifference) {
     for (const LonLat& center : {LonLat{0.3, 0.7}, LonLat{-2, -1.2}}) {
       const OrthographicFrame frame({6378137, flattening}, center);
       for (const SitePoint& point : {SitePoint{0, 0}, SitePoint{12.5, -70}, SitePoint{-30000, 45000}}) {
-        const SitePoint back = frame.point(frame.difference(point));
-        EXPECT_NEAR(back.x_m, point.x_m, 1e-8);
-        EXPECT_NEAR(back.y_m, point.y_m, 1e-8);
+        const std::optional<SitePoint> back = frame.point(frame.difference(point));
+        ASSERT_TRUE(back);
+        EXPECT_NEAR(back->x_m, point.x_m, 1e-8);
+        EXPECT_NEAR(back->y_m, point.y_m, 1e-8);
       }
     }
+}
+
+// Visible ground lies within 90 degrees of the centre, measured between the normals of the ellipsoid. There,
+// and only there, difference() finds it again.
+TEST(OrthographicFrame, HasNoPlaceBeyondTheHorizon) {
+  for (const double flattening : {0.0, 1 / 298.257223563, 0.1})
+    for (const double lat0 : {-kPi / 2, -1.2, 0.0, 0.7}) {
+      const OrthographicFrame frame({1737400, flattening}, {0.4, lat0});
+      for (double lon = -3.1; lon < 3.2; lon += 0.2)
+        for (double lat = -1.55; lat < 1.6; lat += 0.1) {
+          const double facing =
+              std::sin(lat0) * std::sin(lat) + std::cos(lat0) * std::cos(lat) * std::cos(lon);
+          const std::optional<SitePoint> point = frame.point({lon, lat - lat0});
+          ASSERT_EQ(point.has_value(), facing > 0) << lon << ' ' << lat;
+          if (!point || facing < 1e-3) continue;
+          const LonLat back = frame.difference(*point);
+          EXPECT_NEAR(std::remainder(back.lon_rad - lon, 2 * kPi) * std::cos(lat), 0, 1e-9);
+          EXPECT_NEAR(back.lat_rad, lat - lat0, 1e-9);
+        }
+    }
+  const OrthographicFrame equator({1737400, 0}, {0, 0});
+  EXPECT_FALSE(equator.point({kPi / 2, 0}));
+  EXPECT_FALSE(equator.point({kPi, 0}));
+  EXPECT_TRUE(equator.point({kPi / 2 - 1e-9, 0}));
+  EXPECT_TRUE(std::isnan(equator.point({kNan, 0})->x_m));
 }
 
 TEST(OrthographicFrame, SphereInClosedForm) {
