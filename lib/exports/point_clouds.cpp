@@ -78,7 +78,7 @@ double rounding_of(const PointBatch& batch, std::span<const std::uint32_t> rows,
   return largest;
 }
 
-/// What the comments of a header say of the frame, each line after `begin`.
+/// The comments of a header about the frame, each line after `begin`.
 std::string frame_comments(const char* begin, const std::optional<MapFrame>& map) {
   if (!map) return std::string(begin) + "landfall points: metres, x right, y up on the map, z up\n";
   return std::string(begin) + "landfall points: coordinates in " + map->crs_name + ", z up, unit " +

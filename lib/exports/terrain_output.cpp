@@ -61,7 +61,7 @@ void write_own(const TerrainOutput& output, const Write& write) {
 
 using Warn = std::function<void(const std::string&)>;
 
-/// What a mesh file says of its axes, and how the placed mesh stands.
+/// Warnings about the axes of a mesh file, and about how the placed mesh stands.
 std::vector<std::string> place_findings(const MeshImport& import, const PlaceComments& comments,
                                         const IndexedTriangles& mesh) {
   constexpr std::size_t kFewestVertices = 16;  // of which a shape is told

@@ -16,7 +16,7 @@ namespace landfall {
 /// The convex hull of points that are added piece by piece.
 class PointOutline {
  public:
-  /// Of finite coordinates.
+  /// Takes finite coordinates.
   void add(std::span<const double> x_m, std::span<const double> y_m);
 
   [[nodiscard]] std::int64_t count() const { return count_; }

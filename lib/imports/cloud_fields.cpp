@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Decisions: D443
 #include "imports/cloud_fields.h"
 
 #include <algorithm>

@@ -27,6 +27,7 @@ enum class CloudField : std::size_t {
   classification
 };
 inline constexpr std::size_t kCloudFieldCount = 10;
+inline constexpr auto kTimeField = static_cast<std::size_t>(CloudField::t);
 
 /// The name of a field, as --columns and /points have it.
 [[nodiscard]] const char* name_of(CloudField field);

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Decisions: D439
 #include "imports/cloud_times.h"
 
 #include <algorithm>

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Decisions: D442
 #include "imports/cloud_units.h"
 
 #include <algorithm>

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Decisions: D440
 #include "imports/coordinate_steps.h"
 
 #include <algorithm>

@@ -19,7 +19,6 @@ namespace {
 
 constexpr std::size_t kMaxPcdHeader = 1U << 16U;
 constexpr std::uint64_t kMaxField = 1U << 16U;
-constexpr auto kTime = static_cast<std::size_t>(CloudField::t);
 
 struct PcdHeader {
   std::vector<std::string> fields, sizes, types, counts, viewpoint;
@@ -174,8 +173,8 @@ class CompressedReader final : public CloudReader {
  private:
   void read_time_base() {
     if (!info_.has(CloudField::t)) return;
-    const Field& field = fields_[*info_.columns[kTime]];
-    LzfStream stream = *begins_[kTime];
+    const Field& field = fields_[*info_.columns[kTimeField]];
+    LzfStream stream = *begins_[kTimeField];
     std::vector<std::byte> first(field.bytes);
     stream.read(first);
     info_.time_base = stored_time_base(field.column.type, first.data(), false);
@@ -183,7 +182,7 @@ class CompressedReader final : public CloudReader {
 
   void read(std::size_t f, std::vector<double>& out) {
     const Field& field = fields_[*info_.columns[f]];
-    const std::int64_t base = f == kTime ? info_.time_base : 0;
+    const std::int64_t base = f == kTimeField ? info_.time_base : 0;
     std::vector<std::byte> bytes(field.bytes);
     for (double& value : out) {
       streams_[f]->read(bytes);

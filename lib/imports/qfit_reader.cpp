@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Decisions: D444
 // QFIT (.qi) of NASA's Airborne Topographic Mapper: records of 10, 12 or 14 words of 4 bytes, big-endian
 // until 2010, little-endian after. The first word of the file is the length of a record in bytes. Further
 // records of its header begin with -9000008 to -9000000; the second word of the first of these is the offset

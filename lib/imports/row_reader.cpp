@@ -10,7 +10,6 @@ namespace landfall {
 namespace {
 
 constexpr std::size_t kRowsPerPiece = 1U << 14U;
-constexpr auto kTime = static_cast<std::size_t>(CloudField::t);
 
 class PlainRowReader final : public RowReader {
  public:
@@ -19,7 +18,7 @@ class PlainRowReader final : public RowReader {
     info_ = std::move(info);
     info_.point_count = static_cast<std::int64_t>(this->layout().count);
     if (!info_.has(CloudField::t)) return;
-    const RowColumn& times = this->layout().columns[*info_.columns[kTime]];
+    const RowColumn& times = this->layout().columns[*info_.columns[kTimeField]];
     const std::vector<std::byte> first =
         this->file().up_to(this->layout().begin + times.offset, size_of(times.type));
     info_.time_base = stored_time_base(times.type, first.data(), this->layout().is_big_endian);
@@ -32,7 +31,7 @@ class PlainRowReader final : public RowReader {
       if (!info_.columns[f]) continue;
       const RowColumn& column = layout().columns[*info_.columns[f]];
       const std::byte* at = bytes.data() + begin * layout().row_size + column.offset;
-      const std::int64_t base = f == kTime ? info_.time_base : 0;
+      const std::int64_t base = f == kTimeField ? info_.time_base : 0;
       for (std::size_t i = begin; i < end; ++i, at += layout().row_size)
         batch.columns[f][i] = number_from(base, column.type, at, layout().is_big_endian);
     }

@@ -13,7 +13,7 @@
 
 namespace landfall {
 
-/// What a user says of values that stand for "no return".
+/// The values by which a user says "no return".
 struct CloudNodata {
   std::vector<double> z{};  ///< points with one of these are left out
   bool keeps_undeclared_fills =

@@ -11,7 +11,6 @@ namespace {
 constexpr std::size_t kBlock = 1U << 23U;
 constexpr std::size_t kPiece = 1U << 18U;
 constexpr std::size_t kHead = 1U << 18U;
-constexpr auto kTime = static_cast<std::size_t>(CloudField::t);
 
 std::string_view as_text(const std::vector<std::byte>& bytes) {
   return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
@@ -52,7 +51,7 @@ std::int64_t TextReader::time_base_of(std::string_view text) const {
     text.remove_prefix(std::min(end + 1, text.size()));
     if (trimmed(line).empty() || comment_of(line)) continue;
     for_each_cell(line, rows_.form.separator, [&](std::size_t c, std::string_view cell) {
-      if (c == *info_.columns[kTime]) base = time_base(whole_number(without_quotes(cell)).value_or(0));
+      if (c == *info_.columns[kTimeField]) base = time_base(whole_number(without_quotes(cell)).value_or(0));
     });
     break;
   }
@@ -61,7 +60,7 @@ std::int64_t TextReader::time_base_of(std::string_view text) const {
 
 /// The number of a cell; a time is counted from the base.
 std::optional<double> TextReader::value_of(std::string_view cell, std::size_t field) const {
-  const std::int64_t base = field == kTime ? info_.time_base : 0;
+  const std::int64_t base = field == kTimeField ? info_.time_base : 0;
   if (base != 0)
     if (const auto time = whole_number(without_quotes(cell))) return time_from(base, *time);
   std::optional<double> value = cell_value(cell, rows_.form.has_decimal_commas);

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Decisions: D441
 #include "meshio/up_axis.h"
 
 #include <algorithm>

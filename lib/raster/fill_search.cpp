@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Decisions: D435
 #include "raster/fill_search.h"
 
 #include <algorithm>

@@ -30,7 +30,7 @@ struct Fill {
 /// a few dozen.
 class FillSearch {
  public:
-  /// Of values scale raw + offset; those of `is_integer` numbers have steps of `scale`.
+  /// Values are scale raw + offset; those of `is_integer` numbers have steps of `scale`.
   struct Stored {
     double scale = 1;
     double offset = 0;

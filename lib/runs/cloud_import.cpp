@@ -64,7 +64,7 @@ std::string box_finding(const std::string& name, const CloudInfo& info, const Ex
   return compare_with_box(name, *info.box, extent.box, *info.steps);
 }
 
-/// What the comments of a file and the extent of its points say of the axis that is up.
+/// Warnings about the axis that is up, by the comments of a file and the extent of its points.
 std::vector<std::string> place_findings(const CloudImport& import, const CloudInfo& info,
                                         const PointFrame& frame, const PointSample& sample) {
   PlaceComments comments;
@@ -90,7 +90,7 @@ std::string steps_finding(const CloudInfo& info, const PointFrame& frame, const 
 
 /// The unit of the times: that of --time-unit, else that of their column's name if it is one of these.
 std::optional<TimeUnit> time_unit_of(const CloudImport& import, const CloudInfo& info) {
-  const ColumnUnit& unit = info.units[static_cast<std::size_t>(CloudField::t)];
+  const ColumnUnit& unit = info.units[kTimeField];
   if (import.time_unit || unit.kind != ColumnUnit::Kind::time) return import.time_unit;
   for (const TimeUnit known : {TimeUnit::s, TimeUnit::ms, TimeUnit::us, TimeUnit::ns})
     if (std::abs(unit.factor * per_second(known) - 1) < 1e-9) return known;
@@ -118,7 +118,7 @@ bool has_crs(const CloudImport& import, const CloudInfo& info) {
 std::optional<StatedMapUnit> stated_unit(const CloudInfo& info) {
   const ColumnUnit& x = info.units[0];
   const ColumnUnit& y = info.units[1];
-  if (x.kind == ColumnUnit::Kind::angle) return StatedMapUnit{.is_angle = true};
+  if (x.kind == ColumnUnit::Kind::angle) return StatedMapUnit{.is_angle = true, .text = x.text};
   if (x.kind != ColumnUnit::Kind::length || y.kind != ColumnUnit::Kind::length) return std::nullopt;
   return StatedMapUnit{.metres = {x.factor, y.factor},
                        .text = x.text == y.text ? x.text : x.text + " and " + y.text};
@@ -174,7 +174,7 @@ PointFrame place_cloud(const CloudImport& import, const CloudInfo& info, Selecte
   return across ? frame_of(import, info, extent, across, is_geodetic) : frame;
 }
 
-/// What the first pass left out, without the file's name.
+/// The numbers of points that the first pass left out, without the file's name.
 std::vector<std::string> left_out_sentences(const SelectedCloud& cloud, const ScreenedCloud& source,
                                             const CloudNodata& nodata) {
   std::vector<std::string> sentences = cloud.sentences();
@@ -241,7 +241,7 @@ ImportedCloud import_cloud(const CloudImport& import, ImportOutput output) {
   CloudInfo info = source.info();
   const std::optional<TimeUnit> time_unit = time_unit_of(import, info);
   UnitConversion conversion = unit_conversion(info, has_crs(import, info), import.vertical_scale);
-  if (time_unit) conversion.factors[static_cast<std::size_t>(CloudField::t)] = 1;  // TimeScale converts them
+  if (time_unit) conversion.factors[kTimeField] = 1;  // TimeScale converts them
   SelectedCloud cloud(converted(std::move(screened), conversion), import.path, import.selection, import.axes);
   info = cloud.info();
   info.notes.insert(info.notes.end(), conversion.notes.begin(), conversion.notes.end());

@@ -22,7 +22,7 @@ struct CloudImport {
   std::string crs{};             ///< a definition; empty: that of the file
   std::string columns{};         ///< --columns
   std::optional<double> vertical_scale{};
-  PointSelection selection{};
+  CloudSelection selection{};
   CloudAxes axes{};
   bool up_is_given = false;  ///< no warning of points that seem to stand on edge
   std::optional<TimeUnit> time_unit{};

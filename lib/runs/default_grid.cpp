@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Decisions: D446
 #include "runs/default_grid.h"
 
 #include <algorithm>

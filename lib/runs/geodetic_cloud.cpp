@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Decisions: D438
 #include "runs/geodetic_cloud.h"
 
 #include <numbers>
@@ -10,7 +11,7 @@
 namespace landfall {
 namespace {
 
-constexpr std::size_t kPointsPerPiece = 1U << 12U;
+constexpr std::size_t kConvertedPerPiece = 1U << 12U;
 constexpr double kDegrees = 180 / std::numbers::pi;
 
 class GeodeticCloud final : public CloudReader {
@@ -21,7 +22,7 @@ class GeodeticCloud final : public CloudReader {
   }
   bool next(CloudBatch& batch) override {
     if (!cloud_->next(batch)) return false;
-    parallel_for(batch.size(), kPointsPerPiece, [&](std::size_t begin, std::size_t end) {
+    parallel_for(batch.size(), kConvertedPerPiece, [&](std::size_t begin, std::size_t end) {
       for (std::size_t i = begin; i < end; ++i) convert(batch, i);
     });
     return true;

@@ -38,7 +38,7 @@ bool is_noise(double classification) {
 }
 
 SelectedCloud::SelectedCloud(std::unique_ptr<CloudReader> cloud, const std::string& path,
-                             const PointSelection& selection, const CloudAxes& axes)
+                             const CloudSelection& selection, const CloudAxes& axes)
     : cloud_(std::move(cloud)), info_(cloud_->info()), selection_(selection), axes_(axes) {
   require_returns(info_, selection.returns, path);
   turn(axes_, info_);

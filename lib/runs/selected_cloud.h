@@ -15,7 +15,7 @@ namespace landfall {
 enum class ReturnChoice { all, first, last };
 
 /// The points of a file that an import takes.
-struct PointSelection {
+struct CloudSelection {
   bool keep_noise = false;  ///< also points marked as noise or withheld
   ReturnChoice returns = ReturnChoice::all;
 };
@@ -35,7 +35,7 @@ struct LeftOut {
 class SelectedCloud {
  public:
   /// Throws UsageError, naming the file, where it lacks the numbers that the choice of returns needs.
-  SelectedCloud(std::unique_ptr<CloudReader> cloud, const std::string& path, const PointSelection& selection,
+  SelectedCloud(std::unique_ptr<CloudReader> cloud, const std::string& path, const CloudSelection& selection,
                 const CloudAxes& axes);
 
   [[nodiscard]] const CloudInfo& info() const { return info_; }
@@ -60,7 +60,7 @@ class SelectedCloud {
 
   std::unique_ptr<CloudReader> cloud_;
   CloudInfo info_;
-  PointSelection selection_;
+  CloudSelection selection_;
   CloudAxes axes_;
   LeftOut left_out_;
 };

@@ -84,8 +84,9 @@ class DefaultGrid(ToolTest):
         self.refuse(2, "regrid", self.points("one.csv", [1.0], [2.0], [3.0]), "-o", self.dem, words=["lie on one point", "half_width_m"], output=self.dem)
 
     def test_points_far_from_the_origin_need_a_centre(self):
-        far = self.path("far.h5")
-        self.succeed("landfall-import", "-q", self.path("strip.las"), "--center", "0,0", "-o", far)
+        with h5py.File(self.strip) as file:
+            columns = [file["points"][axis + "_est"][()] for axis in "xyz"]
+        far = self.points("far.csv", columns[0] + 500000, columns[1] + 5400000, columns[2])
         self.refuse(2, "regrid", far, "-o", self.dem, words=["more than 2^30", "center_m"], output=self.dem)
         self.regrid(far, "--set", "center_m=[500000,5400000]")
         self.assertEqual(self.grid(), (0.5, 24))

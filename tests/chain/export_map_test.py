@@ -1,6 +1,7 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: GPL-3.0-or-later
 """landfall-export of scans that lie on a map: what is saved lies where it was."""
+import json
 import os
 import struct
 import subprocess
@@ -38,7 +39,7 @@ class ExportOnAMap(ToolTest):
         return self.path(name)
 
     def imported(self, source, *arguments, name="scan.h5"):
-        self.succeed("landfall-import", "-q", source, "-o", self.path(name), "-O", *arguments)
+        self.succeed("landfall-import", "-q", source, "-o", self.path(name), "-O", "--keep-noise", *arguments)
         return self.path(name)
 
     def export(self, scan, name, *arguments):
@@ -131,6 +132,8 @@ class ExportOnAMap(ToolTest):
         scan = self.path("scan.h5")
         self.succeed("scan-sim", "--terrain", self.path("t.h5"), "-o", scan, "--set", "laser.scan_time_s=0.02", "--set",
                      'scanner.pattern={"type":"line_search","rows":4,"columns":8,"half_width_m":6}')
+        height = json.loads(self.succeed("landfall-info", scan, "--json", "--no-statistics").stdout)["crs"]["place"]["height_m"]
+        self.assertGreater(height, 100, "the elevation of the centre became 0")
         for position in ("est", "true"):
             _, wkt, scale, offset, xyz = read_las(self.export(scan, "b.las", "--position", position))
             self.assertIn("UTM zone 32N", wkt)
@@ -138,7 +141,7 @@ class ExportOnAMap(ToolTest):
                 points = file["points"]
                 returned = np.isin(points["status"][()], (0, 6))
                 expected = np.column_stack([points[f"{axis}_{position}"][()][returned] for axis in "xyz"])
-            np.testing.assert_allclose(xyz * scale + offset, expected + (500010, 5400005, 0), atol=1e-6)
+            np.testing.assert_allclose(xyz * scale + offset, expected + (500010, 5400005, height), atol=1e-6)
 
 
 if __name__ == "__main__":

@@ -111,7 +111,7 @@ class Horizon(Frames):
         with open(self.path("far.csv"), "w", encoding="ascii") as file:
             file.write('id,WKT\n1,"POLYGON((' + ", ".join(f"{x} {y}" for x, y in square) + '))"\n')
         subprocess.run(["ogr2ogr", "-q", "-f", "GPKG", "-a_srs", MOON, "-oo", "GEOM_POSSIBLE_NAMES=WKT", self.path("far.gpkg"), self.path("far.csv")], check=True)
-        self.refuse(1, "dem-eval", self.path("dem.h5"), "--set", "region=" + json.dumps({"shape": "polygon", "path": self.path("far.gpkg")}),
+        self.refuse(1, "dem-eval", self.path("dem.h5"), "--table", "--set", "region=" + json.dumps({"shape": "polygon", "path": self.path("far.gpkg")}),
                     words=["far.gpkg", "no place in the DEM frame"])
 
     def test_a_raster_site_beyond_the_limb_is_refused(self):
@@ -227,7 +227,7 @@ class BodyFixed(Frames):
 
 
 class Lattice(Frames):
-    """Where DEM and truth have one lattice, no truth is lost beside a hole, and nothing is interpolated."""
+    """On one lattice of DEM and truth no truth is lost beside a hole, and nothing is interpolated."""
 
     def test_rounded_georeferences(self):
         random = np.random.default_rng(3)

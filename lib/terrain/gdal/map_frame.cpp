@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Decisions: D445
 #include "terrain/gdal/map_frame.h"
 
 #include <cpl_conv.h>
@@ -16,6 +17,9 @@
 
 namespace landfall {
 namespace {
+
+using SiteToGround = std::function<LonLat(const SitePoint&)>;
+using SiteToMap = std::function<MapPoint(const SitePoint&)>;
 
 constexpr double kRadians = std::numbers::pi / 180;
 
@@ -44,7 +48,7 @@ void describe(MapFrame& frame, const OGRSpatialReference& crs) {
 }
 
 /// Longitudes and latitudes under the points of an orthographic site; none for another site.
-std::optional<std::function<LonLat(const SitePoint&)>> ground_of(const OGRSpatialReference& site) {
+std::optional<SiteToGround> ground_of(const OGRSpatialReference& site) {
   const char* const method = site.GetAttrValue("PROJECTION");
   if (method == nullptr || !EQUAL(method, SRS_PT_ORTHOGRAPHIC)) return std::nullopt;
   const LonLat center{site.GetNormProjParm(SRS_PP_CENTRAL_MERIDIAN) * kRadians,
@@ -55,8 +59,7 @@ std::optional<std::function<LonLat(const SitePoint&)>> ground_of(const OGRSpatia
   };
 }
 
-std::function<MapPoint(const SitePoint&)> degrees_of(const std::function<LonLat(const SitePoint&)>& ground,
-                                                     const OGRSpatialReference& geographic) {
+SiteToMap degrees_of(const SiteToGround& ground, const OGRSpatialReference& geographic) {
   return [ground, radians = geographic.GetAngularUnits()](const SitePoint& point) {
     const LonLat at = ground(point);
     return MapPoint{at.lon_rad / radians, at.lat_rad / radians};

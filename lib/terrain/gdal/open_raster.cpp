@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Decisions: D434
 #include "terrain/gdal/open_raster.h"
 
 #include <cpl_string.h>

@@ -104,9 +104,10 @@ void require_stated_unit(const PointFrameRequest& request, const OGRSpatialRefer
   const char* unit = nullptr;
   const double size = is_geographic ? crs.GetAngularUnits(&unit) : crs.GetLinearUnits(&unit);
   const auto is_that = [&](double metres) { return std::abs(metres - size) <= 1e-5 * size; };
-  const bool fits = stated.is_angle
-                        ? is_geographic && std::abs(size - std::numbers::pi / 180) < 1e-9
-                        : !is_geographic && is_that(stated.metres[0]) && is_that(stated.metres[1]);
+  const bool fits =
+      stated.is_angle
+          ? is_geographic && (stated.text.empty() || std::abs(size - std::numbers::pi / 180) < 1e-9)
+          : !is_geographic && is_that(stated.metres[0]) && is_that(stated.metres[1]);
   if (fits) return;
   throw FormatError(
       request.name + ": x and y are " +

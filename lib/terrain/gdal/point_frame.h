@@ -28,7 +28,7 @@ struct PointCrs {
 
 /// The unit that a file itself states for x and y.
 struct StatedMapUnit {
-  bool is_angle = false;           ///< degrees
+  bool is_angle = false;           ///< degrees, or without a `text` a unit that only the CRS gives
   std::array<double, 2> metres{};  ///< of a length: metres per unit of x and of y
   std::string text{};              ///< of a length, as the file spells it
 };

@@ -12,7 +12,7 @@
 #include <vector>
 
 #include "terrain/gdal/gdal_errors.h"
-#include "terrain/gdal/lower_case.h"
+#include "base/lower_case.h"
 #include "terrain/gdal/map_projection.h"
 
 namespace landfall {

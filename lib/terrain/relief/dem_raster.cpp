@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Decisions: D16, D17
+// Decisions: D16, D17, D433
 #include "terrain/relief/dem_raster.h"
 
 #include <algorithm>

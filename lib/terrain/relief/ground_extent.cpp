@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Decisions: D437
 #include "terrain/relief/ground_extent.h"
 
 #include <algorithm>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Decisions: D373
+// Decisions: D373, D436
 #include "terrain/relief/site_mapping.h"
 
 #include <cmath>
