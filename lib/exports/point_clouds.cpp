@@ -10,6 +10,7 @@
 #include "base/number_text.h"
 #include "base/parallel.h"
 #include "returns/columns.h"
+#include "terrain/site_wkt.h"
 
 namespace landfall {
 namespace {
@@ -158,8 +159,8 @@ std::string pcd_header(const std::vector<PointProperty>& properties, std::size_t
   }
   const std::string number = std::to_string(count);
   return header + "VERSION 0.7\n" + fields + "\n" + sizes + "\n" + types + "\n" + counts + "\nWIDTH " +
-         number + "\nHEIGHT 1\nVIEWPOINT " + joined(pcd_offset(map), " ", number_text) + " 1 0 0 0\nPOINTS " +
-         number + "\nDATA binary\n";
+         number + "\nHEIGHT 1\nVIEWPOINT " + joined(pcd_offset(map), " ", coordinate_text) +
+         " 1 0 0 0\nPOINTS " + number + "\nDATA binary\n";
 }
 
 double write_points_pcd(const PointReader& points, const PointReader::Pass& pass, ByteSink& sink,

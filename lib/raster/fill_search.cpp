@@ -85,12 +85,13 @@ FillSearch::Result FillSearch::result() const {
   return result;
 }
 
+bool FillSearch::is_known(const Counted& entry) const {
+  return std::ranges::any_of(kFills,
+                             [&](double raw) { return stored_.scale * raw + stored_.offset == entry.value; });
+}
+
 /// Moves the known numbers that are isolated from the rest to the result.
 void FillSearch::take_known(std::vector<Counted>& values, Result& result) const {
-  const auto is_known = [&](const Counted& entry) {
-    return std::ranges::any_of(
-        kFills, [&](double raw) { return stored_.scale * raw + stored_.offset == entry.value; });
-  };
   Range rest;
   for (const Counted& entry : values) {
     if (is_known(entry)) continue;
@@ -111,8 +112,8 @@ void FillSearch::take_known(std::vector<Counted>& values, Result& result) const 
   std::erase_if(values, is_fill);
 }
 
-/// Moves the repeated values that are farther from the rest than its range to the result, with the others
-/// beyond them.
+/// Moves the repeated values that are farther from the rest than its range to the result, and known numbers
+/// beside them, with the others beyond them.
 void FillSearch::take_apart(std::vector<Counted>& values, Result& result) const {
   const auto are_apart = [&](std::size_t low, std::size_t high) {
     const std::size_t end = values.size() - high;
@@ -130,7 +131,7 @@ void FillSearch::take_apart(std::vector<Counted>& values, Result& result) const 
       outside.insert(outside.end(), values.end() - static_cast<std::ptrdiff_t>(high), values.end());
       if (std::ranges::none_of(outside, is_repeated)) continue;
       for (const Counted& entry : outside)
-        if (is_repeated(entry)) result.fills.push_back(fill(entry));
+        if (is_repeated(entry) || is_known(entry)) result.fills.push_back(fill(entry));
       values.erase(values.end() - static_cast<std::ptrdiff_t>(high), values.end());
       values.erase(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(low));
       return;

@@ -87,6 +87,7 @@ class FillSearch {
   void add_end(double value);
   [[nodiscard]] std::vector<Counted> ends() const;
   [[nodiscard]] Fill fill(const Counted& counted) const;
+  [[nodiscard]] bool is_known(const Counted& entry) const;
   void take_known(std::vector<Counted>& values, Result& result) const;
   void take_apart(std::vector<Counted>& values, Result& result) const;
 

@@ -6,8 +6,6 @@
 #include <string_view>
 #include <system_error>
 
-#include "base/number_text.h"
-
 namespace landfall {
 namespace {
 
@@ -52,14 +50,20 @@ bool read_number(std::string_view& text, double& number) {
 
 }  // namespace
 
+std::string coordinate_text(double number) {
+  std::array<char, 512> text{};
+  return {text.data(),
+          std::to_chars(text.data(), text.data() + text.size(), number, std::chars_format::fixed).ptr};
+}
+
 std::string with_place(const std::string& site_wkt, const MapPlace& place) {
   std::string wkt = without_place(site_wkt);
   if (!wkt.ends_with(']')) return site_wkt;
   wkt.pop_back();
   wkt += kRemark;
   wkt += kCenter;
-  wkt += number_text(place.center[0]) + ", " + number_text(place.center[1]) + ", " +
-         number_text(place.center[2]) + "; unit: " + number_text(place.metres_per_unit);
+  wkt += coordinate_text(place.center[0]) + ", " + coordinate_text(place.center[1]) + ", " +
+         coordinate_text(place.center[2]) + "; unit: " + coordinate_text(place.metres_per_unit);
   if (!place.vertical.empty()) wkt += "; heights: " + quoted(replaced(place.vertical, ';', ','));
   if (!place.map_wkt.empty()) wkt += "; map: " + quoted(place.map_wkt);
   return wkt.append(kRemarkEnd);

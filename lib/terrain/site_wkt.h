@@ -23,6 +23,9 @@ struct MapPlace {
 /// The default, with the map that a frame of version 0.2.0 names.
 [[nodiscard]] MapPlace unplaced(const std::string& site_wkt);
 
+/// All digits of a coordinate that read back as the same number, without an exponent: 500000, not 5e+05.
+[[nodiscard]] std::string coordinate_text(double number);
+
 /// The WKT of a site frame with its place as a remark (WKT2, ISO 19162), the one carrier of the place in
 /// files and in memory: "center: X, Y, Z; unit: M; heights: NAME; map: WKT". In it ' stands for " and ` for
 /// ', because readers that do not know doubled quotes must be able to skip it. Replaces a remark of before;

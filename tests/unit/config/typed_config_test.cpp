@@ -90,6 +90,7 @@ TEST(TerrainConfig, Albedo) {
   AlbedoRaster raster{{}, 0.01, 0.1};
   raster.raster.path = "a.tif";
   raster.raster.band = 3;
+  raster.raster.takes_colours = true;
   raster.raster.center_pixel = {4, 5};
   raster.raster.interpolation = Interpolation::nearest;
   raster.raster.horizontal_scale_m = 2;

@@ -348,7 +348,8 @@ TEST_F(LoadDem, WithoutCrs) {
   dem.horizontal_scale_m = 3;  // metres per map unit, so 6 m per pixel
   const GeneratedTerrain terrain = terrain_of(dem, spec);
   expect_plane(terrain.nodes, 7 + 2 * 121 - 3 * 29, 2 / 3.0, -1);
-  EXPECT_EQ(terrain.crs_wkt, kLocalSiteCrsWkt);
+  EXPECT_EQ(without_place(terrain.crs_wkt), kLocalSiteCrsWkt);
+  EXPECT_EQ(place_of(terrain.crs_wkt)->metres_per_unit, 3);
   EXPECT_TRUE(is_local_in_metres(terrain.crs_wkt));
   dem.horizontal_scale_m = 0.0;
   EXPECT_THAT(import_refusal(dem, spec), HasSubstr("usage: "));
