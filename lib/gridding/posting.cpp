@@ -125,7 +125,9 @@ void CellSet::for_each(const std::function<void(BinIndex)>& use) const {
 }
 
 double Posting::metres() const {
-  return exponent < 0 ? digit / std::pow(10.0, -exponent) : digit * std::pow(10.0, exponent);
+  double power = 1;  // exact up to 10^22
+  for (int i = 0; i < std::abs(exponent); ++i) power *= 10;
+  return exponent < 0 ? digit / power : digit * power;
 }
 
 Posting Posting::next() const {
@@ -133,7 +135,8 @@ Posting Posting::next() const {
 }
 
 Posting Posting::at_most(double limit_m) {
-  Posting posting{1, static_cast<int>(std::floor(std::log10(limit_m))) - 1};
+  Posting posting{1, 0};
+  while (posting.metres() > limit_m) --posting.exponent;
   while (posting.next().metres() <= limit_m) posting = posting.next();
   return posting;
 }
