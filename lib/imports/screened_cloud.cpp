@@ -10,6 +10,7 @@
 #include "base/error.h"
 #include "base/joined.h"
 #include "base/number_text.h"
+#include "base/parallel.h"
 
 namespace landfall {
 namespace {
@@ -97,12 +98,17 @@ void ScreenedCloud::remove_nodata(CloudBatch& batch) {
     if (!column.empty()) column.resize(next);
 }
 
+/// The two searches share nothing, so that each has a thread.
 void ScreenedCloud::search(const CloudBatch& batch) {
-  for (std::size_t i = 0; i < batch.size(); ++i) {
-    if (!is_searched_point(batch, i)) continue;
-    z_.add(batch.columns[2][i]);
-    positions_.add({batch.columns[0][i], batch.columns[1][i], batch.columns[2][i]});
-  }
+  parallel_for(2, 1, [&](std::size_t part, std::size_t) {
+    for (std::size_t i = 0; i < batch.size(); ++i) {
+      if (!is_searched_point(batch, i)) continue;
+      if (part == 0)
+        z_.add(batch.columns[2][i]);
+      else
+        positions_.add({batch.columns[0][i], batch.columns[1][i], batch.columns[2][i]});
+    }
+  });
 }
 
 void ScreenedCloud::refuse_fills() {

@@ -8,6 +8,7 @@
 
 #include "base/error.h"
 #include "base/joined.h"
+#include "base/parallel.h"
 #include "files/imported_scan.h"
 #include "imports/cloud_box.h"
 #include "imports/cloud_bytes.h"
@@ -38,12 +39,17 @@ struct Extent {
 };
 
 void add(const CloudBatch& batch, Extent& extent) {
-  extent.sample.add(batch);
-  for (std::size_t axis = 0; axis < 3; ++axis) {
-    const auto [low, high] = std::ranges::minmax(batch.columns[axis]);
-    extent.box.low[axis] = std::min(extent.box.low[axis], low);
-    extent.box.high[axis] = std::max(extent.box.high[axis], high);
-  }
+  parallel_for(4, 1, [&](std::size_t part, std::size_t) {
+    if (part == 3) return extent.sample.add(batch);
+    double low = extent.box.low[part];
+    double high = extent.box.high[part];
+    for (const double value : batch.columns[part]) {
+      low = std::min(low, value);
+      high = std::max(high, value);
+    }
+    extent.box.low[part] = low;
+    extent.box.high[part] = high;
+  });
   for (const double t : batch[CloudField::t]) {
     if (!std::isfinite(t)) continue;  // SitePoints refuses it
     extent.times.first = std::min(extent.times.first, t);
