@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <cmath>
 #include <cstdint>
 #include <filesystem>
 #include <memory>
@@ -72,10 +73,32 @@ struct CloudBatch {
     return columns[static_cast<std::size_t>(field)];
   }
   [[nodiscard]] std::size_t size() const { return columns[0].size(); }
+  [[nodiscard]] bool has_position(std::size_t i) const {
+    return std::isfinite(columns[0][i]) && std::isfinite(columns[1][i]) && std::isfinite(columns[2][i]);
+  }
+  /// Keeps the points for which keep(i) holds, in their order; keep() sees each point once, not yet moved.
+  template <class Keep>
+  void keep_if(const Keep& keep) {
+    std::size_t kept = 0;
+    for (std::size_t i = 0; i < size(); ++i) {
+      if (!keep(i)) continue;
+      if (kept != i)
+        for (auto& column : columns)
+          if (!column.empty()) column[kept] = column[i];
+      ++kept;
+    }
+    for (auto& column : columns)
+      if (!column.empty()) column.resize(kept);
+  }
 };
 
 /// The classification of points that LAS marks as withheld: they are deleted but still in the file.
 inline constexpr double kWithheld = -1;
+
+/// Whether a classification says that a point is noise (classes 7 and 18 of LAS) or withheld.
+[[nodiscard]] constexpr bool is_noise(double classification) {
+  return classification == 7 || classification == 18 || classification == kWithheld;
+}
 
 /// Reads the points of a file batch by batch, in bounded memory; the values of a batch are decoded on all
 /// threads and do not depend on them.

@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <bit>
-#include <cmath>
 #include <map>
 #include <utility>
 
@@ -26,9 +25,7 @@ std::size_t hash_of(const std::array<double, 3>& position) {
 
 bool is_searched_point(const CloudBatch& batch, std::size_t i) {
   const std::vector<double>& classes = batch[CloudField::classification];
-  const bool is_marked = !classes.empty() && (classes[i] == kWithheld || classes[i] == 7 || classes[i] == 18);
-  return !is_marked && std::isfinite(batch.columns[0][i]) && std::isfinite(batch.columns[1][i]) &&
-         std::isfinite(batch.columns[2][i]);
+  return (classes.empty() || !is_noise(classes[i])) && batch.has_position(i);
 }
 
 std::string remedy(const std::string& values) {
@@ -82,20 +79,10 @@ bool ScreenedCloud::next(CloudBatch& batch) {
 }
 
 void ScreenedCloud::remove_nodata(CloudBatch& batch) {
-  const auto is_nodata = [&](double z) { return std::ranges::find(nodata_.z, z) != nodata_.z.end(); };
-  std::vector<double>& z = batch.columns[2];
-  const std::vector<double> all = z;
-  std::size_t next = 0;
-  for (std::size_t i = 0; i < all.size(); ++i) {
-    if (is_nodata(all[i])) continue;
-    if (next != i)
-      for (auto& column : batch.columns)
-        if (!column.empty()) column[next] = column[i];
-    ++next;
-  }
-  left_out_now_ += static_cast<std::int64_t>(all.size() - next);
-  for (auto& column : batch.columns)
-    if (!column.empty()) column.resize(next);
+  const std::size_t all = batch.size();
+  const std::vector<double>& z = batch.columns[2];
+  batch.keep_if([&](std::size_t i) { return std::ranges::find(nodata_.z, z[i]) == nodata_.z.end(); });
+  left_out_now_ += static_cast<std::int64_t>(all - batch.size());
 }
 
 /// The two searches share nothing, so that each has a thread.

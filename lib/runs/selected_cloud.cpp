@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "runs/selected_cloud.h"
 
-#include <cmath>
 #include <utility>
 
 #include "base/error.h"
@@ -9,11 +8,6 @@
 
 namespace landfall {
 namespace {
-
-bool has_position(const CloudBatch& batch, std::size_t i) {
-  return std::isfinite(batch.columns[0][i]) && std::isfinite(batch.columns[1][i]) &&
-         std::isfinite(batch.columns[2][i]);
-}
 
 void require_returns(const CloudInfo& info, ReturnChoice choice, const std::string& path) {
   if (choice == ReturnChoice::all) return;
@@ -25,17 +19,7 @@ void require_returns(const CloudInfo& info, ReturnChoice choice, const std::stri
                        "=...");
 }
 
-/// Moves the values of a point to an earlier place.
-void move_point(CloudBatch& batch, std::size_t from, std::size_t to) {
-  for (auto& column : batch.columns)
-    if (!column.empty()) column[to] = column[from];
-}
-
 }  // namespace
-
-bool is_noise(double classification) {
-  return classification == 7 || classification == 18 || classification == kWithheld;
-}
 
 SelectedCloud::SelectedCloud(std::unique_ptr<CloudReader> cloud, const std::string& path,
                              const CloudSelection& selection, const CloudAxes& axes)
@@ -47,7 +31,11 @@ SelectedCloud::SelectedCloud(std::unique_ptr<CloudReader> cloud, const std::stri
 bool SelectedCloud::next(CloudBatch& batch) {
   while (cloud_->next(batch)) {
     turn(axes_, batch);
-    select(batch);
+    batch.keep_if([&](std::size_t i) {
+      std::int64_t* const reason = reason_to_leave_out(batch, i);
+      if (reason != nullptr) ++*reason;
+      return reason == nullptr;
+    });
     if (batch.size() > 0) return true;
   }
   return false;
@@ -58,22 +46,8 @@ void SelectedCloud::rewind() {
   left_out_ = {};
 }
 
-void SelectedCloud::select(CloudBatch& batch) {
-  std::size_t kept = 0;
-  for (std::size_t i = 0; i < batch.size(); ++i) {
-    if (std::int64_t* const reason = reason_to_leave_out(batch, i)) {
-      ++*reason;
-      continue;
-    }
-    if (kept != i) move_point(batch, i, kept);
-    ++kept;
-  }
-  for (auto& column : batch.columns)
-    if (!column.empty()) column.resize(kept);
-}
-
 std::int64_t* SelectedCloud::reason_to_leave_out(const CloudBatch& batch, std::size_t i) {
-  if (!has_position(batch, i)) return &left_out_.without_position;
+  if (!batch.has_position(i)) return &left_out_.without_position;
   const std::vector<double>& classes = batch[CloudField::classification];
   if (!selection_.keep_noise && !classes.empty() && is_noise(classes[i]))
     return classes[i] == kWithheld ? &left_out_.withheld : &left_out_.noise;

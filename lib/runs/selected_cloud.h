@@ -28,9 +28,6 @@ struct LeftOut {
   std::int64_t other_returns = 0;
 };
 
-/// Whether a classification says that a point is noise (classes 7 and 18 of LAS) or withheld.
-[[nodiscard]] bool is_noise(double classification);
-
 /// The selected points of a file with their axes turned, batch by batch.
 class SelectedCloud {
  public:
@@ -55,7 +52,6 @@ class SelectedCloud {
   [[nodiscard]] std::vector<std::string> sentences() const;
 
  private:
-  void select(CloudBatch& batch);
   [[nodiscard]] std::int64_t* reason_to_leave_out(const CloudBatch& batch, std::size_t i);
 
   std::unique_ptr<CloudReader> cloud_;

@@ -42,8 +42,7 @@ std::int64_t SitePoints::convert(CloudBatch& batch, ImportedPoints& points) cons
                });
   const std::int64_t beyond = std::ranges::count(is_placed, 0);
   if (beyond > 0) {
-    for (auto& column : batch.columns)
-      if (!column.empty()) keep(column, is_placed);
+    batch.keep_if([&](std::size_t i) { return is_placed[i] != 0; });
     for (auto* column : {&columns.x_est, &columns.y_est, &columns.z_est}) keep(*column, is_placed);
     keep(columns.status, is_placed);
   }
