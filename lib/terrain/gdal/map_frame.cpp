@@ -2,7 +2,6 @@
 // Decisions: D445
 #include "terrain/gdal/map_frame.h"
 
-#include <cpl_conv.h>
 #include <ogr_spatialref.h>
 
 #include <cmath>
@@ -25,12 +24,8 @@ constexpr double kRadians = std::numbers::pi / 180;
 
 /// LAS describes a CRS by WKT 1.
 std::string exported_wkt(const OGRSpatialReference& crs) {
-  char* text = nullptr;
-  const char* const options[] = {"FORMAT=WKT1_GDAL", "MULTILINE=NO", nullptr};
-  const OGRErr status = crs.exportToWkt(&text, options);
-  const std::string wkt = text != nullptr ? text : "";
-  CPLFree(text);
-  return status == OGRERR_NONE && !wkt.empty() ? wkt : to_wkt(crs);
+  const std::string wkt = to_wkt(crs, "FORMAT=WKT1_GDAL");
+  return wkt.empty() ? to_wkt(crs) : wkt;
 }
 
 void describe(MapFrame& frame, const OGRSpatialReference& crs) {

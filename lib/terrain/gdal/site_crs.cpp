@@ -28,9 +28,9 @@ bool is_shift_of(const MapProjection& site, const MapProjection& map, const MapP
 
 }  // namespace
 
-std::string to_wkt(const OGRSpatialReference& crs) {
+std::string to_wkt(const OGRSpatialReference& crs, const char* format) {
   char* text = nullptr;
-  const char* const options[] = {"FORMAT=WKT2_2018", "MULTILINE=NO", nullptr};
+  const char* const options[] = {format, "MULTILINE=NO", nullptr};
   const OGRErr status = crs.exportToWkt(&text, options);
   const std::string wkt = text != nullptr ? text : "";
   CPLFree(text);

@@ -9,8 +9,8 @@
 
 namespace landfall {
 
-/// WKT 2 of 2018 on one line; empty where PROJ refuses.
-[[nodiscard]] std::string to_wkt(const OGRSpatialReference& crs);
+/// WKT of a format of GDAL on one line; empty where PROJ refuses.
+[[nodiscard]] std::string to_wkt(const OGRSpatialReference& crs, const char* format = "FORMAT=WKT2_2018");
 
 /// The same projection in metres with its false origin moved to the site centre; the local CRS where the
 /// projection has no false origin or PROJ refuses. `center` in the units of `crs`.
