@@ -18,6 +18,7 @@ namespace {
 constexpr double kEdge_bins = 1e-9;  // a bin centre on the hull lies within it
 constexpr double kMaxCells = 0x1p32;
 constexpr double kMaxIndex = 0x1p36;
+constexpr std::int64_t kOrigin = std::int64_t{1} << 31U;  // of a tile's row and column in its key
 
 std::int64_t floor_div(std::int64_t a, std::int64_t b) { return a / b - (a % b < 0 ? 1 : 0); }
 
@@ -54,11 +55,10 @@ class HullRows {
       const Horizontal& a = hull[i];
       const Horizontal& b = hull[(i + 1) % hull.size()];
       if (y < std::min(a.y, b.y) || y > std::max(a.y, b.y)) continue;
-      for (const double x : {a.y == b.y ? a.x : a.x + (y - a.y) / (b.y - a.y) * (b.x - a.x),
-                             a.y == b.y ? b.x : a.x + (y - a.y) / (b.y - a.y) * (b.x - a.x)}) {
-        low = std::min(low, x);
-        high = std::max(high, x);
-      }
+      auto [west, east] = std::minmax({a.x, b.x});
+      if (a.y != b.y) west = east = a.x + (y - a.y) / (b.y - a.y) * (b.x - a.x);
+      low = std::min(low, west);
+      high = std::max(high, east);
     }
     return {static_cast<std::int64_t>(std::ceil(low / resolution_m - kEdge_bins)),
             static_cast<std::int64_t>(std::floor(high / resolution_m + kEdge_bins))};
@@ -102,7 +102,6 @@ Horizontal PointOutline::reach_m() const {
 }
 
 void CellSet::insert(BinIndex cell) {
-  constexpr std::int64_t kOrigin = std::int64_t{1} << 31U;
   const auto key = static_cast<std::uint64_t>((cell.row >> 6U) + kOrigin) << 32U |
                    static_cast<std::uint64_t>((cell.col >> 6U) + kOrigin);
   if (last_ == nullptr || key != last_key_) {
@@ -114,7 +113,6 @@ void CellSet::insert(BinIndex cell) {
 }
 
 void CellSet::for_each(const std::function<void(BinIndex)>& use) const {
-  constexpr std::int64_t kOrigin = std::int64_t{1} << 31U;
   for (const auto& [key, tile] : tiles_) {
     const std::int64_t row = (static_cast<std::int64_t>(key >> 32U) - kOrigin) * 64;
     const std::int64_t col = (static_cast<std::int64_t>(key & 0xffffffffU) - kOrigin) * 64;

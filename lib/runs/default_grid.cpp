@@ -95,11 +95,6 @@ void require_possible_size(const Horizontal& half_m, double resolution_m, const 
       " m away, are more than 2^30: give center_m near the points, or half_width_m and resolution_m");
 }
 
-bool divides(double resolution_m, double half_width_m) {
-  const double ratio = half_width_m / resolution_m;
-  return std::round(ratio) >= 1 && std::abs(ratio - std::round(ratio)) <= 1e-9;
-}
-
 nlohmann::json json_of(const Horizontal& half_m) {
   if (half_m.x == half_m.y) return half_m.x;
   return {half_m.x, half_m.y};
@@ -115,6 +110,10 @@ std::optional<Horizontal> numbers_of(const nlohmann::json& value) {
 
 bool is_multiple(double value, double resolution_m) {
   return std::abs(value / resolution_m - std::round(value / resolution_m)) <= 1e-9;
+}
+
+bool divides(double resolution_m, double half_width_m) {
+  return std::round(half_width_m / resolution_m) >= 1 && is_multiple(half_width_m, resolution_m);
 }
 
 /// The grid that is chosen for points.
