@@ -102,19 +102,12 @@ void ScreenedCloud::refuse_fills() {
   refuse_shared_position();
   const FillSearch::Result found = z_.result();
   if (found.fills.empty()) return;
-  const auto numbers = [&](const char* separator) {
-    return joined(found.fills, separator, [](const Fill& fill) { return number_text(fill.raw); });
-  };
-  std::int64_t count = 0;
-  for (const Fill& fill : found.fills) count += fill.count;
   const std::string others = found.rest.empty() ? ""
                                                 : " (the others lie in " + short_number(found.rest.low) +
                                                       " .. " + short_number(found.rest.high) + ")";
-  throw FormatError(name_ + ": " + grouped(count) + " of " + grouped(found.total) + " points have z " +
-                    numbers(" or ") +
-                    (found.fills.size() == 1 ? ", which looks like an undeclared fill value"
-                                             : ", which look like undeclared fill values") +
-                    others + "; " + remedy(numbers(",")));
+  throw FormatError(name_ + ": " + grouped(count_of(found.fills)) + " of " + grouped(found.total) +
+                    " points have z " + suspicion_text(found.fills) + others + "; " +
+                    remedy(nodata_text(found.fills)));
 }
 
 /// Counts the candidates in a pass of its own, for the few files that have any.

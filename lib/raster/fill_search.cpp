@@ -7,6 +7,9 @@
 #include <cmath>
 #include <optional>
 
+#include "base/joined.h"
+#include "base/number_text.h"
+
 namespace landfall {
 namespace {
 
@@ -18,7 +21,24 @@ constexpr double kAbsurd = 1e12;  ///< no elevation; -3.4e38 and the default fil
 constexpr std::size_t kMostAside = 2;
 constexpr std::size_t kLeastDistinct = 16;
 
+std::string raw_numbers(const std::vector<Fill>& fills, const char* separator) {
+  return joined(fills, separator, [](const Fill& fill) { return number_text(fill.raw); });
+}
+
 }  // namespace
+
+std::int64_t count_of(const std::vector<Fill>& fills) {
+  std::int64_t count = 0;
+  for (const Fill& fill : fills) count += fill.count;
+  return count;
+}
+
+std::string nodata_text(const std::vector<Fill>& fills) { return raw_numbers(fills, ","); }
+
+std::string suspicion_text(const std::vector<Fill>& fills) {
+  return raw_numbers(fills, " or ") + (fills.size() == 1 ? ", which looks like an undeclared fill value"
+                                                         : ", which look like undeclared fill values");
+}
 
 void FillSearch::Lowest::count(double value) {
   if (!(value <= limit_)) return;

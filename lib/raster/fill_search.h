@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <limits>
 #include <span>
+#include <string>
 #include <vector>
 
 namespace landfall {
@@ -16,11 +17,17 @@ struct Fill {
   std::int64_t count = 0;
 };
 
+/// The number of values that are fills.
+[[nodiscard]] std::int64_t count_of(const std::vector<Fill>& fills);
+/// "-9999,-32768", as nodata takes them.
+[[nodiscard]] std::string nodata_text(const std::vector<Fill>& fills);
+/// "-9999 or -32768, which look like undeclared fill values".
+[[nodiscard]] std::string suspicion_text(const std::vector<Fill>& fills);
+
 /// Searches a stream of values for undeclared fill values:
 /// - numbers that producers use for "no data" (-32768, -32767, -9999, -99999, 9999, 1e6, extremes of the
-/// types
-///   and the like) and that are isolated from the rest: farther from it than a tenth of its range, or at its
-///   end, more than a thousandth of its range off and more than 1 % of the values;
+///   types and the like) and that are isolated from the rest: farther from it than a tenth of its range, or
+///   at its end, more than a thousandth of its range off and more than 1 % of the values;
 /// - raw numbers beyond 1e12;
 /// - any value that is repeated exactly, lies at an end of the rest, and is farther from it than the rest's
 ///   range, where the rest has at least 16 distinct values. Up to two such values at each end are set aside

@@ -8,7 +8,6 @@
 #include <vector>
 
 #include "base/error.h"
-#include "base/joined.h"
 #include "base/number_text.h"
 #include "raster/fill_search.h"
 
@@ -29,25 +28,14 @@ bool lies_in(const DemSamples& samples, const PixelBox& box, double value) {
   return false;
 }
 
-/// "-9999", "-9999 or -32768".
-std::string numbers_of(const std::vector<Fill>& fills, const char* separator) {
-  return joined(fills, separator, [](const Fill& fill) { return number_text(fill.raw); });
-}
-
 [[noreturn]] void refuse(const std::vector<Fill>& fills, const FillSearch::Result& found,
                          const DemBase& dem) {
-  std::int64_t count = 0;
-  for (const Fill& fill : fills) count += fill.count;
-  const std::string numbers = numbers_of(fills, ",");
   const std::string others = found.rest.empty() ? "no other sample has a value"
                                                 : "the others lie in " + short_number(found.rest.low) +
                                                       " .. " + short_number(found.rest.high) + " m";
-  throw FormatError(dem.path + ": " + std::to_string(count) + " of " + std::to_string(found.total) +
-                        " samples are " + numbers_of(fills, " or ") +
-                        (fills.size() == 1 ? ", which looks like an undeclared fill value ("
-                                           : ", which look like undeclared fill values (") +
-                        others + "); give nodata " + numbers +
-                        " to make them holes, or nodata none to keep them",
+  throw FormatError(dem.path + ": " + std::to_string(count_of(fills)) + " of " + std::to_string(found.total) +
+                        " samples are " + suspicion_text(fills) + " (" + others + "); give nodata " +
+                        nodata_text(fills) + " to make them holes, or nodata none to keep them",
                     "nodata");
 }
 
