@@ -65,7 +65,7 @@ class Bench:
         seconds, peaks = 0.0, []
         for draw in range(self.options.chain):
             values = [word for axis in range(3) for word in ("--set", f"{VELOCITY}{axis}={SIGMA_MPS * (draw - axis)!r}")]
-            for command in (["scan-sim", "-c", os.path.join(PRESETS, "paper.scan.json"), *errors, *values, "--seed", draw + 1, "--ranges-from",
+            for command in (["scan-sim", "-c", os.path.join(PRESETS, "paper.scan.json"), *errors, *values, "--set", f"draw={draw}", "--ranges-from",
                              self.path("scan.h5"), "-o", self.path("drawn.h5")],
                             ["regrid", self.path("drawn.h5"), "--terrain", self.path("terrain.h5"), "-o", self.path("dem.h5")],
                             ["dem-eval", self.path("dem.h5"), "--metrics-only", "--metrics", self.path("metrics.json")]):

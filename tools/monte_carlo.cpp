@@ -40,9 +40,9 @@ test does not accept.
 Configuration: --print-schema, man monte-carlo, docs/user/monte-carlo.md.)";
 
 constexpr const char* kDescription =
-    R"(Draws the errors of a traced scan many times, builds the DEM of each draw and judges it by the landing requirements, in memory: the true ranges are read once. Draw i gives the same metrics, bit for bit, as scan-sim --ranges-from scan.h5 --seed (seed + i), regrid and dem-eval --metrics-only.
+    R"(Draws the errors of a traced scan many times, builds the DEM of each draw and judges it by the landing requirements, in memory: the true ranges are read once. Draw i gives the same metrics, bit for bit, as scan-sim --ranges-from scan.h5 --set draw=i, regrid and dem-eval --metrics-only.
 
-Without a scan each draw traces its own rays, so that any key may vary: trajectory, pointing, scanner, and the ground itself, which --terrain or the section terrain gives. Draw i then equals terrain-gen, scan-sim, regrid and dem-eval with its seeds and values.
+Without a scan each draw traces its own rays, so that any key may vary: trajectory, pointing, scanner, and the ground itself, which --terrain or the section terrain gives. Draw i then equals terrain-gen, scan-sim, regrid and dem-eval with its number and values.
 
 The output has one row per draw, and maps: the probability that a bin is empty and that a footprint exceeds a limit, mean and standard deviation of the errors. The table says how many draws passed each requirement and what probability of passing follows.
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Decisions: D13
+// Decisions: D13, D470
 #include "base/random.h"
 
 #include <algorithm>

@@ -7,6 +7,8 @@
 #include <cstdint>
 #include <span>
 
+#include "base/random_seed.h"
+
 namespace landfall {
 
 /// One stream per source of randomness, so that enabling or disabling one changes no draw of another. Files
@@ -43,12 +45,13 @@ enum class RandomStream : std::uint64_t {
   landing_yaw = 61,
 };
 
-/// Random numbers as a pure function of (seed, stream, i, j): Philox4x64-10 (Salmon et al. 2011) with the key
-/// (seed, stream) and the counter (i, j, 0, 0). No state: any thread may draw any element in any order.
+/// Random numbers as a pure function of (seed, draw, stream, i, j): Philox4x64-10 (Salmon et al. 2011) with
+/// the key (seed, stream) and the counter (i, j, draw, 0). No state: any thread may draw any element in any
+/// order.
 class RandomField {
  public:
-  constexpr RandomField(std::uint64_t seed, RandomStream stream)
-      : key_{{seed, static_cast<std::uint64_t>(stream)}} {}
+  constexpr RandomField(RandomSeed seed, RandomStream stream)
+      : key_{{seed.seed, static_cast<std::uint64_t>(stream)}}, draw_(seed.draw) {}
 
   /// Uniform in [0, 1), a multiple of 2^-53.
   [[nodiscard]] double uniform(std::uint64_t i, std::uint64_t j = 0) const { return unit(block(i, j)[0]); }
@@ -69,13 +72,14 @@ class RandomField {
   void normals(Counter first, Counter step, std::span<double> out) const;
 
   [[nodiscard]] Generator::ctr_type block(std::uint64_t i, std::uint64_t j) const {
-    return Generator{}(Generator::ctr_type{{i, j, 0, 0}}, key_);
+    return Generator{}(Generator::ctr_type{{i, j, draw_, 0}}, key_);
   }
   [[nodiscard]] static double unit(std::uint64_t word) {
     return static_cast<double>(static_cast<std::int64_t>(word >> 11U)) * 0x1p-53;
   }
 
   Generator::key_type key_;
+  std::uint64_t draw_;
 };
 
 }  // namespace landfall

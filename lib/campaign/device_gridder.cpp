@@ -57,7 +57,8 @@ std::optional<DeviceWeights> weights_of(Method method) {
 
 DeviceErrors device_errors(const RangeErrors& errors, DeviceWeights weights) {
   const RangeErrorParameters& p = errors.parameters();
-  return {.seed = errors.seed(),
+  return {.seed = errors.seed().seed,
+          .draw = errors.seed().draw,
           .noise_stream = static_cast<std::uint64_t>(RandomStream::range_noise),
           .dropout_stream = static_cast<std::uint64_t>(RandomStream::dropout),
           .false_stream = static_cast<std::uint64_t>(RandomStream::false_return),

@@ -9,6 +9,7 @@
 #include <span>
 #include <variant>
 
+#include "base/random_seed.h"
 #include "campaign/campaign_scene.h"
 #include "campaign/device_judge.h"
 #include "campaign/draw_gridder.h"
@@ -47,7 +48,7 @@ struct LandingParameters {
 /// The landing of a draw.
 struct LandingSetup {
   LandingParameters parameters;
-  std::uint64_t seed = 0;
+  RandomSeed seed;
   std::array<double, 2> velocity_error_mps{};  ///< x, y
 };
 

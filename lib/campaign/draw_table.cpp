@@ -22,6 +22,7 @@ void append(std::vector<DrawColumn>& columns, const std::vector<DrawColumn>& nex
 void append(DrawTable& table, const DrawTable& next) {
   assert(next.first == table.end());
   table.seeds.insert(table.seeds.end(), next.seeds.begin(), next.seeds.end());
+  table.draws.insert(table.draws.end(), next.draws.begin(), next.draws.end());
   append(table.varied, next.varied);
   append(table.metrics, next.metrics);
   table.pass.insert(table.pass.end(), next.pass.begin(), next.pass.end());

@@ -18,7 +18,9 @@ struct DrawColumn {
 /// The draws of a campaign or of a part of it, a row each.
 struct DrawTable {
   std::int64_t first = 0;  ///< number of the first draw
+  // The random numbers of each draw (RandomSeed):
   std::vector<std::int64_t> seeds;
+  std::vector<std::int64_t> draws;
   std::vector<DrawColumn> varied;
   std::vector<DrawColumn> metrics;  ///< NaN for a number that metrics.json has as null
   std::vector<std::int8_t> pass;    ///< 1: all requirements passed, the user's own too

@@ -18,23 +18,23 @@ std::array<std::uint64_t, 2> counter_of(const std::string& key) {
   return Hash().update(std::as_bytes(std::span(key))).words();
 }
 
-RandomField field_of(std::uint64_t draw_seed) { return {draw_seed, RandomStream::variation}; }
+RandomField field_of(RandomSeed seed) { return {seed, RandomStream::variation}; }
 
 std::string owner_of(const std::string& key) { return "vary/" + key; }
 
 }  // namespace
 
-double value(const NormalVariation& variation, const std::string& key, std::uint64_t draw_seed) {
+double value(const NormalVariation& variation, const std::string& key, RandomSeed seed) {
   const auto [i, j] = counter_of(key);
-  return variation.mean + variation.sigma * field_of(draw_seed).normal(i, j);
+  return variation.mean + variation.sigma * field_of(seed).normal(i, j);
 }
 
-double value(const UniformVariation& variation, const std::string& key, std::uint64_t draw_seed) {
+double value(const UniformVariation& variation, const std::string& key, RandomSeed seed) {
   const auto [i, j] = counter_of(key);
   const double width = variation.high - variation.low;
   // At most `high`: u <= 1 - 2^-53, so that width u is at most the exact width, by however much width is
   // rounded.
-  return variation.low + width * field_of(draw_seed).uniform(i, j);
+  return variation.low + width * field_of(seed).uniform(i, j);
 }
 
 void check(const NormalVariation& variation, const std::string& key) {

@@ -2,17 +2,18 @@
 #pragma once
 
 #include <cstddef>
-#include <cstdint>
 #include <string>
 #include <type_traits>
 #include <variant>
 #include <vector>
 
+#include "base/random_seed.h"
+
 namespace landfall {
 
 // How a key of a configuration varies from draw to draw. The values of a key depend only on the key's text,
-// its own parameters and seed + draw: other varied keys, the number of draws and the order in which they are
-// computed change nothing (docs/reference/draws.md).
+// its own parameters and the seed of the draw: other varied keys, the number of draws and the order in which
+// they are computed change nothing (docs/reference/draws.md).
 
 /// Normally distributed, within 8.6 sigma of the mean.
 struct NormalVariation {
@@ -39,22 +40,19 @@ struct ListVariation {
 template <class Value>
 using Variation = std::variant<NormalVariation, UniformVariation, ListVariation<Value>>;
 
-/// The value of `key` in the draw with the seed `draw_seed`. The same bits on every machine.
-[[nodiscard]] double value(const NormalVariation& variation, const std::string& key, std::uint64_t draw_seed);
-[[nodiscard]] double value(const UniformVariation& variation, const std::string& key,
-                           std::uint64_t draw_seed);
+/// The value of `key` in a draw of a campaign. The same bits on every machine.
+[[nodiscard]] double value(const NormalVariation& variation, const std::string& key, RandomSeed seed);
+[[nodiscard]] double value(const UniformVariation& variation, const std::string& key, RandomSeed seed);
 
-/// The value of `key` in draw `draw` of a campaign, whose seed is seed + draw modulo 2^64. A list must have
-/// an element for the draw, as check() assures.
+/// As above. A list must have an element for the draw, as check() assures.
 template <class Value>
-[[nodiscard]] Value value(const Variation<Value>& variation, const std::string& key, std::uint64_t seed,
-                          std::size_t draw) {
+[[nodiscard]] Value value(const Variation<Value>& variation, const std::string& key, RandomSeed seed) {
   return std::visit(
       [&](const auto& kind) -> Value {
         if constexpr (std::is_same_v<decltype(kind), const ListVariation<Value>&>) {
-          return kind.values.at(draw);
+          return kind.values.at(seed.draw);
         } else {
-          return landfall::value(kind, key, seed + draw);
+          return landfall::value(kind, key, seed);
         }
       },
       variation);

@@ -118,6 +118,19 @@ std::string pair_lines(const Comparison& json) {
   return text;
 }
 
+/// The draws with the same random numbers in both campaigns.
+std::string draw_lines(const Comparison& json) {
+  const Comparison& draws = json["draws"];
+  std::string text = "\n" + value_text(draws["common"]) + " draws in common, of " + value_text(draws["a"]) +
+                     " in A and " + value_text(draws["b"]) + " in B: same seed and number\n";
+  if (!json.contains("pairs")) return text + "no outcome is compared in pairs\n";
+  std::string keys;
+  for (const Comparison& key : json["differing_keys"])
+    keys += (keys.empty() ? "" : ", ") + key.get<std::string>();
+  if (!keys.empty()) text += "their values of " + keys + " differ\n";
+  return text + pair_lines(json["pairs"]);
+}
+
 std::string side_line(const char* name, const Comparison& side) {
   return std::string(name) + "  " + side["file"].get<std::string>() + "  file id " +
          side["file_id"].get<std::string>() + "\n";
@@ -187,9 +200,7 @@ std::string comparison_text(const Comparison& json) {
                      configuration_lines(json["configuration"]);
   if (json.contains("requirements")) text += requirement_lines(json["requirements"]);
   if (json.contains("metrics")) text += metric_lines(json["metrics"]);
-  if (json.contains("pairs")) text += pair_lines(json["pairs"]);
-  if (json.contains("same_seeds") && !json["same_seeds"].get<bool>())
-    text += "\nthe draws have other seeds in B: they are not compared in pairs\n";
+  if (json.contains("draws")) text += draw_lines(json);
   if (json.contains("placement")) text += meeting_text(json["a"], json["b"], json);
   if (json.contains("layers")) text += layer_lines(json["layers"]);
   return shown_lines(text);

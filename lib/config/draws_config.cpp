@@ -139,8 +139,10 @@ std::string moves_rays_because(const Json::json_pointer& pointer, const Json& sc
 
 /// Why a key cannot vary in any campaign; empty if it can.
 std::string fixed_because(const std::string& key) {
-  if (key == "scan.seed") return "is set by the number of the draw";
-  if (key == "terrain.seed") return "is set by /terrain_seed";
+  if (key == "scan.seed" || key == "terrain.seed")
+    return "is the same in all draws, whose numbers make their random numbers differ";
+  if (key == "scan.draw") return "is the number of the draw";
+  if (key == "terrain.draw") return "is set by /terrain_seed";
   if (key.starts_with("landing.")) return "is the same in all draws";
   static constexpr std::array kGrid = {"regrid.half_width_m", "regrid.center_m", "regrid.resolution_m",
                                        "eval.region", "hazard.region"};
@@ -222,6 +224,7 @@ DrawsConfig::DrawsConfig(const Json& resolved, std::string name, const Json& sca
     return section.is_null() ? Json() : merged_stage(which, std::move(base), section, name_);
   };
   scan_ = stage("scan", traces_ ? Json::object() : scanned);
+  scan_["draw"] = 0;  // each draw has its own
   stages_ = {completed_scan(scan_), stage("regrid", Json::object()), stage("eval", Json::object()),
              stage("hazard", Json::object()), stage("terrain", Json::object())};
   seed_ = stages_.scan.at("seed");
@@ -233,6 +236,8 @@ DrawsConfig::DrawsConfig(const Json& resolved, std::string name, const Json& sca
     throw UsageError(name_ + ": /stop/of: \"landing\" needs the section landing");
   if (has_terrain_seeds_ && !stages_.terrain.contains("seed"))
     throw UsageError(name_ + ": /terrain_seed: \"each\" needs a section terrain that has a seed");
+  warn_of_draw(resolved.at("scan"), "scan");
+  if (has_terrain_seeds_) warn_of_draw(resolved.at("terrain"), "terrain");
   if (has_uncertainty_ && stages_.regrid.at("method") != "bilinear_nearest")
     throw UsageError(name_ + ": /uncertainty: needs the method bilinear_nearest, not " +
                      stages_.regrid.at("method").get<std::string>());
@@ -245,6 +250,11 @@ DrawsConfig::DrawsConfig(const Json& resolved, std::string name, const Json& sca
                      return each.first.starts_with("terrain.");
                    });
   if (resolved.at("sigma")) predict();
+}
+
+void DrawsConfig::warn_of_draw(const Json& section, const char* stage) {
+  if (section.is_object() && section.value("draw", 0) != 0)
+    warnings_.push_back(name_ + ": /" + stage + "/draw has no effect: each draw has its own number");
 }
 
 void DrawsConfig::require_scanned(const Json& resolved) const {
@@ -342,15 +352,13 @@ std::vector<std::string> DrawsConfig::varied_keys() const {
 
 std::vector<double> DrawsConfig::values(std::int64_t draw) const {
   std::vector<double> values;
-  for (const auto& [key, variation] : vary_)
-    values.push_back(
-        value(variation, key, static_cast<std::uint64_t>(seed_), static_cast<std::size_t>(draw)));
+  for (const auto& [key, variation] : vary_) values.push_back(value(variation, key, seed(draw)));
   return values;
 }
 
 std::vector<std::int64_t> DrawsConfig::deciding_draws(std::int64_t first, std::int64_t end) const {
   if (first >= end) return {};
-  std::set<std::int64_t> draws = {first, end - 1};  // one of them has another seed than the scan
+  std::set<std::int64_t> draws = {first, end - 1};  // one of them is not the draw of the scan
   struct Deciding {
     double least, greatest;
     std::int64_t min_draw, greatest_draw;
@@ -377,8 +385,8 @@ std::vector<std::int64_t> DrawsConfig::deciding_draws(std::int64_t first, std::i
 DrawStages DrawsConfig::stages(std::int64_t draw) const {
   DrawStages stages = stages_;
   stages.scan = scan_;
-  stages.scan["seed"] = seed(draw);
-  if (has_terrain_seeds_) stages.terrain["seed"] = stages_.terrain.at("seed").get<std::int64_t>() + draw;
+  stages.scan["draw"] = draw;
+  if (has_terrain_seeds_) stages.terrain["draw"] = draw;
   const std::vector<double> drawn = values(draw);
   std::size_t i = 0;
   for (const auto& [key, variation] : vary_) {
@@ -398,7 +406,7 @@ void check_draws_config(const Json& resolved, const std::string& name, bool has_
     const DrawsConfig config(resolved, name, nullptr, samples);
     return static_cast<void>(config.stages(0));
   }
-  static constexpr std::array kErrors = {"noise", "pointing_error", "navigation_error", "seed"};
+  static constexpr std::array kErrors = {"noise", "pointing_error", "navigation_error", "seed", "draw"};
   const Json& known = embedded_schema("scan").at("properties");
   Json config = resolved;
   if (resolved.at("scan").is_object())

@@ -17,7 +17,7 @@
 
 namespace landfall {
 
-/// The configurations of the stages of one draw: resolved, with the draw's seed and values.
+/// The configurations of the stages of one draw: resolved, with the draw's number and values.
 struct DrawStages {
   nlohmann::json scan;
   nlohmann::json regrid;
@@ -64,15 +64,17 @@ class DrawsConfig {
   [[nodiscard]] std::vector<std::string> varied_keys() const;
   /// The stages before a draw changes them.
   [[nodiscard]] const DrawStages& stages() const { return stages_; }
+  /// Keys of the configuration that have no effect, a message each.
+  [[nodiscard]] const std::vector<std::string>& warnings() const { return warnings_; }
   /// With all defaults, for the provenance; samples are not part of it.
   [[nodiscard]] nlohmann::json json() const { return json_; }
 
   /// The values of the varied keys in a draw.
   [[nodiscard]] std::vector<double> values(std::int64_t draw) const;
-  [[nodiscard]] std::int64_t seed(std::int64_t draw) const { return seed_ + draw; }
+  [[nodiscard]] RandomSeed seed(std::int64_t draw) const { return {seed_, static_cast<std::uint32_t>(draw)}; }
   /// Draws of [first, end), in order, whose stages() decide whether those of all are accepted: a schema
   /// bounds each value alone, from above and below, and may ask for whole numbers. At most three for each
-  /// key, and the first and the last one, of which at least one has another seed than the scan.
+  /// key, and the first and the last one, of which at least one has other random numbers than the scan.
   [[nodiscard]] std::vector<std::int64_t> deciding_draws(std::int64_t first, std::int64_t end) const;
   /// Throws UsageError, naming draw and key, for a value that the stage's schema refuses.
   [[nodiscard]] DrawStages stages(std::int64_t draw) const;
@@ -84,6 +86,7 @@ class DrawsConfig {
   /// Refuses what only draws that trace have.
   void require_scanned(const nlohmann::json& resolved) const;
   void check_requirements() const;
+  void warn_of_draw(const nlohmann::json& section, const char* stage);
   void predict();
 
   std::string name_;
@@ -99,7 +102,8 @@ class DrawsConfig {
   bool has_uncertainty_;
   bool has_terrain_seeds_;
   bool ground_varies_ = false;
-  std::int64_t seed_ = 0;
+  std::uint64_t seed_ = 0;
+  std::vector<std::string> warnings_;
   DrawStages stages_;
   nlohmann::json scan_;  ///< without the defaults that other keys of the scan decide
   std::map<std::string, Variation<double>> vary_;

@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 #include <numbers>
 
+#include "base/random_seed.h"
 #include "geometry/frames.h"
 #include "geometry/rotation.h"
 
@@ -28,6 +29,11 @@ inline std::array<double, 2> pair_of(const nlohmann::json& value) {
 /// An array of three numbers.
 inline Eigen::Vector3d vector3(const nlohmann::json& value) {
   return {value.at(0).get<double>(), value.at(1).get<double>(), value.at(2).get<double>()};
+}
+
+/// Of a resolved configuration of a terrain or of a scan.
+inline RandomSeed random_seed(const nlohmann::json& config) {
+  return {config.at("seed").get<std::uint64_t>(), config.at("draw").get<std::uint32_t>()};
 }
 
 inline RollPitchYaw roll_pitch_yaw(const nlohmann::json& value, double radians_per_unit) {

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include <cstdint>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <span>
@@ -10,6 +9,7 @@
 #include <vector>
 
 #include "base/number_table.h"
+#include "base/random_seed.h"
 #include "detector/detector.h"
 #include "error_models/navigation_error.h"
 #include "error_models/pointing_error.h"
@@ -25,7 +25,7 @@ struct ComponentContext {
   /// Empty if the configuration is only checked: components that are defined by a file are then replaced by
   /// any valid one, and nothing is drawn.
   TableLoader load_table;
-  std::uint64_t seed = 1;
+  RandomSeed seed;
   double scan_time_s = 2;
   double pulse_interval_s = 5e-5;
 };

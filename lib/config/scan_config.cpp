@@ -42,8 +42,7 @@ bool aims_from_estimate(const Json& scanner) {
 
 ScanModel build(const Json& resolved, const TableLoader& load_table) {
   const Json& laser = resolved.at("laser");
-  const ComponentContext context{load_table, resolved.at("seed").get<std::uint64_t>(),
-                                 laser.at("scan_time_s").get<double>(),
+  const ComponentContext context{load_table, random_seed(resolved), laser.at("scan_time_s").get<double>(),
                                  1 / laser.at("pulse_rate_hz").get<double>()};
   const Json& scanner = resolved.at("scanner");
   const Json& navigation = resolved.at("navigation_error");

@@ -103,7 +103,7 @@ TerrainModel model_of(const Json& json) {
   for (std::size_t i = 0; i < patterns.size(); ++i)
     model.patterns.push_back(feature_pattern(patterns[i], "patterns/" + std::to_string(i)));
   if (json.contains("albedo")) model.albedo = albedo_of(json.at("albedo"));
-  model.seed = json.at("seed").get<std::uint64_t>();
+  model.seed = random_seed(json);
   return model;
 }
 
@@ -136,7 +136,8 @@ Json resolve_terrain_config(const JsonSource& source) {
       throw UsageError(source.name + ": /" + key + ": is mutually exclusive with /mesh; remove one");
   Json resolved = resolve_config(source, embedded_schema("terrain"));
   if (is_mesh)
-    for (const char* const key : {"grid", "base", "features", "patterns", "seed"}) resolved.erase(key);
+    for (const char* const key : {"grid", "base", "features", "patterns", "seed", "draw"})
+      resolved.erase(key);
   return resolved;
 }
 

@@ -15,7 +15,7 @@ double biased(double bias, double sigma, const RandomField& field, std::int64_t 
 
 }  // namespace
 
-PointingError::PointingError(const PointingErrorParameters& parameters, std::uint64_t seed)
+PointingError::PointingError(const PointingErrorParameters& parameters, RandomSeed seed)
     : parameters_(parameters),
       turns_beams_(parameters.misalignment != RollPitchYaw{} || parameters.jitter_sigma_x_rad != 0 ||
                    parameters.jitter_sigma_y_rad != 0),

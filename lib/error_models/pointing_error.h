@@ -40,14 +40,14 @@ struct PointingErrorParameters {
 /// not affected. A sweep that moves a footprint at w m/s thus puts the true points w e ahead of the estimated
 /// ones: 10 km/s x 10 us = 0.1 m, with alternating sign along a boustrophedon.
 ///
-/// Every draw is a function of (seed, cause, pulse).
+/// Every draw is a function of (seed, draw, cause, pulse).
 class PointingError {
  public:
   /// Without any error.
   PointingError() : PointingError({}, 0) {}
   /// Throws UsageError, naming the key, where a sigma is negative, a number not finite or a time out of
   /// range.
-  PointingError(const PointingErrorParameters& parameters, std::uint64_t seed);
+  PointingError(const PointingErrorParameters& parameters, RandomSeed seed);
 
   /// False: R_lidar_true is the identity at every pulse.
   [[nodiscard]] bool turns_beams() const { return turns_beams_; }

@@ -46,7 +46,7 @@ bool GaussMarkovParameters::is_none() const {
 }
 
 RandomNavigationError::Process RandomNavigationError::walk(const RandomWalkParameters& p,
-                                                           const TimeGrid& grid, std::uint64_t seed) {
+                                                           const TimeGrid& grid, RandomSeed seed) {
   const RandomField field(seed, RandomStream::navigation_walk);
   SampledPath position = random_walk(grid, p.position_m_per_sqrt_s.v, {field, kPositionAxis});
   position += random_walk(grid, p.velocity_mps_per_sqrt_s.v, {field, kVelocityAxis}).integral();
@@ -54,7 +54,7 @@ RandomNavigationError::Process RandomNavigationError::walk(const RandomWalkParam
 }
 
 RandomNavigationError::Process RandomNavigationError::markov(const GaussMarkovParameters& p,
-                                                             const TimeGrid& grid, std::uint64_t seed) {
+                                                             const TimeGrid& grid, RandomSeed seed) {
   const RandomField field(seed, RandomStream::gauss_markov);
   SampledPath position =
       gauss_markov(grid, {p.position_sigma_m.v, p.position_time_s}, {field, kPositionAxis});

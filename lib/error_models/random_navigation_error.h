@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include <cstdint>
 #include <optional>
 
+#include "base/random_seed.h"
 #include "error_models/navigation_error.h"
 #include "error_models/sampled_path.h"
 
@@ -42,11 +42,11 @@ struct RandomNavigationParameters {
 ///   integral of a velocity process;
 ///   R_err = R_linear R_walk R_gauss_markov, each made of the roll, pitch and yaw at that time.
 /// The constructor draws the processes once on a grid of times (sampled_path.h): 48 bytes per step and active
-/// process. The draws of a process depend on (seed, process, step, axis) only.
+/// process. The draws of a process depend on (seed, draw, process, step, axis) only.
 class RandomNavigationError : public NavigationError {
  public:
   struct Draw {
-    std::uint64_t seed = 1;
+    RandomSeed seed;
     double duration_s = 2;  ///< length of the grid of times; afterwards the errors keep their last value
   };
 
@@ -67,9 +67,8 @@ class RandomNavigationError : public NavigationError {
     SampledPath position_m;  ///< with the integral of the velocity
     SampledPath rpy_rad;
   };
-  [[nodiscard]] static Process walk(const RandomWalkParameters& p, const TimeGrid& grid, std::uint64_t seed);
-  [[nodiscard]] static Process markov(const GaussMarkovParameters& p, const TimeGrid& grid,
-                                      std::uint64_t seed);
+  [[nodiscard]] static Process walk(const RandomWalkParameters& p, const TimeGrid& grid, RandomSeed seed);
+  [[nodiscard]] static Process markov(const GaussMarkovParameters& p, const TimeGrid& grid, RandomSeed seed);
   static void add(const Process& process, double since_start_s, PoseError& error);
 
   LinearNavigationError linear_;

@@ -19,7 +19,7 @@ double draw_uniform(const RandomField& field, PulsePixel where) {
 
 }  // namespace
 
-RangeErrors::RangeErrors(const RangeErrorParameters& parameters, std::uint64_t seed)
+RangeErrors::RangeErrors(const RangeErrorParameters& parameters, RandomSeed seed)
     : parameters_(parameters),
       seed_(seed),
       dead_(seed, RandomStream::dead_pixel),

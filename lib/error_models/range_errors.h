@@ -22,16 +22,16 @@ struct RangeErrorParameters {
   double false_range_max_m = 1000;
 };
 
-/// The receiver's effect on a range. Every draw is a function of (seed, stream, pulse, pixel), and each cause
-/// has its own stream: no result depends on the order of calls, on the number of threads, or on which of the
-/// other errors are enabled.
+/// The receiver's effect on a range. Every draw is a function of (seed, draw, stream, pulse, pixel), and each
+/// cause has its own stream: no result depends on the order of calls, on the number of threads, or on which
+/// of the other errors are enabled.
 class RangeErrors {
  public:
   /// Throws UsageError, naming the key and the bound, for a parameter out of range.
-  RangeErrors(const RangeErrorParameters& parameters, std::uint64_t seed);
+  RangeErrors(const RangeErrorParameters& parameters, RandomSeed seed);
 
   [[nodiscard]] const RangeErrorParameters& parameters() const { return parameters_; }
-  [[nodiscard]] std::uint64_t seed() const { return seed_; }
+  [[nodiscard]] RandomSeed seed() const { return seed_; }
   /// False: sigma_m() is range_sigma_m.
   [[nodiscard]] bool has_varying_sigma() const { return !has_constant_sigma_; }
   /// False: every sigma is 0, and no noise is drawn.
@@ -62,7 +62,7 @@ class RangeErrors {
   [[nodiscard]] bool draws_dropout(PulsePixel where) const;
 
   RangeErrorParameters parameters_;
-  std::uint64_t seed_;
+  RandomSeed seed_;
   RandomField dead_;
   RandomField dropout_;
   RandomField noise_;

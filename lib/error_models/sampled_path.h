@@ -39,7 +39,7 @@ class SampledPath {
   std::vector<Eigen::Vector3d> values_;
 };
 
-/// Standard normal draws for three axes: functions of (seed, stream, step, axis) only.
+/// Standard normal draws for three axes: functions of (seed, draw, stream, step, axis) only.
 struct PathDraws {
   RandomField field;
   std::uint64_t first_axis = 0;  ///< this path uses the axis numbers first_axis .. first_axis + 2

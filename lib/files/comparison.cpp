@@ -310,17 +310,58 @@ std::vector<std::pair<std::string, std::vector<double>>> outcomes(const DrawTabl
   return all;
 }
 
+/// Draws with the same random numbers, over scans of one number.
+struct DrawPairs {
+  std::vector<std::size_t> rows_a, rows_b;  ///< in the order of A
+};
+
+DrawPairs draws_in_common(const DrawTable& a, const DrawTable& b) {
+  const auto keys_of = [](const DrawTable& table) {
+    const auto pair = std::ranges::find(table.varied, kPairColumn, &DrawColumn::name);
+    std::vector<std::tuple<double, std::int64_t, std::int64_t>> keys;
+    for (std::size_t i = 0; i < table.seeds.size(); ++i)
+      keys.emplace_back(pair == table.varied.end() ? 0 : pair->values[i], table.seeds[i], table.draws[i]);
+    return keys;
+  };
+  const auto keys_a = keys_of(a);
+  const auto keys_b = keys_of(b);
+  std::map<std::tuple<double, std::int64_t, std::int64_t>, std::size_t> row_of;
+  for (std::size_t i = 0; i < keys_b.size(); ++i) row_of.emplace(keys_b[i], i);
+  DrawPairs pairs;
+  for (std::size_t i = 0; i < keys_a.size(); ++i)
+    if (const auto found = row_of.find(keys_a[i]); found != row_of.end()) {
+      pairs.rows_a.push_back(i);
+      pairs.rows_b.push_back(found->second);
+    }
+  return pairs;
+}
+
+std::vector<double> rows_of(const std::vector<double>& values, const std::vector<std::size_t>& rows) {
+  std::vector<double> taken;
+  for (const std::size_t row : rows) taken.push_back(values[row]);
+  return taken;
+}
+
 void add_draws(Json& json, const std::filesystem::path& a, const std::filesystem::path& b) {
   const DrawTable table_a = read_draws(a).draws.table;
   const DrawTable table_b = read_draws(b).draws.table;
-  json["same_seeds"] = table_a.seeds == table_b.seeds;
-  if (table_a.seeds != table_b.seeds) return;
-  json["draws"] = table_a.size();
+  const DrawPairs common = draws_in_common(table_a, table_b);
+  json["draws"] = {{"a", table_a.size()}, {"b", table_b.size()}, {"common", common.rows_a.size()}};
+  if (common.rows_a.empty()) return;
+  json["differing_keys"] = Json::array();
+  for (const DrawColumn& column : table_a.varied) {
+    const auto other = std::ranges::find(table_b.varied, column.name, &DrawColumn::name);
+    if (other != table_b.varied.end() &&
+        rows_of(column.values, common.rows_a) != rows_of(other->values, common.rows_b))
+      json["differing_keys"].push_back(column.name);
+  }
   json["pairs"] = Json::array();
   const auto outcomes_b = outcomes(table_b);
   for (const auto& [name, values] : outcomes(table_a)) {
     const auto other = std::ranges::find(outcomes_b, name, [](const auto& outcome) { return outcome.first; });
-    if (other != outcomes_b.end()) json["pairs"].push_back(pair_json(name, values, other->second));
+    if (other != outcomes_b.end())
+      json["pairs"].push_back(
+          pair_json(name, rows_of(values, common.rows_a), rows_of(other->second, common.rows_b)));
   }
 }
 

@@ -153,8 +153,9 @@ std::vector<std::int8_t> flags_of(const DrawColumn& column) {
 
 void write_rows(const LandfallFileWriter& file, const DrawTable& table) {
   using enum h5::Type;
-  std::vector<ColumnSpec> columns = {{"seed", int64, "1", "seed of the draw"}};
-  std::vector<ColumnRows> rows = {std::span(table.seeds)};
+  std::vector<ColumnSpec> columns = {{"seed", int64, "1", "random seed"},
+                                     {"draw", int64, "1", "number of the draw"}};
+  std::vector<ColumnRows> rows = {std::span(table.seeds), std::span(table.draws)};
   for (const DrawColumn& column : table.varied) {
     columns.push_back(
         {column.name, float64, unit_of_column(column.name), "value of this key of the configuration"});
@@ -313,7 +314,8 @@ DrawTable rows_of_pair(const DrawTable& table, std::ptrdiff_t begin, std::ptrdif
   const auto cut = [&](const auto& values) {
     return std::decay_t<decltype(values)>(values.begin() + begin, values.begin() + end);
   };
-  DrawTable result = {table.first + begin, cut(table.seeds), table.varied, table.metrics, cut(table.pass)};
+  DrawTable result = {table.first + begin, cut(table.seeds), cut(table.draws),
+                      table.varied,        table.metrics,    cut(table.pass)};
   for (auto* const columns : {&result.varied, &result.metrics})
     for (DrawColumn& column : *columns) column.values = cut(column.values);
   return result;
@@ -395,29 +397,49 @@ DrawMaps read_state(const LandfallFileReader& file, const GridSpec& spec, std::i
 }
 
 /// Modulo 2^64: a file may hold any number.
-std::int64_t seed_after(std::int64_t seed, std::int64_t draws) {
-  return static_cast<std::int64_t>(static_cast<std::uint64_t>(seed) + static_cast<std::uint64_t>(draws));
+std::int64_t sum_of(std::int64_t a, std::int64_t b) {
+  return static_cast<std::int64_t>(static_cast<std::uint64_t>(a) + static_cast<std::uint64_t>(b));
 }
 
-/// Draw i has the seed of the configuration plus i; with several scans, each counts from its own.
-void check_seeds(const LandfallFileReader& file, const DrawTable& table) {
+/// A column with one number for each draw.
+struct Numbering {
+  const char* column;
+  const std::vector<std::int64_t>& values;
+  std::int64_t step;  ///< from a draw to the next
+  const char* meaning;
+};
+
+/// With several scans, each counts from its own first draw. `first`: in a campaign over one scan.
+void check_numbering(const LandfallFileReader& file, const DrawTable& table, const Numbering& numbering,
+                     const std::optional<std::int64_t>& first) {
   const auto pair = std::ranges::find(table.varied, kPairColumn, &DrawColumn::name);
   const bool has_pairs = pair != table.varied.end();
-  const auto refuse = [&](std::size_t row, std::int64_t expected) {
-    fail_at(file, "seed", row, static_cast<double>(table.seeds[row]),
-            std::to_string(expected) + ", the seed of the campaign plus the number of the draw");
+  const auto expect = [&](std::size_t row, std::int64_t expected) {
+    if (const std::int64_t value = numbering.values[row]; value != expected)
+      fail_at(file, numbering.column, row, static_cast<double>(value),
+              std::to_string(expected) + ", " + numbering.meaning);
   };
-  for (std::size_t i = 1; i < table.seeds.size(); ++i)
-    if (const std::int64_t expected = seed_after(table.seeds[i - 1], 1);
-        (!has_pairs || pair->values[i] == pair->values[i - 1]) && table.seeds[i] != expected)
-      refuse(i, expected);
+  if (first && !has_pairs && !numbering.values.empty()) expect(0, *first);
+  for (std::size_t i = 1; i < numbering.values.size(); ++i)
+    if (!has_pairs || pair->values[i] == pair->values[i - 1])
+      expect(i, sum_of(numbering.values[i - 1], numbering.step));
+}
+
+/// Draw i has the seed of the campaign and the number i; in a file of version 0.2.0 the seed of the campaign
+/// plus i.
+void check_seeds(const LandfallFileReader& file, const DrawTable& table, bool counts_seeds) {
   static const nlohmann::json::json_pointer kSeed("/scan/seed");
   const nlohmann::json& config = file.config();
-  if (table.seeds.empty() || has_pairs || !config.is_object() || !config.contains(kSeed) ||
-      !config.at(kSeed).is_number_integer())
-    return;
-  const std::int64_t expected = seed_after(config.at(kSeed).get<std::int64_t>(), table.first);
-  if (table.seeds.front() != expected) refuse(0, expected);
+  std::optional<std::int64_t> seed;
+  if (config.is_object() && config.contains(kSeed) && config.at(kSeed).is_number_integer())
+    seed = config.at(kSeed).get<std::int64_t>();
+  if (counts_seeds) {
+    if (seed) seed = sum_of(*seed, table.first);
+    return check_numbering(
+        file, table, {"seed", table.seeds, 1, "the seed of the campaign plus the number of the draw"}, seed);
+  }
+  check_numbering(file, table, {"seed", table.seeds, 0, "the seed of the campaign"}, seed);
+  check_numbering(file, table, {"draw", table.draws, 1, "the number of the draw"}, table.first);
 }
 
 /// Throws FormatError unless each value of the metric is `allowed` or NaN; a table may lack the metric.
@@ -446,8 +468,8 @@ void check_landings(const LandfallFileReader& file, const DrawTable& table) {
 }
 
 /// Refuses rows that contradict themselves or the configuration: no campaign wrote them.
-void check_rows(const LandfallFileReader& file, const DrawTable& table) {
-  check_seeds(file, table);
+void check_rows(const LandfallFileReader& file, const DrawTable& table, bool counts_seeds) {
+  check_seeds(file, table, counts_seeds);
   const auto is_flag = [](double value) { return value == 0 || value == 1; };
   for (const RequirementInfo& info : kRequirementInfo)
     check_metric(file, table, std::string("requirements.") + info.name + ".pass", "0 or 1", is_flag);
@@ -467,7 +489,7 @@ void check_rows(const LandfallFileReader& file, const DrawTable& table) {
   }
 }
 
-DrawTable read_rows(const LandfallFileReader& file) {
+DrawTable read_rows(const LandfallFileReader& file, bool counts_seeds) {
   const TableReader table(file.root(), "draws", file.name());
   DrawTable result;
   const auto first = h5::read_number_attribute(table.group(), kFirstDraw);
@@ -478,11 +500,13 @@ DrawTable read_rows(const LandfallFileReader& file) {
     file.fail("/draws: first_draw is not in [0, " + std::to_string(kMaxDraws) + ")");
   result.first = static_cast<std::int64_t>(*first);
   result.seeds.resize(size);
+  result.draws.resize(size);
   result.pass.resize(size);
   read_into(table, "seed", std::span(result.seeds));
+  if (!counts_seeds) read_into(table, "draw", std::span(result.draws));
   read_into(table, "pass", std::span(result.pass));
   for (const DatasetEntry& dataset : list_datasets(table.group())) {
-    if (dataset.name == "seed" || dataset.name == "pass") continue;
+    if (dataset.name == "seed" || dataset.name == "draw" || dataset.name == "pass") continue;
     if (table.row_count(dataset.name) != size)
       file.fail(table.path_of(dataset.name) + " has another length than seed");
     DrawColumn column{dataset.name, std::vector<double>(size)};
@@ -494,7 +518,7 @@ DrawTable read_rows(const LandfallFileReader& file) {
     if (std::ranges::find(result.metrics, name, &DrawColumn::name) == result.metrics.end())
       file.fail("/draws has no column " + name);
   }
-  check_rows(file, result);
+  check_rows(file, result, counts_seeds);
   return result;
 }
 
@@ -561,7 +585,8 @@ void write_draws(LandfallFileWriter& file, const Draws& draws, const Json& verdi
 DrawsInput read_draws(const std::filesystem::path& path) {
   const LandfallFileReader file(path, {"draws"});
   DrawsInput input;
-  input.draws.table = read_rows(file);
+  input.counts_seeds = file.format_major() == 1;
+  input.draws.table = read_rows(file, input.counts_seeds);
   input.file_id = file.file_id();
   input.chain = file.chain();
   if (input.chain.empty()) file.fail("does not say how it was made: /provenance is missing");

@@ -55,6 +55,9 @@ struct DrawsInput {
   std::string crs_wkt;
   std::string file_id;
   nlohmann::json chain;  ///< its last step made the file
+  /// The file is of version 0.2.0: draw i has the seed of the campaign plus i, and so random numbers that
+  /// campaigns with other seeds have too.
+  bool counts_seeds = false;
 };
 
 /// Throws FormatError.

@@ -19,7 +19,8 @@
 namespace landfall {
 namespace {
 
-constexpr const char* kFormatVersion = "1.0";
+/// A reader reads the versions up to its own major one.
+std::string format_version(const std::string& kind) { return kind == "draws" ? "2.0" : "1.0"; }
 constexpr const char* kIncomplete = "is incomplete (attribute complete is not 1)";
 
 std::string title_of(const std::string& kind, const std::string& tool) {
@@ -111,7 +112,7 @@ LandfallFileWriter::LandfallFileWriter(const OutputOptions& options, const std::
   h5::write_attribute(root(), "source", source_line(provenance.tool));
   h5::write_attribute(root(), "history", history_of(provenance));
   h5::write_attribute(root(), "format_name", "landfall." + kind);
-  h5::write_attribute(root(), "format_version", std::string(kFormatVersion));
+  h5::write_attribute(root(), "format_version", format_version(kind));
   h5::write_attribute(root(), "file_id", provenance.file_id());
   const h5::Handle group = h5::create_group(root(), "provenance");
   h5::write_attribute(group.get(), "tool", provenance.tool);
@@ -162,8 +163,11 @@ LandfallFileReader::LandfallFileReader(const std::filesystem::path& path,
   if (std::none_of(kinds.begin(), kinds.end(), matches))
     fail("is a " + shown_word(*format) + " file; expected " + wanted);
   const std::string version = h5::read_text_attribute(root(), "format_version").value_or("");
-  if (version.substr(0, 2) != "1.")
-    fail("format_version '" + shown_word(version) + "' is not 1.x, which this version reads");
+  const char newest = format_version(format->substr(std::string_view("landfall.").size())).front();
+  if (version.size() < 2 || version[0] < '1' || version[0] > newest || version[1] != '.')
+    fail("format_version '" + shown_word(version) + "' is not 1.x" + (newest == '2' ? " or 2.x" : "") +
+         ", which this version reads");
+  format_major_ = version[0] - '0';
   if (h5::read_number_attribute(root(), "complete").value_or(0) != 1) fail(kIncomplete);
   read_provenance();
 }

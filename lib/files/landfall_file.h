@@ -51,6 +51,8 @@ class LandfallFileReader {
   [[nodiscard]] hid_t root() const { return file_.get(); }
   [[nodiscard]] const std::string& name() const { return name_; }  ///< for messages: the path as given
   [[nodiscard]] const std::string& file_id() const { return file_id_; }
+  /// The first number of format_version.
+  [[nodiscard]] int format_major() const { return format_major_; }
   /// All upstream steps, and this file as the last step. Each has the texts "tool" and "file_id"; its
   /// "inputs", if any, are a list of objects with the texts "role" and "file_id".
   [[nodiscard]] const nlohmann::json& chain() const { return chain_; }
@@ -65,6 +67,7 @@ class LandfallFileReader {
   std::string name_;
   h5::Handle file_;
   std::string file_id_;
+  int format_major_ = 1;
   nlohmann::json chain_ = nlohmann::json::array();
   nlohmann::json config_;
 };

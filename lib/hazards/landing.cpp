@@ -41,7 +41,7 @@ Landing judge_landing(const Touchdown& touchdown, const Lander& lander, const Ha
           slope_deg <= limits.slope_deg && roughness_m <= limits.roughness_m};
 }
 
-LandingErrors draw_landing(std::uint64_t seed, const std::optional<double>& yaw_deg) {
+LandingErrors draw_landing(RandomSeed seed, const std::optional<double>& yaw_deg) {
   const RandomField touchdown(seed, RandomStream::touchdown);
   const RandomField yaw(seed, RandomStream::landing_yaw);
   return {.unit_x = touchdown.normal(0),

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include <cstdint>
 #include <functional>
 #include <optional>
 
+#include "base/random_seed.h"
 #include "hazards/lander.h"
 #include "hazards/safety.h"
 
@@ -47,6 +47,6 @@ struct LandingErrors {
 };
 
 /// The random parts of the landing with this seed; the yaw is uniform in [0, 360) unless it is given.
-[[nodiscard]] LandingErrors draw_landing(std::uint64_t seed, const std::optional<double>& yaw_deg);
+[[nodiscard]] LandingErrors draw_landing(RandomSeed seed, const std::optional<double>& yaw_deg);
 
 }  // namespace landfall

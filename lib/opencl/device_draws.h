@@ -29,7 +29,7 @@ enum class DeviceWeights : std::int64_t {
 
 /// RangeErrorParameters and RandomStreams of one draw.
 struct DeviceErrors {
-  std::uint64_t seed, noise_stream, dropout_stream, false_stream;
+  std::uint64_t seed, draw, noise_stream, dropout_stream, false_stream;
   double sigma_m, sigma_per_m, incidence_sigma_rad, bias_m, dropout_frac, false_frac, false_min_m,
       false_span_m;
   std::int64_t is_noisy, has_constant_sigma;
@@ -51,7 +51,7 @@ struct DevicePose {
   std::array<double, 9> rotation;  ///< row by row
   std::array<double, 3> position;
 };
-static_assert(sizeof(DeviceScene) == 6 * 8 && sizeof(DeviceErrors) == 16 * 8 && sizeof(DeviceBeam) == 8 * 8 &&
+static_assert(sizeof(DeviceScene) == 6 * 8 && sizeof(DeviceErrors) == 17 * 8 && sizeof(DeviceBeam) == 8 * 8 &&
               sizeof(DevicePose) == 12 * 8);
 
 /// TriangulatedGrid: where a device takes true elevations.

@@ -14,7 +14,7 @@
 
 // Structures of lib/opencl/device_draws.h.
 typedef struct {
-  ulong seed, noise_stream, dropout_stream, false_stream;
+  ulong seed, draw, noise_stream, dropout_stream, false_stream;
   double sigma_m, sigma_per_m, incidence_sigma_rad, bias_m, dropout_frac, false_frac, false_min_m, false_span_m;
   long is_noisy, has_constant_sigma, weights, left_rows;
 } Errors;
@@ -41,9 +41,9 @@ typedef struct {
 #define WEIGHTS_EQUAL 1
 #define WEIGHTS_FOUR 2
 
-// The draws (i, j) of a stream: Philox4x64-10, its first two words.
-void philox(ulong seed, ulong stream, ulong i, ulong j, ulong* first, ulong* second) {
-  ulong c0 = i, c1 = j, c2 = 0, c3 = 0;
+// The draws (i, j) of a stream: Philox4x64-10, its first two words (lib/base/random.h).
+void philox(ulong seed, ulong draw, ulong stream, ulong i, ulong j, ulong* first, ulong* second) {
+  ulong c0 = i, c1 = j, c2 = draw, c3 = 0;
   for (int round = 0; round < 10; ++round) {
     const ulong high0 = mul_hi(c0, (ulong)0xD2E7470EE14C6C93UL);
     const ulong low0 = c0 * 0xD2E7470EE14C6C93UL;
@@ -62,9 +62,9 @@ void philox(ulong seed, ulong stream, ulong i, ulong j, ulong* first, ulong* sec
 
 double unit(ulong word) { return (double)(long)(word >> 11) * 0x1p-53; }
 
-double uniform_draw(ulong seed, ulong stream, ulong i, ulong j) {
+double uniform_draw(constant Errors* e, ulong stream, ulong i, ulong j) {
   ulong first, second;
-  philox(seed, stream, i, j, &first, &second);
+  philox(e->seed, e->draw, stream, i, j, &first, &second);
   return unit(first);
 }
 
@@ -127,9 +127,9 @@ double cos_turns(double t) {
   return high + (low + (z * z) * sum);
 }
 
-double normal_draw(ulong seed, ulong stream, ulong i, ulong j) {
+double normal_draw(constant Errors* e, ulong stream, ulong i, ulong j) {
   ulong first, second;
-  philox(seed, stream, i, j, &first, &second);
+  philox(e->seed, e->draw, stream, i, j, &first, &second);
   const double v = unit(second);
   const double q = floor(v * 4 + 0.5);
   const double t = v - q * 0.25;
@@ -142,7 +142,7 @@ double normal_draw(ulong seed, ulong stream, ulong i, ulong j) {
 double measured(constant Errors* e, double range, double tan_incidence, ulong pulse, ulong pixel) {
   const double biased = range + e->bias_m;
   if (!e->is_noisy) return biased;
-  const double normal = normal_draw(e->seed, e->noise_stream, pulse, pixel);
+  const double normal = normal_draw(e, e->noise_stream, pulse, pixel);
   if (e->has_constant_sigma) return biased + e->sigma_m * normal;
   const double with_range = e->sigma_per_m * range;
   const double with_incidence = e->incidence_sigma_rad == 0 ? 0 : (e->incidence_sigma_rad * range) * tan_incidence;
@@ -243,10 +243,10 @@ kernel void place(constant Scene* s, constant Errors* e, global const Beam* beam
   if (!dead[pixel] && range != -INFINITY) {
     const bool hits = !isnan(range);
     const bool has_echo =
-        hits && !(e->dropout_frac > 0 && uniform_draw(e->seed, e->dropout_stream, pulse, pixel) < e->dropout_frac);
-    if (e->false_frac > 0 && uniform_draw(e->seed, e->false_stream, pulse, pixel) < e->false_frac) {
+        hits && !(e->dropout_frac > 0 && uniform_draw(e, e->dropout_stream, pulse, pixel) < e->dropout_frac);
+    if (e->false_frac > 0 && uniform_draw(e, e->false_stream, pulse, pixel) < e->false_frac) {
       const ulong second = pixel + (1UL << 32);
-      const double false_m = e->false_min_m + uniform_draw(e->seed, e->false_stream, pulse, second) * e->false_span_m;
+      const double false_m = e->false_min_m + uniform_draw(e, e->false_stream, pulse, second) * e->false_span_m;
       is_false = !(has_echo && false_m >= range);
       if (is_false) said = false_m;
     }

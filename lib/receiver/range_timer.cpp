@@ -12,7 +12,7 @@
 
 namespace landfall {
 
-RangeTimer::RangeTimer(RangeTimerParameters parameters, std::size_t pixels, std::uint64_t seed)
+RangeTimer::RangeTimer(RangeTimerParameters parameters, std::size_t pixels, RandomSeed seed)
     : parameters_(std::move(parameters)), jitter_(seed, RandomStream::timing_jitter) {
   RangeTimerParameters& p = parameters_;
   require_not_negative({"", "jitter_sigma_s"}, p.jitter_sigma_s);

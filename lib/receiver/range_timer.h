@@ -20,13 +20,13 @@ struct RangeTimerParameters {
 
 /// The clock that measures the time of flight, r = c t/2:
 ///   r' = q round((1 + 1e-6 clock_scale_ppm)(r + c/2 jitter + offset)/q),   q = c/2 timer_step.
-/// Every draw is a function of (seed, cause, pulse, pixel).
+/// Every draw is a function of (seed, draw, cause, pulse, pixel).
 class RangeTimer {
  public:
   /// Without any error.
   RangeTimer() : RangeTimer({}, 0, 0) {}
   /// Throws UsageError, naming the key and the bound, for a parameter out of range.
-  RangeTimer(RangeTimerParameters parameters, std::size_t pixels, std::uint64_t seed);
+  RangeTimer(RangeTimerParameters parameters, std::size_t pixels, RandomSeed seed);
 
   /// False: apply() changes nothing.
   [[nodiscard]] bool is_on() const { return is_on_; }

@@ -46,7 +46,7 @@ void Waveforms::clear(std::size_t rays_per_pixel) {
   echoes.clear();
 }
 
-Receiver::Receiver(const ReceiverParameters& p, std::uint64_t seed)
+Receiver::Receiver(const ReceiverParameters& p, RandomSeed seed)
     : parameters_(p),
       sigma_m_(range_of_time_m(p.pulse_fwhm_s) / kFwhmPerSigma),
       background_in_pulse_pe_(p.background_pe * range_of_time_m(p.pulse_fwhm_s) /

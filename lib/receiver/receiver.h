@@ -88,14 +88,14 @@ struct Waveforms {
 /// photoelectron is timed; then the pixel is blind for dead_time_s, and of an echo that begins meanwhile
 /// nothing is seen. Of each echo only the first photoelectron counts. Its intensity is 1.
 ///
-/// Every draw is a function of (seed, cause, pulse, pixel, number of the echo); the number is 0 for an echo
-/// that `last` or `strongest` chose. The draws of geiger follow the sub-rays in the order of add_pixel() if
-/// all lie within one FWHM, else in the order of range.
+/// Every draw is a function of (seed, draw, cause, pulse, pixel, number of the echo); the number is 0 for an
+/// echo that `last` or `strongest` chose. The draws of geiger follow the sub-rays in the order of add_pixel()
+/// if all lie within one FWHM, else in the order of range.
 class Receiver {
  public:
   Receiver() : Receiver({}, 0) {}
   /// Throws UsageError, naming the key and the bound, for a parameter out of range.
-  Receiver(const ReceiverParameters& parameters, std::uint64_t seed);
+  Receiver(const ReceiverParameters& parameters, RandomSeed seed);
 
   [[nodiscard]] ReceiverType type() const { return parameters_.type; }
   /// False: pixels report the ranges of their detector.

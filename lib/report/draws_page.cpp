@@ -185,14 +185,6 @@ Json columns_json(const std::vector<DrawColumn>& columns, std::int64_t shown, co
   return list;
 }
 
-/// 64 bits, which a number of a script cannot hold.
-Json seeds_json(const DrawTable& table, std::int64_t shown) {
-  Json seeds = Json::array();
-  for (std::int64_t i = 0; i < shown; ++i)
-    seeds.push_back(std::to_string(table.seeds[static_cast<std::size_t>(i)]));
-  return seeds;
-}
-
 /// The configurations of the chain; none where each scan has its own.
 Json stages_json(const nlohmann::json& config) {
   if (!config.at("scan").contains("detector")) return nullptr;
@@ -234,7 +226,7 @@ ReportData draws_data(const DrawsReport& content, const nlohmann::json& config) 
                  {"groups", groups_json("draws")},
                  {"draw_count", table.size()},
                  {"first_draw", table.first},
-                 {"seeds", seeds_json(table, shown)},
+                 {"numbers", std::vector<std::int64_t>(table.draws.begin(), table.draws.begin() + shown)},
                  {"pass", std::vector<int>(table.pass.begin(), table.pass.begin() + shown)},
                  {"requirements", requirements_json(table, config, shown)},
                  {"varied", columns_json(table.varied, shown, [](const DrawColumn&) { return true; })},

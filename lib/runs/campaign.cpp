@@ -271,7 +271,7 @@ DrawSetup Campaign::setup_of(const DrawStages& stages, std::int64_t draw) const 
 
 std::optional<LandingSetup> Campaign::landing_setup(const nlohmann::json& scan, std::int64_t draw) const {
   if (!config_.landing()) return std::nullopt;
-  LandingSetup setup{*config_.landing(), static_cast<std::uint64_t>(config_.seed(draw))};
+  LandingSetup setup{*config_.landing(), config_.seed(draw)};
   const nlohmann::json& error = scan.at("navigation_error");
   if (!error.contains("table"))
     setup.velocity_error_mps = {error.at("velocity_mps").at(0).get<double>(),
@@ -309,7 +309,8 @@ void Campaign::run_next(Draws& draws) {
   for (std::size_t i = 0; i < values.size(); ++i) table.varied[i].values.push_back(values[i]);
   const bool hazards_pass = !result.hazards || all_pass(result.hazards->score.own_requirements);
   table.pass.push_back(pass.value_or(false) && hazards_pass ? 1 : 0);
-  table.seeds.push_back(config_.seed(draw));
+  table.seeds.push_back(static_cast<std::int64_t>(config_.seed(draw).seed));
+  table.draws.push_back(draw);
 }
 
 }  // namespace landfall

@@ -39,7 +39,14 @@ std::string range_text(const Part& part) {
          std::to_string(part.table().end()) + ")";
 }
 
+std::string counted_seeds_text(const std::string& path) {
+  return path + ": is of version 0.2.0, whose draws have other random numbers than those of this version; ";
+}
+
 void require_one_campaign(const std::vector<Part>& parts) {
+  for (const Part& part : parts)
+    if (part.input.counts_seeds)
+      throw UsageError(counted_seeds_text(part.path) + "merge its parts with that version");
   for (std::size_t i = 1; i < parts.size(); ++i)
     if (campaign_of(parts[i].input) != campaign_of(parts[0].input))
       throw UsageError(parts[i].path + ": is not of the same campaign as " + parts[0].path +
@@ -109,9 +116,13 @@ std::optional<Draws> CampaignState::load(const std::function<void(const std::str
   if (!std::filesystem::exists(path_)) return std::nullopt;
   try {
     DrawsInput input = read_draws(path_);
+    if (input.counts_seeds)
+      throw UsageError(counted_seeds_text(path_.string()) + "end that campaign with it, or remove the file");
     if (input.draws.table.first == first_ && input.file_id == provenance_of(input.draws.table).file_id())
       return std::move(input.draws);
     warn(path_.string() + ": is of another campaign and is not used");
+  } catch (const UsageError&) {
+    throw;
   } catch (const Error& error) {
     warn(std::string(error.what()) + "; the campaign begins again");
   }

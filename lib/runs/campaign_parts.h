@@ -20,7 +20,7 @@ class CampaignState {
 
   [[nodiscard]] const std::filesystem::path& path() const { return path_; }
   /// The draws of an earlier run of the same campaign; none if there is no state, or if it is of another
-  /// campaign or damaged, which `warn` then says.
+  /// campaign or damaged, which `warn` then says. Throws UsageError for one of version 0.2.0.
   [[nodiscard]] std::optional<Draws> load(const std::function<void(const std::string&)>& warn) const;
   /// Replaces the state. Throws IoError.
   void save(const Draws& draws, const std::string& crs_wkt) const;
@@ -39,7 +39,7 @@ class CampaignState {
 
 /// Joins the parts of one campaign. `provenance` gets the configuration, the inputs and the chain of the
 /// undivided campaign. Throws UsageError, naming two files, for parts that overlap, leave a gap or belong to
-/// different campaigns.
+/// different campaigns, and for parts of version 0.2.0.
 struct MergedDraws {
   Draws draws;
   std::string crs_wkt;

@@ -212,6 +212,7 @@ CampaignResult run_campaign(const CampaignSources& sources, const std::optional<
     output.provenance.add_input("samples", content_id(sources.samples), nlohmann::json::array());
   }
   ScanSequence scans(sources, output.config, output.config_name, samples ? &*samples : nullptr, output.warn);
+  for (const std::string& warning : scans.config().warnings()) output.warn(warning);
   output.provenance.config = scans.json();
   cut_paths(output.provenance.config);
   const DrawSpan span = scans.checked_span(part);

@@ -36,7 +36,7 @@ struct Difference {
 /// The first key at or below `where` that differs and has this effect in the new configuration.
 std::optional<Difference> first_difference(const Json& theirs, const Json& ours, const std::string& where,
                                            KeyEffect effect, const Json& config) {
-  if (theirs == ours || where == "/seed") return std::nullopt;
+  if (theirs == ours || where == "/seed" || where == "/draw") return std::nullopt;
   const auto is_open = [](const Json& value) { return value.is_object() || value.is_null(); };
   if (!is_open(theirs) || !is_open(ours)) {
     const bool is_malformed = ours.is_object() || theirs.is_object();  // in a foreign file
@@ -69,8 +69,8 @@ bool has_false_returns(const Json& config) {
   return !share.is_null() && share != 0;
 }
 
-/// A key by which the seed moves the true beams; empty if no such key is on.
-std::string seed_moves_beams_by(const Json& config) {
+/// A key by which random numbers move the true beams; empty if no such key is on.
+std::string random_numbers_move_beams_by(const Json& config) {
   for (const EffectiveKey& key : keys_in_effect(config))
     if (key.is_drawn && key.effect == KeyEffect::beam) return key.pointer;
   return {};
@@ -103,9 +103,11 @@ class Refusal {
 
 void require_same_beams(const Json& theirs, const Json& ours, const Refusal& refuse) {
   if (const auto found = first_difference(theirs, ours, "", KeyEffect::beam, ours)) refuse(found->text());
-  const std::string key = seed_moves_beams_by(ours);
-  const Difference seed{"/seed", value_at(theirs, "/seed"), value_at(ours, "/seed")};
-  if (!key.empty() && seed.theirs != seed.ours) refuse(seed.text() + "; the true beams follow it by " + key);
+  const std::string key = random_numbers_move_beams_by(ours);
+  for (const char* const where : {"/seed", "/draw"})
+    if (const Difference seed{where, value_at(theirs, where), value_at(ours, where)};
+        !key.empty() && seed.theirs != seed.ours)
+      refuse(seed.text() + "; the true beams follow it by " + key);
 }
 
 void require_same_echoes(const RangeFile& scan, const Json& ours, const Refusal& refuse) {

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include <cstdint>
 #include <numbers>
 #include <vector>
 
+#include "base/random_seed.h"
 #include "scanner/mechanism.h"
 #include "scanner/mirror_frame.h"
 #include "scanner/scanner.h"
@@ -25,8 +25,8 @@ struct FsmParameters {
   double encoder_sigma_rad = 0;  ///< one sigma of the reading of each tilt, per pulse, >= 0
   std::vector<EncoderHarmonic> encoder_harmonics{};
   MechanismTimingParameters timing{};
-  bool tof_lag = false;    ///< the line of sight uses the mirror's tilts at the time of the echo
-  std::uint64_t seed = 1;  ///< of the encoder's noise
+  bool tof_lag = false;  ///< the line of sight uses the mirror's tilts at the time of the echo
+  RandomSeed seed;       ///< of the encoder's noise
 };
 
 /// A fast steering mirror: one flat mirror on two axes (scanner/mirror_frame.h).

@@ -2,12 +2,12 @@
 #pragma once
 
 #include <array>
-#include <cstdint>
 #include <optional>
 #include <string>
 #include <variant>
 #include <vector>
 
+#include "base/random_seed.h"
 #include "terrain/populations/patterns.h"
 
 namespace landfall {
@@ -109,7 +109,7 @@ struct TerrainModel {
   std::vector<Feature> features;
   std::vector<FeaturePattern> patterns;
   std::optional<AlbedoModel> albedo{};
-  std::uint64_t seed = 1;
+  RandomSeed seed;
   friend bool operator==(const TerrainModel&, const TerrainModel&) = default;
 };
 

@@ -6,7 +6,7 @@ import os
 from landfall import schema, tools
 
 EFFECTS = ("beam", "echo", "estimate")
-SHARED = ("$schema", "$comment", "seed")  # no key of these moves anything by itself
+SHARED = ("$schema", "$comment", "seed", "draw")  # no key of these moves anything by itself
 
 
 @functools.cache
@@ -58,7 +58,7 @@ def part(scan, effects, path=(), whole=None):
 
 
 def is_beam_drawn(scan):
-    """Whether the seed moves the true beams: a key that draws such an error is on."""
+    """Whether random numbers move the true beams: a key that draws such an error is on."""
     return any(_draws_beams(node, scan[section], "beam", _moves_beams_in(node, scan))
                for section, node in scan_schema()["properties"].items() if section in scan)
 

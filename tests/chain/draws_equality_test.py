@@ -92,7 +92,7 @@ class Verdicts(ToolTest):
             rows[metrics] = columns(name, "draws")
         self.assertLess(set(rows["verdict"]), set(rows["full"]))
         self.assertLessEqual({*PASSES, *(f"requirements.{name}.value" for name in REQUIREMENTS), "coverage.invalid_count",
-                              *(f"accuracy.relative.{axis}.violation_count" for axis in "xyz"), "pass", "seed"}, set(rows["verdict"]))
+                              *(f"accuracy.relative.{axis}.violation_count" for axis in "xyz"), "pass", "seed", "draw"}, set(rows["verdict"]))
         for name, values in rows["verdict"].items():
             np.testing.assert_array_equal(values, rows["full"][name], f"{name}, {config}")
         return rows["full"]

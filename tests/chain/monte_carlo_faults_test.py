@@ -1,6 +1,7 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Inputs that monte-carlo refuses: each message names file, place and bound; nothing is written and nothing is lost."""
+import json
 import shutil
 import unittest
 
@@ -151,10 +152,49 @@ class EditedParts(FaultsTest):
 
     def test_other_columns(self):
         def remove(file):
-            name = next(name for name in file["draws"] if not name.startswith("requirements") and name not in ("seed", "pass"))
+            name = next(name for name in file["draws"] if not name.startswith("requirements") and name not in ("seed", "draw", "pass"))
             del file["draws"][name]
         part = self.edited(self.parts[0], remove)
         self.refuse(1, "monte-carlo", "merge", part, self.parts[1], "-o", self.path("out.h5"), words=["its columns or its grid are not those of"])
+
+
+def as_of_0_2_0(file):
+    """Draw i has the seed of the campaign plus i, and there are no numbers of draws."""
+    file.attrs["format_version"] = "1.0"
+    file["draws/seed"][...] += np.arange(len(file["draws/seed"]))
+    del file["draws/draw"]
+
+
+class OldCampaigns(FaultsTest):
+    WORDS = ["version 0.2.0", "other random numbers"]
+
+    def test_read_and_compared(self):
+        self.succeed("monte-carlo", *self.arguments("-o", self.path("new.h5")))
+        old = self.edited(self.path("new.h5"), as_of_0_2_0, "old.h5")
+        self.assertIn("/draws (3)", self.succeed("landfall-info", old).stdout)
+        for a, b in ((old, self.path("new.h5")), (self.path("new.h5"), old)):
+            found = json.loads(self.succeed("landfall-info", "--compare", a, b, "--json").stdout)
+            self.assertEqual(found["draws"], {"a": 3, "b": 3, "common": 1})  # draw 0 of the seed
+            self.assertEqual({pair["both"] + pair["only_a"] + pair["only_b"] + pair["neither"] for pair in found["pairs"]}, {1})
+        self.assertEqual(json.loads(self.succeed("landfall-info", "--compare", old, old, "--json").stdout)["draws"]["common"], 3)
+
+    def test_not_merged(self):
+        for span, name in (("0:2", "a"), ("2:3", "b")):
+            self.succeed("monte-carlo", *self.arguments("--draws", span, "-o", self.path(name + ".h5")))
+        def shifted(file):
+            as_of_0_2_0(file)
+            file["draws/seed"][...] += 2
+        for parts in ((self.edited(self.path("a.h5"), as_of_0_2_0, "old-a.h5"), self.path("b.h5")),
+                      (self.path("old-a.h5"), self.edited(self.path("b.h5"), shifted, "old-b.h5"))):
+            self.refuse(2, "monte-carlo", "merge", *parts, "-o", self.path("out.h5"), words=["old-a.h5", *self.WORDS], output=self.path("out.h5"))
+
+    def test_not_continued(self):
+        self.succeed("monte-carlo", *self.arguments("-o", self.path("draws.h5")))
+        state = self.edited(self.path("draws.h5"), as_of_0_2_0, ".again.h5.state")
+        before = read_bytes(state)
+        self.refuse(2, "monte-carlo", *self.arguments("-o", self.path("again.h5")), words=[".again.h5.state", *self.WORDS, "remove the file"],
+                    output=self.path("again.h5"))
+        self.assertEqual(read_bytes(state), before)
 
 
 if __name__ == "__main__":

@@ -100,10 +100,9 @@ class DrawsTest(CampaignTest):
         for key, value in values.items():
             stage, path = key.split(".", 1)
             set_path(stages[stage], path, value)
-        seed = stages["scan"]["seed"] + draw
         out = [self.path(name) for name in ("s.h5", "d.h5", "m.json", "e.h5")]
         self.succeed("scan-sim", "-c", self.config(stages["scan"], "s.json"), "--ranges-from", scan, "--terrain", self.chain.terrain,
-                     "--seed", seed, "-O", "-o", out[0])
+                     "--set", f"draw={draw}", "-O", "-o", out[0])
         self.succeed("regrid", out[0], "--terrain", self.chain.terrain, "-c", self.config(stages["regrid"], "r.json"), "-O", "-o", out[1],
                      *(["--uncertainty", "--range-sigma", "0.01", "--navigation-sigma", "position_m=0"] if layers else []))
         self.succeed("dem-eval", out[1], "-c", self.config(stages["eval"], "e.json"), "-O", "--metrics", out[2],
@@ -115,7 +114,7 @@ class DrawsTest(CampaignTest):
         values = {key: rows[key][draw] for key in rows if key.split(".")[0] in ("scan", "regrid", "eval")}
         metrics = self.chain_draw(config, draw, values, **options)
         expected = flat(metrics)
-        found = {name: rows[name][draw] for name in rows if name not in values and name not in ("seed", "pass")}
+        found = {name: rows[name][draw] for name in rows if name not in values and name not in ("seed", "draw", "pass")}
         if config.get("metrics", "full") == "full":
             self.assertEqual(list(found), list(expected))
         np.testing.assert_array_equal([expected[name] for name in found], list(found.values()))
@@ -128,7 +127,7 @@ class Equality(DrawsTest):
     def test_every_error_varied(self):
         config = campaign(draws=12, scan=ERRORS, vary=VARY)
         rows = self.draws(config)
-        self.assertEqual(list(rows["seed"]), [SCAN["seed"] + i for i in range(12)])
+        self.assertEqual((set(rows["seed"]), list(rows["draw"])), ({SCAN["seed"]}, list(range(12))))
         self.assertEqual({key for key in rows if key.split(".")[0] in ("scan", "regrid", "eval")}, set(VARY))
         for key in VARY:
             self.assertEqual(len(set(rows[key])), 12, key)
@@ -144,6 +143,24 @@ class Equality(DrawsTest):
         self.assertIn(0, rows["requirements.coverage.pass"])  # both verdicts occur
         self.assertIn(1, rows["requirements.coverage.pass"])
 
+    def test_seeds_share_no_random_number(self):
+        """Nor do the draws of one campaign; the number of a draw, not its place, decides."""
+        vary = {**VARY, "scan.noise.range_bias_m": {"type": "uniform", "low": -0.01, "high": 0.01}}
+        rows = [self.draws(campaign(draws=12, scan={**ERRORS, "seed": seed}, vary=vary), output=f"{seed}.h5") for seed in (1, 2)]
+        for name in [*vary, "accuracy.absolute.z.mean_m", "accuracy.relative.z.max_m"]:
+            self.assertEqual(len({*rows[0][name], *rows[1][name]}), 24, name)
+
+    def test_the_draw_of_a_scan_has_no_effect(self):
+        """Nor has that of the configuration, with a warning."""
+        rows = self.draws(campaign(draws=3, scan=ERRORS))
+        self.succeed("scan-sim", *self.chain.inputs("scan-sim"), "--set", "draw=5", "-o", self.path("fifth.h5"))
+        again = self.draws(campaign(draws=3, scan=ERRORS), scan=self.path("fifth.h5"), output="again.h5")
+        for name, column in rows.items():
+            np.testing.assert_array_equal(again[name], column, name)
+        result = run("monte-carlo", *self.arguments(campaign(draws=1, scan={"draw": 7}), "warned.h5"))
+        self.assertEqual(result.returncode, 0)
+        self.assertIn("mc.json: /scan/draw has no effect", result.stderr)
+
     def test_sources_and_methods(self):
         """A source with its misses kept, with false returns of its own, and the other methods of regrid."""
         scan = self.path("source.h5")
@@ -153,7 +170,7 @@ class Equality(DrawsTest):
             with self.subTest(regrid):
                 config = campaign(draws=2, regrid={**REGRID, **regrid}, scan={"noise": {"dropout_frac": 0.02}, "seed": 90})
                 rows = self.draws(config, scan=scan)
-                self.assertEqual(list(rows["seed"]), [90, 91])
+                self.assertEqual((list(rows["seed"]), list(rows["draw"])), ([90, 90], [0, 1]))
                 self.check_draw(rows, config, 1, scan=scan)
 
     def test_list_and_samples(self):
@@ -331,7 +348,7 @@ class Results(DrawsTest):
         """It stops where Wald's rule says, with the draws of the campaign without it."""
         passed = self.draws(self.HALF)["pass"]
         ends = set()
-        for p0, p1, alpha, beta in [(0.99, 0.97, 0.05, 0.05), (0.5, 0.2, 0.1, 0.1), (0.9, 0.6, 0.01, 0.2), (0.3, 0.1, 0.2, 0.01),
+        for p0, p1, alpha, beta in [(0.99, 0.97, 0.05, 0.05), (0.5, 0.2, 0.1, 0.1), (0.9, 0.6, 0.01, 0.2), (0.2, 0.02, 0.2, 0.1),
                                     (0.51, 0.5, 0.05, 0.05)]:
             with self.subTest((p0, p1)):
                 config = {**self.HALF, "stop": {"type": "sprt", "p0": p0, "p1": p1, "alpha": alpha, "beta": beta}}
@@ -377,7 +394,7 @@ class Refusals(DrawsTest):
                           "scan.pointing_error.jitter_time_s": rays, "scan.pointing_error.mirror_time_bias_s": rays, "scan.pointing_error.mirror_time_sigma_s": rays,
                           "scan.link.reference_pe": echoes, "scan.link.background_pe": echoes, "scan.beam.divergence_rad": echoes,
                           "scan.surface.albedo": echoes, "scan.receiver.threshold_pe": echoes, "scan.receiver.pulse_fwhm_s": echoes,
-                          "scan.seed": "number of the draw", "regrid.resolution_m": bins, "regrid.half_width_m": bins,
+                          "scan.seed": "the same in all draws", "scan.draw": "number of the draw", "regrid.resolution_m": bins, "regrid.half_width_m": bins,
                           "eval.region_radius_m": bins, "eval.region.half_width_m": bins, "scan.nothing": "unknown key of scan",
                           "scan.noise.range_sigma_m.0": "unknown key", "scan.navigation_error.velocity_mps.3": "unknown key",
                           "scan.noise~3": "unknown key", "scan..": "unknown key", "scan": "unknown key", "": "unknown key",
@@ -392,7 +409,6 @@ class Refusals(DrawsTest):
     def test_configurations(self):
         self.refuse_draws(2, ["/draws: 0 "], draws=0)
         self.refuse_draws(2, ["/eval/region_radius_m: 50", "5.1"], eval={**EVAL, "region_radius_m": 50})
-        self.refuse_draws(2, ["draw 2: /scan: /seed: 9007199254740992"], "--set", "scan.seed=9007199254740990")
         self.refuse_draws(2, ["/scan/navigation_error/velocity_mps/3", "array of 3"], "--set", "scan.navigation_error.velocity_mps.3=1")
         self.refuse_draws(2, ["/detector/rows differs"], "--set", "scan.detector.rows=9")
         self.refuse_draws(2, ["/pointing_error/jitter_sigma_rad differs"], "--set", "scan.pointing_error.jitter_sigma_rad=0.001")

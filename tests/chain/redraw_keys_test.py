@@ -116,7 +116,7 @@ class RedrawKeys(ChainTest):
     BASE = with_values(SCAN, detector__rows=4, detector__columns=4, laser__scan_time_s=0.02)
 
     def test_all_sections_without_a_receiver(self):
-        self.walk(self.BASE, [name for name in ROOT_SCHEMA["properties"] if name not in ("$schema", "$comment", "scanner", "seed")])
+        self.walk(self.BASE, [name for name in ROOT_SCHEMA["properties"] if name not in ("$schema", "$comment", "scanner", "seed", "draw")])
         self.assertGreater(len(self.counts["accepted"]), 20, self.counts)
         self.assertGreater(len(self.counts["refused"]), 20, self.counts)
         self.assertLessEqual({"noise.range_bias_m", "pointing_error.time_stamp_bias_s", "navigation_error.velocity_mps"}, self.counts["accepted"])
@@ -148,7 +148,8 @@ class RedrawKeys(ChainTest):
             self.counts = {"accepted": set(), "refused": set(), "invalid": set()}
             self.source(config)
             self.compare(config, "seed", 77)
-            self.assertEqual(self.counts["refused" if moves else "accepted"], {"seed"}, key)
+            self.compare(config, "draw", 5)
+            self.assertEqual(self.counts["refused" if moves else "accepted"], {"seed", "draw"}, key)
 
 
 if __name__ == "__main__":

@@ -39,7 +39,7 @@ class TracedTest(ChainTest):
         return columns(self.path(output), "draws")
 
     def chain_draw(self, config, rows, draw, terrain=None):
-        """The files of one draw by the tools: values by --set, seeds by --seed."""
+        """The files of one draw by the tools: values and the number of the draw by --set."""
         assigned = {stage: [] for stage in STAGES}
         for key in rows:
             stage, _, path = key.partition(".")
@@ -51,9 +51,8 @@ class TracedTest(ChainTest):
             self.succeed(TOOL_OF[stage], *arguments, "-c", self.config(config.get(stage) or {}, stage + ".json"), *assigned[stage], "-O")
         if terrain is None:
             terrain = out["t.h5"]
-            seed = config["terrain"].get("seed", 1) + (draw if config.get("terrain_seed") == "each" else 0)
-            tool("terrain", "--seed", seed, "-o", terrain)
-        tool("scan", "--terrain", terrain, "--seed", config["scan"].get("seed", 1) + draw, "-o", out["s.h5"])
+            tool("terrain", *(["--set", f"draw={draw}"] if config.get("terrain_seed") == "each" else []), "-o", terrain)
+        tool("scan", "--terrain", terrain, "--set", f"draw={draw}", "-o", out["s.h5"])
         sigma = ["--uncertainty"] if config.get("uncertainty") else []
         tool("regrid", out["s.h5"], "--terrain", terrain, *sigma, "-o", out["d.h5"])
         tool("eval", out["d.h5"], "--metrics", out["m.json"], "--metrics-only")
@@ -69,7 +68,7 @@ class TracedTest(ChainTest):
     def check_draw(self, config, rows, draw, terrain=None):
         expected = self.chain_draw(config, rows, draw, terrain)
         found = {name: rows[name][draw] for name in rows
-                 if name.split(".")[0] not in (*STAGES, "seed", "pass", "landing", "blind")}
+                 if name.split(".")[0] not in (*STAGES, "seed", "draw", "pass", "landing", "blind")}
         self.assertEqual(set(found), set(expected))
         for name, value in expected.items():
             np.testing.assert_array_equal(found[name], value, f"{name}, draw {draw}")
@@ -85,7 +84,7 @@ class Equality(TracedTest):
         config = campaign(scan=scan, terrain=FRACTAL, terrain_seed="each", vary={**DISPERSED, "terrain.features.0.height_m": GROUND["terrain.features.0.height_m"]},
                           hazard=HAZARD)
         rows = self.draws(config)
-        self.assertEqual(list(rows["seed"]), [7, 8, 9])
+        self.assertEqual((list(rows["seed"]), list(rows["draw"])), ([7, 7, 7], [0, 1, 2]))
         for key in config["vary"]:
             self.assertEqual(len(set(rows[key])), 3, key)
         for draw in (0, 2):
@@ -218,7 +217,7 @@ class Refusals(TracedTest):
 
     def test_keys(self):
         uniform = {"type": "uniform", "low": 1, "high": 2}
-        for key, words in {"scan.seed": "number of the draw", "terrain.seed": "/terrain_seed", "regrid.resolution_m": "bins",
+        for key, words in {"scan.seed": "the same in all draws", "scan.draw": "number of the draw", "terrain.draw": "/terrain_seed", "regrid.resolution_m": "bins",
                            "eval.region_radius_m": "bins", "hazard.region_radius_m": "bins", "terrain.grid.resolution_m": "grid of the ground",
                            "landing.drift_time_s": "the same in all draws", "scan.noise.nothing": "unknown key of scan",
                            "hazard.limits.slope_deg": "no section hazard", "other.key": "first part"}.items():

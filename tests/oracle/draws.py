@@ -1,5 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Random draws as functions of (seed, stream, i, j): docs/reference/draws.md, in numpy."""
+"""Random draws as functions of (seed, draw, stream, i, j): docs/reference/draws.md, in numpy.
+
+A seed is a number, or a pair (seed, draw)."""
 import numpy as np
 
 RANGE_NOISE, DROPOUT, DEAD_PIXEL, ENCODER, FALSE_RETURN = 1, 2, 3, 5, 6
@@ -54,10 +56,15 @@ def philox(counter, key):
     return words
 
 
+def seed_of(config):
+    """The pair of a configuration of scan-sim."""
+    return config["seed"], config.get("draw", 0)
+
+
 def blocks(seed, stream, i, j):
+    seed, draw = seed if isinstance(seed, tuple) else (seed, 0)
     i, j = np.broadcast_arrays(np.asarray(i, np.int64), np.asarray(j, np.int64))
-    zero = np.zeros(i.shape, np.uint64)
-    return philox((i, j, zero, zero), (seed, stream))
+    return philox((i, j, np.full(i.shape, draw, np.uint64), np.zeros(i.shape, np.uint64)), (seed, stream))
 
 
 def unit(word):

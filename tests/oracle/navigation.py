@@ -47,7 +47,7 @@ class Estimate:
         self.table = trajectory.Table(self.c["table"]) if "table" in self.c else None
         h = self.c["interval_s"]
         steps = max(1, int(np.ceil(trajectory.duration(config) / h)))
-        self.models = [self.walks(h, steps, config["seed"]), self.markov(h, steps, config["seed"])]
+        self.models = [self.walks(h, steps, draws.seed_of(config)), self.markov(h, steps, draws.seed_of(config))]
 
     def walks(self, h, steps, seed):
         c = self.c["random_walk"]

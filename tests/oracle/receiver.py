@@ -75,7 +75,7 @@ class Receiver:
     """Reports of pixels (pulses, pixels, returns): ranges (NaN without), intensities, is_background; and doubtful pixels."""
 
     def __init__(self, config):
-        self.c, self.seed = config["receiver"], config["seed"]
+        self.c, self.seed = config["receiver"], draws.seed_of(config)
         self.gate = config["noise"]["false_range_m"]
         self.background = config["link"]["background_pe"]
         self.fwhm = range_of(self.c["pulse_fwhm_s"])
@@ -220,7 +220,7 @@ class Receiver:
 
 def clocked(config, ranges):
     """Ranges (pulses, pixels, returns) as the clock measures them, and where rounding decides."""
-    c, seed = config["receiver"], config["seed"]
+    c, seed = config["receiver"], draws.seed_of(config)
     n, m, most = ranges.shape
     pixel = np.arange(m)[:, None]
     draw = pixel + np.arange(most) * NUMBER

@@ -14,7 +14,7 @@ class Scan:
     """The quantities that depend on the pulse only: times, poses, angles of the mechanism."""
 
     def __init__(self, config):
-        self.config, self.seed = config, config["seed"]
+        self.config, self.seed = config, draws.seed_of(config)
         self.rate = config["laser"]["pulse_rate_hz"]
         self.k = np.arange(pulse_count(config))
         self.since = self.k / self.rate

@@ -194,9 +194,9 @@ class Draws(unittest.TestCase):
     """The draws of this package compared with numpy's generator."""
 
     def test_blocks_are_those_of_numpy(self):
-        for seed, stream, i, j in ((7, 3, 5, 9), (2**53 - 1, 13, 0, 2**32 + 4), (0, 1, 1, 0)):
-            generator = np.random.Philox(key=[seed, stream], counter=[i, j, 0, 0])
-            found = [int(word) for word in draws.blocks(seed, stream, i + 1, j)]
+        for seed, draw, stream, i, j in ((7, 0, 3, 5, 9), (2**53 - 1, 2**31 - 1, 13, 0, 2**32 + 4), (0, 4, 1, 1, 0)):
+            generator = np.random.Philox(key=[seed, stream], counter=[i, j, draw, 0])
+            found = [int(word) for word in draws.blocks((seed, draw), stream, i + 1, j)]
             self.assertEqual(found, [int(word) for word in generator.random_raw(4)])
 
 

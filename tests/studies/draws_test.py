@@ -163,7 +163,7 @@ class Results(StudyTest):
         with h5py.File(os.path.join(folder, "draws.h5")) as file:
             rows = {name: column[()] for name, column in file["draws"].items()}
         commands = ["scan-sim -c scan.json --ranges-from truth.h5 --terrain terrain.h5 -o drawn.h5 "
-                    f"--set seed={rows['seed'][2]} --set navigation_error.velocity_mps='[{float(rows[VELOCITY][2])!r},0,0]'",
+                    f"--set draw={rows['draw'][2]} --set navigation_error.velocity_mps='[{float(rows[VELOCITY][2])!r},0,0]'",
                     "regrid drawn.h5 -c regrid.json --terrain terrain.h5 -o drawn-dem.h5",
                     "dem-eval drawn-dem.h5 -c eval.json --metrics-only --metrics drawn.json"]
         subprocess.run(["bash", "-ec", "\n".join(commands)], cwd=folder, check=True, env={**os.environ, "PATH": BIN + ":" + os.environ["PATH"]})

@@ -133,8 +133,13 @@ class Cases(StudyTest):
         tree = study(RESOLUTIONS, repeat={"count": 3, "first_seed": 11, "seeds": ["scan.seed", "terrain.seed"]})
         self.assertEqual(self.values(tree), [[r, n] for r in (0.1, 0.2) for n in (1, 2, 3)])
         for number in range(6):
-            self.assertEqual(self.config(tree, "scan", number)["seed"], 11 + number % 3)
-            self.assertEqual(self.config(tree, "terrain", number)["seed"], 11 + number % 3)
+            for stage in ("scan", "terrain"):
+                self.assertEqual([self.config(tree, stage, number)[key] for key in ("seed", "draw")], [11, 1 + number % 3])
+
+    def test_a_seed_without_draws_counts(self):
+        key = "terrain.features.0.seed"
+        tree = study(set={"terrain.features": [{"type": "penitente_field", "seed": 1}]}, repeat={"count": 2, "first_seed": 11, "seeds": [key]})
+        self.assertEqual([self.config(tree, "terrain", number)["features"][0]["seed"] for number in (0, 1)], [11, 12])
 
     def test_draws_depend_on_seed_key_and_repeat_only(self):
         key, other = "scan.navigation_error.velocity_mps", "scan.navigation_error.position_m"

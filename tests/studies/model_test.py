@@ -20,8 +20,8 @@ from landfall.errors import DataError, UsageError
 from landfall.study.results import flatten
 
 tools.BIN = BIN
-SIGMA, VELOCITY, POSITION, SEED = ("scan.noise.range_sigma_m", "scan.navigation_error.velocity_mps.0", "scan.navigation_error.position_m.0",
-                                   "scan.seed")
+SIGMA, VELOCITY, POSITION, DRAW = ("scan.noise.range_sigma_m", "scan.navigation_error.velocity_mps.0", "scan.navigation_error.position_m.0",
+                                   "scan.draw")
 HEIGHT = "scan.trajectory.position_m.2"
 LARGEST, INVALID, MEAN_X = "accuracy.relative.z.max_m", "coverage.invalid_frac", "accuracy.absolute.x.mean_m"
 
@@ -42,15 +42,15 @@ class ModelTest(StudyTest):
         return flatten(json.loads(read(names[3])))
 
     @staticmethod
-    def with_errors(sigma=0, velocity=0, height=50, seed=1):
+    def with_errors(sigma=0, velocity=0, height=50, draw=0):
         configs = copy.deepcopy(BASE)
-        configs["scan"] |= {"noise": {"range_sigma_m": sigma}, "navigation_error": {"velocity_mps": [velocity, 0, 0]}, "seed": seed}
+        configs["scan"] |= {"noise": {"range_sigma_m": sigma}, "navigation_error": {"velocity_mps": [velocity, 0, 0]}, "draw": draw}
         configs["scan"]["trajectory"]["position_m"] = [0, 0, height]
         return configs
 
 
 class Traced(ModelTest):
-    """Rows that trace their own rays, on ground that follows the seed."""
+    """Rows that trace their own rays, on ground that follows the draw."""
 
     SLOPE = "terrain.base.1.slope_x"
     OUTPUTS = [LARGEST, INVALID, MEAN_X, "pass"]
@@ -62,17 +62,17 @@ class Traced(ModelTest):
         base["scan"]["pointing_error"] = {"jitter_sigma_rad": 1e-4}
         return base
 
-    def of_rows(self, traced, outputs=None, folder="cache", inputs=(HEIGHT, SEED, SLOPE)):
+    def of_rows(self, traced, outputs=None, folder="cache", inputs=(HEIGHT, DRAW, SLOPE)):
         return self.of(list(inputs), outputs or self.OUTPUTS, base=self.base(), folder=folder, traced=traced)
 
     def test_rows_have_the_numbers_of_the_chain(self):
         for seeds in ("each", "fixed"):
             found = self.of_rows({"terrain_seed": seeds}, folder=seeds)(self.ROWS)
-            for row, (height, seed, slope) in zip(found, self.ROWS):
+            for row, (height, draw, slope) in zip(found, self.ROWS):
                 base = self.base()
-                base["scan"]["trajectory"]["position_m"][2], base["scan"]["seed"] = height, seed
+                base["scan"]["trajectory"]["position_m"][2], base["scan"]["draw"] = height, draw
                 base["terrain"]["base"][1]["slope_x"] = slope
-                base["terrain"]["seed"] += seed - 1 if seeds == "each" else 0
+                base["terrain"]["draw"] = draw if seeds == "each" else 0
                 numbers = self.chain(base)
                 self.assertEqual(row.tolist(), [numbers[name] for name in self.OUTPUTS])
 
@@ -87,17 +87,17 @@ class Traced(ModelTest):
 
     def test_keys_that_draws_do_not_vary(self):
         """Bins, whole numbers of the detector; another set of draws for each."""
-        keys = ["regrid.resolution_m", "scan.detector.rows", SEED]
+        keys = ["regrid.resolution_m", "scan.detector.rows", DRAW]
         found = self.of_rows({}, inputs=keys)([[0.2, 8, 1], [0.1, 8, 2], [0.2, 6, 3]])
-        for row, (resolution, rows, seed) in zip(found, [(0.2, 8, 1), (0.1, 8, 2), (0.2, 6, 3)]):
+        for row, (resolution, rows, draw) in zip(found, [(0.2, 8, 1), (0.1, 8, 2), (0.2, 6, 3)]):
             base = self.base()
-            base["regrid"]["resolution_m"], base["scan"]["detector"]["rows"], base["scan"]["seed"] = resolution, rows, seed
+            base["regrid"]["resolution_m"], base["scan"]["detector"]["rows"], base["scan"]["draw"] = resolution, rows, draw
             numbers = self.chain(base)
             self.assertEqual(row.tolist(), [numbers[name] for name in self.OUTPUTS])
 
     def test_landings_and_rows_that_fail(self):
         base = {**self.base(), "hazard": {"region_radius_m": 2, "lander": {"leg_radius_m": 0.4}, "sites": {"divert_radius_m": 2}}}
-        of = self.of([HEIGHT, SEED], ["landing.safe", "blind.slope_deg", "landing.x_m"], base=base, traced={"landing": {"drift_time_s": 3}})
+        of = self.of([HEIGHT, DRAW], ["landing.safe", "blind.slope_deg", "landing.x_m"], base=base, traced={"landing": {"drift_time_s": 3}})
         found = of([[50, 1], [-3, 2], [50, 3]])
         self.assertEqual(np.isnan(found).all(axis=1).tolist(), [False, True, False])
         self.assertRegex(of.failures[1], "below the terrain")
@@ -112,10 +112,10 @@ class Values(ModelTest):
         self.assertEqual(found.tolist(), [numbers[name] for name in self.OUTPUTS])
 
     def test_redrawn_errors_have_the_numbers_of_the_chain(self):
-        found = self.of([SIGMA, VELOCITY, SEED], self.OUTPUTS)([[0.01, 0.5, 7], [0.03, -0.2, 8], [0.02, 0, 3]])
+        found = self.of([SIGMA, VELOCITY, DRAW], self.OUTPUTS)([[0.01, 0.5, 7], [0.03, -0.2, 8], [0.02, 0, 3]])
         self.assertEqual(len({tuple(row) for row in found.tolist()}), 3)
-        for row, (sigma, velocity, seed) in zip(found, [(0.01, 0.5, 7), (0.03, -0.2, 8), (0.02, 0, 3)]):
-            self.expect(row, sigma=sigma, velocity=velocity, seed=seed)
+        for row, (sigma, velocity, draw) in zip(found, [(0.01, 0.5, 7), (0.03, -0.2, 8), (0.02, 0, 3)]):
+            self.expect(row, sigma=sigma, velocity=velocity, draw=draw)
 
     def test_keys_that_move_rays(self):
         of = self.of([SIGMA, HEIGHT], self.OUTPUTS)
@@ -123,20 +123,20 @@ class Values(ModelTest):
         for row, (sigma, height) in zip(found, [(0.01, 50), (0.01, 55), (0.02, 50)]):
             self.expect(row, sigma=sigma, height=height)
 
-    def test_rays_that_follow_the_seed(self):
+    def test_rays_that_follow_the_draw(self):
         base = self.with_errors(sigma=0.01)
         base["scan"]["pointing_error"] = {"jitter_sigma_rad": 1e-4}
-        found = self.of([SEED], self.OUTPUTS, base=base)([[2], [3]])
-        for row, seed in zip(found, (2, 3)):
-            base["scan"]["seed"] = seed
+        found = self.of([DRAW], self.OUTPUTS, base=base)([[2], [3]])
+        for row, draw in zip(found, (2, 3)):
+            base["scan"]["draw"] = draw
             numbers = self.chain(base)
             self.assertEqual(row.tolist(), [numbers[name] for name in self.OUTPUTS])
 
     def test_what_verdict_mode_has_is_the_same(self):
         names = [INVALID, "accuracy.relative.z.violation_count", "pass", "requirements.relative_elevation.value"]
         table = [[0.01, 1], [0.05, 2], [0.1, 3]]
-        verdict = self.of([SIGMA, SEED], names)(table)
-        full = self.of([SIGMA, SEED], [*names, LARGEST], folder="full")(table)
+        verdict = self.of([SIGMA, DRAW], names)(table)
+        full = self.of([SIGMA, DRAW], [*names, LARGEST], folder="full")(table)
         self.assertTrue(model.VERDICT_NUMBERS.fullmatch(names[1]) and not model.VERDICT_NUMBERS.fullmatch(LARGEST))
         self.assertEqual(verdict.tolist(), full[:, :-1].tolist())
         self.assertGreater(np.ptp(full[:, 1]), 0)
@@ -159,8 +159,8 @@ class Values(ModelTest):
         base = {**self.with_errors(), "hazard": {"region_radius_m": 2, "sites": {"divert_radius_m": 2}}}
         names = ["score.missed_hazard_frac", "site.x_m", "site.true_safe"]
         alone = self.of([SIGMA], names, base=base)([0.02])
-        of = self.of([SIGMA, SEED], names, base=base, folder="campaign")
-        self.assertEqual(of([[0.02, 1], [0.02, 2]])[0].tolist(), alone.tolist())
+        of = self.of([SIGMA, DRAW], names, base=base, folder="campaign")
+        self.assertEqual(of([[0.02, 0], [0.02, 1]])[0].tolist(), alone.tolist())
         self.assertTrue(np.all(np.isfinite(alone)))
 
 
@@ -168,8 +168,8 @@ class Cache(ModelTest):
     TABLE = [[0.01 + 0.001 * i, i + 1] for i in range(5)] + [[0.02, 20], [0.02, 21]]
 
     def test_nothing_is_run_again(self):
-        first = self.of([SIGMA, SEED], [LARGEST])(self.TABLE)
-        of = self.of([SIGMA, SEED], [LARGEST])
+        first = self.of([SIGMA, DRAW], [LARGEST])(self.TABLE)
+        of = self.of([SIGMA, DRAW], [LARGEST])
         with mock.patch.object(of.runner, "run", side_effect=AssertionError):
             self.assertEqual(of(self.TABLE).tolist(), first.tolist())
             with self.assertRaises(AssertionError):
@@ -178,8 +178,8 @@ class Cache(ModelTest):
     def test_what_was_cut_off_goes_on(self):
         """Parts that are done are kept: only the others are drawn again, and the answer is that of an undisturbed run."""
         with mock.patch.object(runs, "PART_DRAWS", 2):
-            expected = self.of([SIGMA, SEED], [LARGEST], folder="whole")(self.TABLE)
-            of, calls = self.of([SIGMA, SEED], [LARGEST]), []
+            expected = self.of([SIGMA, DRAW], [LARGEST], folder="whole")(self.TABLE)
+            of, calls = self.of([SIGMA, DRAW], [LARGEST]), []
 
             def run(tool, *arguments, **options):
                 calls.append(tool)
@@ -188,7 +188,7 @@ class Cache(ModelTest):
                 return runs.Runner.run(of.runner, tool, *arguments, **options)
             with mock.patch.object(of.runner, "run", side_effect=run), self.assertRaises(KeyboardInterrupt):
                 of(self.TABLE)
-            of, calls = self.of([SIGMA, SEED], [LARGEST]), []
+            of, calls = self.of([SIGMA, DRAW], [LARGEST]), []
             with mock.patch.object(of.runner, "run", side_effect=run):
                 self.assertEqual(of(self.TABLE).tolist(), expected.tolist())
         self.assertIn(calls.count("monte-carlo"), (1, 2))  # of four parts: the one that was cut off, and the next if it had not begun
@@ -215,8 +215,8 @@ os.kill(os.getpid(), signal.SIGKILL)"""
 
     def test_workers_do_not_change_the_answer(self):
         with mock.patch.object(runs, "PART_DRAWS", 2):
-            one = self.of([SIGMA, SEED], [LARGEST], folder="one")(self.TABLE)
-            two = self.of([SIGMA, SEED], [LARGEST], folder="two", workers=2)(self.TABLE)
+            one = self.of([SIGMA, DRAW], [LARGEST], folder="one")(self.TABLE)
+            two = self.of([SIGMA, DRAW], [LARGEST], folder="two", workers=2)(self.TABLE)
         self.assertEqual(one.tolist(), two.tolist())
 
     def test_a_changed_data_file_counts(self):
@@ -235,11 +235,11 @@ os.kill(os.getpid(), signal.SIGKILL)"""
 class Failures(ModelTest):
     def test_a_refused_row_is_nan_and_says_why(self):
         """In a campaign and in a chain; the other rows have their values."""
-        of = self.of([SIGMA, SEED], [LARGEST])
+        of = self.of([SIGMA, DRAW], [LARGEST])
         found = of([[0.01, 1], [-1, 2], [0.02, 3]])
         self.assertEqual(np.isnan(found[:, 0]).tolist(), [False, True, False])
         self.assertEqual(list(of.failures), [1])
-        self.assertEqual(of.failures[1], "monte-carlo: configuration: draw 0: /scan: /noise/range_sigma_m: -1.0 is not in [0, 1e6]")
+        self.assertEqual(of.failures[1], "monte-carlo: configuration: draw 2: /scan: /noise/range_sigma_m: -1.0 is not in [0, 1e6]")
         self.assertEqual(found[2].tolist(), of([0.02, 3]).tolist())
         self.assertEqual(of.failures, {})
         of = self.of([HEIGHT], [LARGEST])
@@ -280,12 +280,12 @@ class Failures(ModelTest):
 
 class Engines(ModelTest):
     def test_openturns(self):
-        of = self.of([SIGMA, SEED], [LARGEST, INVALID])
+        of = self.of([SIGMA, DRAW], [LARGEST, INVALID])
         function = model.openturns_function(of)
         table = [[0.01, 1], [0.03, 2]]
         self.assertEqual(np.array(function(table)).tolist(), of(table).tolist())
         self.assertEqual(list(function(table[1])), of(table[1]).tolist())
-        self.assertEqual(list(function.getInputDescription()), [SIGMA, SEED])
+        self.assertEqual(list(function.getInputDescription()), [SIGMA, DRAW])
         self.assertEqual(list(function.getOutputDescription()), [LARGEST, INVALID])
 
     def test_optuna(self):
@@ -353,20 +353,20 @@ class ProgressTest(unittest.TestCase):
 STANDARD = """\
 {:>40} variables
 {:>40} sigma
-{:>40} seed
+{:>40} draw
                                        2 functions
                                        1 ASV_1:largest
                                        1 ASV_2:invalid
                                        2 derivative_variables
                                        1 DVV_1:sigma
-                                       2 DVV_2:seed
+                                       2 DVV_2:draw
                                        0 analysis_components
                                        1 eval_id
 """
 APREPRO = """\
 {{ DAKOTA_VARS = {} }}
 {{ sigma = {} }}
-{{ seed = {} }}
+{{ draw = {} }}
 {{ DAKOTA_FNS = 2 }}
 {{ ASV_1:largest = 1 }}
 {{ ASV_2:invalid = 0 }}
@@ -379,7 +379,7 @@ APREPRO = """\
 class Dakota(ModelTest):
     def setUp(self):
         super().setUp()
-        self.write({"base": BASE, "inputs": {"sigma": SIGMA, "seed": SEED}, "outputs": [LARGEST, INVALID]}, "model")
+        self.write({"base": BASE, "inputs": {"sigma": SIGMA, "draw": DRAW}, "outputs": [LARGEST, INVALID]}, "model")
 
     def run_model(self, text, code=0, message=""):
         with open(self.path("params.in"), "w", encoding="utf-8") as file:
@@ -391,7 +391,7 @@ class Dakota(ModelTest):
         return read(self.path("results.out")).decode() if os.path.exists(self.path("results.out")) else None
 
     def test_standard_and_aprepro(self):
-        largest, invalid = self.of([SIGMA, SEED], [LARGEST, INVALID])([0.02, 5])
+        largest, invalid = self.of([SIGMA, DRAW], [LARGEST, INVALID])([0.02, 5])
         self.assertEqual(self.run_model(STANDARD.format(2, "2.0000000000000000e-02", 5)), f"{largest:.17g} largest\n{invalid:.17g} invalid\n")
         self.assertEqual(self.run_model(APREPRO.format(2, 0.02, 5)), f"{largest:.17g} largest\n")
 

@@ -64,7 +64,7 @@ class Traced(SensitivityTest):
         uniform = {"type": "uniform", "low": -0.05, "high": 0.05}
         groups = {"navigation": {POSITION: uniform}, "dispersion": {"scan.trajectory_dispersion.position_m.1": uniform}}
         problem = self.problem(groups, {MEAN_X: "x"}, size=16, traced_draws={})
-        of = model.Model(problem.base, [key for _, key in problem.keys] + [model.SEED], problem.outputs, self.path("out"), traced=problem.traced)
+        of = model.Model(problem.base, [key for _, key in problem.keys] + [model.DRAW], problem.outputs, self.path("out"), traced=problem.traced)
         with mock.patch.object(model.runs, "Scan", side_effect=AssertionError("a shared scan")):
             answer = sensitivity.analyse(problem, of)
         self.assertEqual((answer["points"], of.failures), (16, {}))
@@ -124,7 +124,7 @@ class Sample(SensitivityTest):
         table = problem.design()
         first, second, *others = table.reshape(5, 64, 3)
         self.assertEqual(problem.draw_count(), len(table))
-        self.assertEqual((first[:, 2].tolist(), second[:, 2].tolist()), (list(range(10, 74)), list(range(74, 138))))
+        self.assertEqual((first[:, 2].tolist(), second[:, 2].tolist()), (list(range(64)), list(range(64, 128))))
         for column, frozen in enumerate(others):
             for i in range(3):
                 self.assertEqual(frozen[:, i].tolist(), (second if i == column else first)[:, i].tolist())

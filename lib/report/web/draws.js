@@ -17,7 +17,7 @@ const MAX_FAILURES = 200;  // in the table
 const SUPERSCRIPTS = "\u2070\u00b9\u00b2\u00b3\u2074\u2075\u2076\u2077\u2078\u2079";
 const UNITS = {frac: ["%", 100], bins: ["bins", 1], footprints: ["footprints", 1], m: ["cm", 100], "": ["", 1]};
 
-const shownDraws = report.seeds.length;
+const shownDraws = report.numbers.length;
 
 function drawNumber(index) { return report.first_draw + index; }
 
@@ -167,7 +167,7 @@ function scatterChart(metric, {name, values}) {
 function fillCauses(section) {
   const metrics = scatterMetrics();
   if (report.varied.length === 0 || metrics.length === 0) {
-    section.append(htmlElement("p", {}, report.varied.length === 0 ? "No key is varied: the draws differ in their seeds only." : "No metric differs between the draws."));
+    section.append(htmlElement("p", {}, report.varied.length === 0 ? "No key is varied: the draws differ in their random numbers only." : "No metric differs between the draws."));
     return;
   }
   const figures = htmlElement("div", {class: "figures"});
@@ -195,24 +195,24 @@ function valuesText(index) {
 }
 
 function failureTable(failed) {
-  const columns = [["draw", true], ["seed", true], ["missed", false], ...(report.varied.length > 0 ? [["values", false]] : [])];
+  const columns = [["draw", true], ["missed", false], ...(report.varied.length > 0 ? [["values", false]] : [])];
   const rows = failed.slice(0, MAX_FAILURES).map((i) => [
-    [String(drawNumber(i)), drawNumber(i)], [report.seeds[i], report.seeds[i]], [missedText(i)],
+    [String(drawNumber(i)), drawNumber(i)], [missedText(i)],
     ...(report.varied.length > 0 ? [[valuesText(i)]] : [])]);
   return tableElement("failed-draws", columns, rows);
 }
 
-/** The chain's commands of a draw: its seed and its values, in the digits that give back the same bits. */
+/** The chain's commands of a draw: its number and its values, in the digits that give back the same bits. */
 function drawCommands(index) {
   const draw = `draw-${drawNumber(index)}`;
   const sets = (stage) => report.varied.filter(({name}) => name.startsWith(`${stage}.`))
       .map(({name, values}) => ` \\\n  --set ${name.slice(stage.length + 1)}=${values[index]}`).join("");
   const makesGround = report.stages.terrain !== undefined;
   const ground = makesGround ? `${draw}-terrain.h5` : "terrain.h5";
-  const groundSeed = report.terrain_seeds === "each" ? ` --seed ${report.stages.terrain?.seed + drawNumber(index)}` : "";
-  const commands = makesGround ? [`terrain-gen -c terrain.json${groundSeed}${sets("terrain")} -o ${ground}`] : [];
+  const setsNumber = ` --set draw=${report.numbers[index]}`;
+  const commands = makesGround ? [`terrain-gen -c terrain.json${report.terrain_seeds === "each" ? setsNumber : ""}${sets("terrain")} -o ${ground}`] : [];
   const ranges = report.traces ? "" : " --ranges-from scan.h5";
-  commands.push(`scan-sim -c scan.json${ranges} --terrain ${ground} \\\n  --seed ${report.seeds[index]}${sets("scan")} \\\n  -o ${draw}-scan.h5`,
+  commands.push(`scan-sim -c scan.json${ranges} --terrain ${ground} \\\n ${setsNumber}${sets("scan")} \\\n  -o ${draw}-scan.h5`,
           `regrid ${draw}-scan.h5 -c regrid.json --terrain ${ground}${report.uncertainty ? " --uncertainty" : ""}${sets("regrid")} \\\n  -o ${draw}-dem.h5`,
           `dem-eval ${draw}-dem.h5 -c eval.json${sets("eval")} \\\n  --metrics ${draw}-metrics.json -o ${draw}-eval.h5`);
   if (report.stages.hazard !== undefined) {

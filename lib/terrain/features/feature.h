@@ -6,6 +6,7 @@
 #include <variant>
 #include <vector>
 
+#include "base/random_seed.h"
 #include "terrain/features/added_shapes.h"
 #include "terrain/features/draped_shapes.h"
 #include "terrain/features/standing_shapes.h"
@@ -38,7 +39,7 @@ struct PatternSite {
   double east_m = 0;
   double south_m = 0;
   double north_m = 0;
-  std::uint64_t seed = 1;
+  RandomSeed seed;
   std::uint64_t pattern = 0;  ///< number of the pattern: patterns with one seed are independent
 
   [[nodiscard]] double area_m2() const { return (east_m - west_m) * (north_m - south_m); }

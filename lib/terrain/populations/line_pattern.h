@@ -35,7 +35,7 @@ struct LinePattern {
   void validate(const std::string& owner) const;
   /// Throws UsageError if more than kMaxLines are expected.
   void require_bounded(const PatternSite& site) const;
-  /// The lines by number; line i is a function of (seed, i). Throws as require_bounded() does.
+  /// The lines by number; line i is a function of (seed, draw, i). Throws as require_bounded() does.
   [[nodiscard]] std::vector<Feature> features(const PatternSite& site) const;
   friend bool operator==(const LinePattern&, const LinePattern&) = default;
 };

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include <cstdint>
 #include <numbers>
 #include <string>
 #include <variant>
 #include <vector>
 
+#include "base/random_seed.h"
 #include "raster/grid_spec.h"
 #include "terrain/features/feature.h"
 #include "terrain/populations/line_pattern.h"
@@ -70,7 +70,7 @@ struct CraterPattern {
 using FeaturePattern = std::variant<RingPattern, RockPattern, IceBlockPattern, CraterPattern, LinePattern>;
 
 /// The site that a pattern fills on a grid.
-[[nodiscard]] inline PatternSite pattern_site(const GridSpec& grid, std::uint64_t seed, std::size_t number) {
+[[nodiscard]] inline PatternSite pattern_site(const GridSpec& grid, RandomSeed seed, std::size_t number) {
   return {grid.x(0), grid.x(grid.cols - 1), grid.y(0), grid.y(grid.rows - 1), seed, number};
 }
 

@@ -53,8 +53,9 @@ struct ScatteredObject {
 /// Draws a population on a site: a Poisson process in position and size, of density dN(>D) per area. Within
 /// each octave (2^n, 2^(n+1)] of D in metres, from the largest down, the numbers N(>D) of the objects are
 /// sums of independent exponential draws divided by the area, so that counts are Poisson-distributed and
-/// sizes descend (docs/reference/decisions.md, D112). Object i of an octave is a function of (seed, octave,
-/// i), independent of the other octaves: another least or greatest diameter only removes or adds objects.
+/// sizes descend (docs/reference/decisions.md, D112). Object i of an octave is a function of (seed, draw,
+/// octave, i), independent of the other octaves: another least or greatest diameter only removes or adds
+/// objects.
 ///
 /// With overlap == false, an object whose disc of reach overlaps a larger one is drawn again at another
 /// position, up to 1000 times.

@@ -4,6 +4,7 @@
 #include <cstdint>
 
 #include "base/progress.h"
+#include "base/random_seed.h"
 #include "raster/grid.h"
 #include "terrain/terrain_model.h"
 
@@ -11,7 +12,7 @@ namespace landfall {
 
 /// Identifies the draw of a fractal: layers of one seed are independent of each other.
 struct FractalDraw {
-  std::uint64_t seed = 1;
+  RandomSeed seed;
   std::uint64_t layer = 0;
 };
 

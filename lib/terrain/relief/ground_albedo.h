@@ -5,6 +5,7 @@
 #include <optional>
 #include <string>
 
+#include "base/random_seed.h"
 #include "raster/grid.h"
 #include "terrain/relief/dem_raster.h"
 #include "terrain/relief/large_fractal.h"
@@ -15,7 +16,7 @@ namespace landfall {
 /// The grid of a terrain and its seed.
 struct GroundSite {
   GridSpec grid;
-  std::uint64_t seed = 1;
+  RandomSeed seed;
   std::int64_t max_nodes = 0;  ///< grids with more have a LargeFractal (StripSize::max_nodes)
 };
 

@@ -55,5 +55,5 @@ def _groups(problem):
         for key, given in keys.items():
             numbers = ", ".join(f"{name} {value:g}" for name, value in given.items() if name != "type")
             rows.append([text_cell(group), f"<td><code>{escaped(key)}</code></td>", text_cell(f"{given['type']}: {numbers}")])
-    rows.append([text_cell(problem.groups[-1]), "<td><code>scan.seed</code></td>", text_cell("another seed in each point")])
+    rows.append([text_cell(problem.groups[-1]), "<td><code>scan.draw</code></td>", text_cell("another draw in each point")])
     return table([head("group"), head("key"), head("distribution")], rows)

@@ -63,7 +63,7 @@ def proof_text(answer):
     proof = answer["winner"]["proof"]
     return (f"P({answer['requirement']}) >= {min(rate['exact_lower_bound'] for rate in proof):.4f} on each of {len(proof)} terrains (exact bound, "
             f"95 % confidence): {', '.join(str(rate['passed']) + ' of ' + str(rate['draws']) for rate in proof)} fresh draws pass; "
-            f"the one with the seed {answer['winner']['chain']['seed']} has the same {answer['winner']['chain']['numbers']} numbers through the chain")
+            f"draw {answer['winner']['chain']['draw']} of the seed {answer['winner']['chain']['seed']} has the same {answer['winner']['chain']['numbers']} numbers through the chain")
 
 
 def text_of(problem, answer):
@@ -144,7 +144,7 @@ def _answer(answer):
              for number, rate in enumerate(winner["proof"])]
     return (f"<p>{verdict('pass')} {100 * answer['cost_frac']:.1f} % of the base’s cost: {escaped(values_text(winner['values']))}</p>\n"
             f"<p>{escaped(proof_text(answer))}. Candidates put to fresh draws: {answer['proofs']}.</p>\n"
-            + table([head(text, True) for text in ("terrain", "passed", "draws", "Wilson interval, 95 %", "exact lower bound, 95 %", "first seed")], rates)
+            + table([head(text, True) for text in ("terrain", "passed", "draws", "Wilson interval, 95 %", "exact lower bound, 95 %", "seed")], rates)
             + table(heads, rows))
 
 

@@ -15,7 +15,8 @@ from landfall.answers.design_problem import ALL_AND_OWN, ALL_REQUIREMENTS, Look,
 from landfall.errors import DataError
 
 TOGETHER = 4  # candidates that are proposed together, whatever the number of workers
-# Seeds of the search's one draw, the tests and the proofs never meet: a test has at most MAX_DRAWS draws, a proof 1,000,000.
+# The search's one draw, the tests and the proofs have seeds of their own, and so have the grounds, which follow them: further apart than
+# the seeds of any terrains.
 RACE_SEED, PROOF_SEED, PROOF_STEP = 1_000_000_000, 1_100_000_000, 1_000_000
 MAX_DRAWS = 2000
 FIRST_ROUND = 8  # draws on each terrain, so that bad candidates cost little
@@ -155,17 +156,18 @@ class Design:
                 scan.done()
 
     def through_the_chain(self, values, row):
-        """{"seed", "numbers"} of a draw on the first terrain that scan-sim, regrid and dem-eval make again: every number must be the same."""
+        """{"seed", "draw", "numbers"} of a draw on the first terrain that scan-sim, regrid and dem-eval make again: every number must be the same."""
         configs = self.problem.configs(values)
         if (self.problem.traced or {}).get("terrain_seed") == "each":
             configs["terrain"]["seed"] += row["seed"] - configs["scan"]["seed"]
-        configs = model.set_values(configs, {model.SEED: row["seed"], **{key: row[key] for key in self.problem.vary}})
+            configs["terrain"]["draw"] = row["draw"]
+        configs = model.set_values(configs, {model.SEED: row["seed"], model.DRAW: row["draw"], **{key: row[key] for key in self.problem.vary}})
         numbers = self.runner.numbers(configs, with_sigma=(self.problem.traced or {}).get("uncertainty", False))
         common = sorted(row.keys() & numbers.keys())
         for name in common:
             if row[name] != numbers[name]:
-                raise DataError(f"{self.problem.path}: {name} of the draw with the seed {row['seed']} is {row[name]}, and {numbers[name]} through the chain")
-        return {"seed": row["seed"], "numbers": len(common)}
+                raise DataError(f"{self.problem.path}: {name} of draw {row['draw']} of the seed {row['seed']} is {row[name]}, and {numbers[name]} through the chain")
+        return {"seed": row["seed"], "draw": row["draw"], "numbers": len(common)}
 
     def merged(self, passes, parts):
         """The rate of the whole campaign."""

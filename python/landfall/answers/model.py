@@ -14,7 +14,7 @@ from landfall.answers import runs
 from landfall.errors import ToolError, UsageError
 from landfall.study.model import assign, plain_numbers
 
-SEED = "scan.seed"
+SEED, DRAW = "scan.seed", "scan.draw"  # which random numbers a row has; all errors are functions of both
 # The outputs that monte-carlo has without percentiles ("metrics": "verdict"), several times faster, with the same values.
 VERDICT_NUMBERS = re.compile(r"coverage\..*|requirements\..*|own_requirements\..*|pass|score\..*|site\..*|landing\..*|blind\..*|accuracy\.absolute\.horizontal\.within_limit_frac|"
                              r"accuracy\.relative\.[xyz]\.violation_count")
@@ -28,7 +28,8 @@ def model(base, inputs, outputs, folder="landfall-model", workers=1, prefix=(), 
     their dotted paths, such as "accuracy.relative.z.max_m" or "pass", and of a base with hazard "score.*" and "site.*".
     folder: results are kept there and found again. workers: runs at a time. prefix: words of a command that runs another one, as srun.
     traced: {} has every row traced by monte-carlo without a scan; its keys are monte-carlo's terrain_seed, uncertainty and landing, which adds the
-    outputs "landing.*" and "blind.*". With terrain_seed "each" the ground follows scan.seed: terrain.seed + scan.seed - the base's scan.seed.
+    outputs "landing.*" and "blind.*". With terrain_seed "each" the ground has the number scan.draw, and the seed terrain.seed + scan.seed -
+    the base's scan.seed. Inputs scan.draw, at most 99999, repeat a row with other random numbers; consecutive ones are run together.
 
     The callable takes the shape (inputs,) or (rows, inputs), in the units that end the names of the keys, and returns (outputs,) or
     (rows, outputs), in the units that end those of the metrics; true is 1, a row that a tool refuses NaN, with the reason in `failures`.
@@ -54,7 +55,7 @@ class Model:
     def __call__(self, values):
         """A vector of metrics for a vector of values, a table (rows x outputs) for a table (rows x inputs).
 
-        A function of the values alone: equal rows have equal random numbers, unless scan.seed is an input. A row that a tool
+        A function of the values alone: equal rows have equal random numbers, unless scan.draw or scan.seed is an input. A row that a tool
         refuses is NaN, and failures[i] says why; so is a metric that a DEM does not have.
         """
         table = np.asarray(values, dtype=float)
@@ -93,14 +94,14 @@ class Model:
         if self.traced is None:
             return {key for key in row if runs.is_redrawn(key, self.base["scan"])}
         whole = runs.TracedDraws(self.runner, self.base, self.traced)
-        return {key for key, value in row.items() if key != SEED and whole.varies(key, value)}
+        return {key for key, value in row.items() if key not in (SEED, DRAW) and whole.varies(key, value)}
 
     def _tasks(self, rows):
-        """Rows, by their number, that differ in drawn keys only share a campaign, in parts of consecutive seeds: over one traced scan, unless each
+        """Rows, by their number, that differ in drawn keys only share a campaign, in parts of consecutive draws: over one traced scan, unless each
         draw traces its own rays. Rows that cannot go through the chain."""
         drawn, groups = self._drawn(rows), {}
         for number, row in rows.items():
-            fixed = tuple((key, value) for key, value in row.items() if key not in drawn and key != SEED)
+            fixed = tuple((key, value) for key, value in row.items() if key not in drawn and key not in (SEED, DRAW))
             groups.setdefault(fixed, []).append(number)
         for fixed, numbers in groups.items():
             configs = set_values(copy.deepcopy(self.base), dict(fixed))
@@ -108,24 +109,24 @@ class Model:
                 for number in numbers:
                     yield _Chain(self, [number], set_values(copy.deepcopy(self.base), rows[number]))
                 continue
-            parts = list(_parts(numbers, [rows[number].get(SEED, configs["scan"]["seed"]) for number in numbers]))
+            parts = list(_parts(numbers, [tuple(rows[number].get(key, configs["scan"][key.split(".")[1]]) for key in (SEED, DRAW)) for number in numbers]))
             draws = runs.Scan(self.runner, configs, len(parts)) if self.traced is None else runs.TracedDraws(self.runner, configs, self.traced)
-            for part, seed in parts:
+            for part, seed, draw in parts:
                 samples = [{key: value for key, value in rows[number].items() if key in drawn} for number in part]
-                yield _Campaign(self, part, draws, samples, seed)
+                yield _Campaign(self, part, draws, samples, (seed, draw))
 
 
-def _parts(numbers, seeds):
-    """(numbers of rows, first seed): consecutive seeds, few enough that little is lost where a run is cut off."""
+def _parts(numbers, keys):
+    """(numbers of rows, seed, first draw): consecutive draws of a seed, few enough that little is lost where a run is cut off. `keys`: (seed, draw)."""
     part, first = [], None
-    for number, seed in zip(numbers, seeds):
-        if part and (seed != first + len(part) or len(part) == runs.PART_DRAWS):
-            yield part, first
+    for number, (seed, draw) in zip(numbers, keys):
+        if part and ((seed, draw) != (first[0], first[1] + len(part)) or len(part) == runs.PART_DRAWS):
+            yield (part, *first)
             part = []
         if not part:
-            first = seed
+            first = seed, draw
         part.append(number)
-    yield part, first
+    yield (part, *first)
 
 
 class _Task:
@@ -158,27 +159,28 @@ class _Chain(_Task):
 
 
 class _Campaign(_Task):
-    """Rows over one traced scan, with the seeds seed, seed + 1, ..."""
+    """Rows over one traced scan, which are consecutive draws of a seed. `first`: (seed, number of the first draw)."""
 
-    def __init__(self, of, numbers, scan, samples, seed):
-        self.numbers, self.runner, self.progress, self.scan, self.samples, self.seed = numbers, of.runner, of.progress, scan, samples, seed
+    def __init__(self, of, numbers, scan, samples, first):
+        self.numbers, self.runner, self.progress, self.scan, self.samples, self.first = numbers, of.runner, of.progress, scan, samples, first
         needed = [*of.outputs, *(own["metric"] for own in scan.configs["eval"].get("requirements", []))]
         self.metrics = "verdict" if all(VERDICT_NUMBERS.fullmatch(name) for name in needed) else "full"
-        self.kind, self.depends = "rows", [*scan.depends, samples, seed, self.metrics]
+        self.kind, self.depends = "rows", [*scan.depends, samples, first, self.metrics]
 
     def make(self):
-        return self._rows(self.samples, self.seed)
+        return self._rows(self.samples, *self.first)
 
-    def _rows(self, samples, seed):
-        changes = {"metrics": self.metrics, "draws": len(samples), "scan": {"seed": seed}}
-        keys = list(samples[0])
+    def _rows(self, samples, seed, draw):
+        end, keys = draw + len(samples), list(samples[0])
+        changes = {"metrics": self.metrics, "draws": end, "scan": {"seed": seed}}
+        table = (keys, [list(row.values()) for row in [samples[0]] * draw + samples])  # a row for each draw from 0 on
         try:
-            return self.scan.rows(changes, samples=(keys, [list(row.values()) for row in samples]) if keys else None)
+            return self.scan.rows(changes, *(["--draws", f"{draw}:{end}"] if draw else []), samples=table if keys else None)
         except ToolError as error:
             if len(samples) == 1:
                 return [{"error": str(error), "code": error.exit_code}]
             half = len(samples) // 2  # a row that is refused ends the whole campaign
-            return self._rows(samples[:half], seed) + self._rows(samples[half:], seed + half)
+            return self._rows(samples[:half], seed, draw) + self._rows(samples[half:], seed, draw + half)
 
     def end(self):
         self.scan.done()

@@ -51,11 +51,11 @@ def resolved(stage, config):
 def is_redrawn(key, scan):
     """Whether a key of this scan changes errors alone, so that monte-carlo redraws it over the traced rays."""
     stage, *path = key.split(".")
-    return stage == "scan" and path != ["seed"] and bool(path) and scan_keys.effect_of(*path, scan=scan) == "estimate"
+    return stage == "scan" and path not in (["seed"], ["draw"]) and bool(path) and scan_keys.effect_of(*path, scan=scan) == "estimate"
 
 
 def needs_chain(scan):
-    """Whether a scan's errors cannot be redrawn: the seed moves the beams, or the receiver needs whole waveforms."""
+    """Whether a scan's errors cannot be redrawn: random numbers move the beams, or the receiver needs whole waveforms."""
     receiver = scan.get("receiver", {})
     return scan_keys.is_beam_drawn(scan) or receiver.get("type") == "geiger" or receiver.get("returns") == "all"
 
@@ -290,8 +290,8 @@ class TracedDraws(Draws):
         self.runner.run("monte-carlo", "-o", output, "-O", *arguments, config=self.config(draws))
 
     def config(self, draws):
-        """The configuration of monte-carlo. Where each draw has its own ground, the ground follows the scan's seed, so that a draw depends on its
-        seed alone and draws with fresh seeds have fresh grounds."""
+        """The configuration of monte-carlo. Where each draw has its own ground, the ground follows the scan's seed, so that draws with fresh
+        seeds have fresh grounds."""
         configs = copy.deepcopy(self.configs)
         seed = draws.get("scan", {}).get("seed", configs["scan"]["seed"])
         if self.traced.get("terrain_seed") == "each" and "seed" in configs["terrain"]:

@@ -12,7 +12,7 @@ from landfall import command, schema
 from landfall.answers import answer_page, model, runs
 from landfall.errors import DataError, UsageError, printable_lines
 
-RANDOM = "random numbers"  # the group of the seed: which noise, dropouts and dead pixels are drawn
+RANDOM = "random numbers"  # the group of the draw: which noise, dropouts and dead pixels are drawn
 KINDS = {"first": "first order", "total": "total"}
 PARTS = ("value", "low", "high")
 ESTIMATORS = {"martinez": "MartinezSensitivityAlgorithm", "saltelli": "SaltelliSensitivityAlgorithm", "jansen": "JansenSensitivityAlgorithm",
@@ -28,15 +28,16 @@ class Problem:
     def __init__(self, path):
         self.path, self.tree = path, schema.read_checked(path, "sensitivity")
         self.base = runs.read_base(self.tree["base"], os.path.dirname(os.path.abspath(path)), path)
+        self.base["scan"]["seed"] = self.tree.get("seed", 1)
         self.title, self.traced = self.tree.get("title", os.path.basename(path).removesuffix(".json")), self.tree.get("traced_draws")
         self.outputs, self.size, self.seed = self.tree["outputs"], self.tree.get("size", 128), self.tree.get("seed", 1)
         self.groups = [*self.tree["groups"], RANDOM]
         self.keys = [(group, key) for group, keys in self.tree["groups"].items() for key in keys]
         names = [key for _, key in self.keys]
         for group, key in self.keys:
-            if names.count(key) > 1 or key == model.SEED:
+            if names.count(key) > 1 or key in (model.SEED, model.DRAW):
                 raise UsageError(f"{path}: /groups/{group}/{key}: " + ("is the key of the group \"random numbers\", which is always there"
-                                                                       if key == model.SEED else "is given twice"))
+                                                                       if names.count(key) == 1 else "is given twice"))
         self.marginals = [self._distribution(group, key) for group, key in self.keys]
 
     def _distribution(self, group, key):
@@ -63,15 +64,15 @@ class Problem:
 
     def design(self):
         """The sample: points A, points B, and for each group the points A with the group's columns from B; a row per draw, a column
-        per key and the seed last. A has the seeds seed, seed + 1, ..., B the next ones."""
+        per key and the number of the draw last. A has the draws 0, 1, ..., B the next ones."""
         module = model.openturns()
         module.RandomGenerator.SetSeed(self.seed)
         # Two samples of their own, not the halves of one sequence of low discrepancy in twice the dimension: with a hundred points
         # and tens of keys such halves correlate, which falsifies every first-order index by the same number.
         experiment = module.LHSExperiment(module.ComposedDistribution(self.marginals), self.size, True)
         points = [np.array(experiment.generate()) for _ in range(2)]
-        seeds = self.seed + np.arange(2 * self.size).reshape(2, self.size, 1)
-        first, second = (np.hstack([part, seed]) for part, seed in zip(points, seeds))
+        draws = np.arange(2 * self.size).reshape(2, self.size, 1)
+        first, second = (np.hstack([part, draw]) for part, draw in zip(points, draws))
         columns = np.array([group for group, _ in self.keys] + [RANDOM])
         return np.vstack([first, second, *(np.where(columns == group, second, first) for group in self.groups)])
 
@@ -175,7 +176,7 @@ def main(arguments):
     model.openturns()
     prefix = runs.prepare(options)
     problem = Problem(options.file)
-    of = model.Model(problem.base, [key for _, key in problem.keys] + [model.SEED], problem.outputs, options.out, options.workers, prefix,
+    of = model.Model(problem.base, [key for _, key in problem.keys] + [model.DRAW], problem.outputs, options.out, options.workers, prefix,
                      runs.Progress(), problem.traced)
     answer = analyse(problem, of)
     runs.write_json(os.path.join(options.out, "sensitivity.json"), answer)

@@ -169,7 +169,7 @@ class _Reader:
         for key, draw in draws.items():
             self.check_draw(draw, f"/repeat/draws/{key}")
         drawn = [{key: _drawn(draw, first, key, repeat) for key, draw in draws.items()} for repeat in range(1, count + 1)]
-        repeats = [Point(repeat, (*((key, first + repeat - 1) for key in seeds), *drawn[repeat - 1].items()))
+        repeats = [Point(repeat, (*(pair for key in seeds for pair in _random_numbers(key, first, repeat)), *drawn[repeat - 1].items()))
                    for repeat in range(1, count + 1)]
         axes = [Axis("repeat", "repeat", "", False, tuple(repeats), "repeat")]
         for key in draws:
@@ -210,6 +210,13 @@ def _scaled(value, scale):
     if scale is None:
         return value
     return [value * factor for factor in scale] if isinstance(scale, list) else value * scale
+
+
+def _random_numbers(key, first_seed, repeat):
+    """The assignments that give a repeat random numbers of its own: of a terrain or a scan by its draw; other seeds have no draws."""
+    if key in ("scan.seed", "terrain.seed"):
+        return (key, first_seed), (key.removesuffix("seed") + "draw", repeat)
+    return ((key, first_seed + repeat - 1),)
 
 
 def _uniform(first_seed, key, component, repeat):

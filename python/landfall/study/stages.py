@@ -94,8 +94,8 @@ def short_hash(*texts):
 def truth_config(scan):
     """The scan without what --ranges-from redraws (docs/user/scan-sim.md)."""
     truth = scan_keys.part(scan, ("beam",))
-    if scan_keys.is_beam_drawn(scan) and "seed" in scan:
-        truth["seed"] = scan["seed"]
+    if scan_keys.is_beam_drawn(scan):
+        truth |= {key: scan[key] for key in ("seed", "draw") if key in scan}
     return truth
 
 

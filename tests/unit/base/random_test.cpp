@@ -3,7 +3,9 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <vector>
 
 namespace landfall {
@@ -30,6 +32,23 @@ TEST(RandomField, NormalBitsAreKept) {
   const RandomField field(7, RandomStream::range_noise);
   EXPECT_EQ(field.normal(3, 4), 0x1.ee66fc1816ebfp-2);
   EXPECT_EQ(field.normal(39999, 323), -0x1.e77ec5db4f962p-7);
+}
+
+// Computed by numpy's Philox with the draw as the third word of the counter.
+TEST(RandomField, DrawIsAWordOfTheCounter) {
+  EXPECT_EQ(RandomField({7, 5}, RandomStream::range_noise).uniform(3, 4), 0x1.df5238ace91a0p-4);
+  EXPECT_EQ(RandomField({7, 2147483647}, RandomStream::range_noise).uniform(3, 4), 0x1.ec2ef7c23ccdcp-3);
+  const RandomField field(7, RandomStream::range_noise);
+  EXPECT_EQ(RandomField({7, 0}, RandomStream::range_noise).uniform(3, 4), field.uniform(3, 4));
+}
+
+TEST(RandomField, NoTwoSeedsAndDrawsBeginAlike) {
+  std::vector<double> first;
+  for (std::uint64_t seed = 1; seed <= 1000; ++seed)
+    for (std::uint32_t draw = 0; draw < 1000; ++draw)
+      first.push_back(RandomField({seed, draw}, RandomStream::range_noise).uniform(0));
+  std::ranges::sort(first);
+  EXPECT_EQ(std::ranges::adjacent_find(first), first.end());
 }
 
 TEST(RandomField, ManyNormalsAreTheSingleOnes) {
