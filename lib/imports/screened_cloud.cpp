@@ -2,8 +2,6 @@
 #include "imports/screened_cloud.h"
 
 #include <algorithm>
-#include <bit>
-#include <map>
 #include <utility>
 
 #include "base/error.h"
@@ -16,16 +14,16 @@ namespace {
 
 constexpr std::int64_t kLeastShared = 10;
 
-std::size_t hash_of(const std::array<double, 3>& position) {
-  std::uint64_t hash = 0;
-  for (const double coordinate : position)  // -0 becomes 0
-    hash = (std::rotl(hash, 21) ^ std::bit_cast<std::uint64_t>(coordinate + 0.0)) * 0x9E3779B97F4A7C15U;
-  return static_cast<std::size_t>(hash >> 52U);
+/// Calls use(i) for the points of a batch that are searched.
+template <class Use>
+void for_each_searched(const CloudBatch& batch, const Use& use) {
+  const std::vector<double>& classes = batch[CloudField::classification];
+  for (std::size_t i = 0; i < batch.size(); ++i)
+    if ((classes.empty() || !is_noise(classes[i])) && batch.has_position(i)) use(i);
 }
 
-bool is_searched_point(const CloudBatch& batch, std::size_t i) {
-  const std::vector<double>& classes = batch[CloudField::classification];
-  return (classes.empty() || !is_noise(classes[i])) && batch.has_position(i);
+SharedPositionSearch::Position position_of(const CloudBatch& batch, std::size_t i) {
+  return {batch.columns[0][i], batch.columns[1][i], batch.columns[2][i]};
 }
 
 std::string remedy(const std::string& values) {
@@ -34,29 +32,40 @@ std::string remedy(const std::string& values) {
 
 }  // namespace
 
-void SharedPositionSearch::add(const std::array<double, 3>& position) {
-  ++total_;
-  window_.push_back(position);
-  ++counters_[hash_of(position)];
-  if (window_.size() == kWindow) close_window();
+bool SharedPositionSearch::is_shared(std::int64_t count) const {
+  return count >= kLeastShared && 100 * count > total_;
 }
 
-const std::set<std::array<double, 3>>& SharedPositionSearch::candidates() {
-  if (static_cast<std::int64_t>(window_.size()) * kPart > total_) close_window();
-  return candidates_;
+bool SharedPositionSearch::needs_further_passes() const {
+  return std::ranges::any_of(counts_, [&](std::int64_t count) { return is_shared(count); });
 }
 
-void SharedPositionSearch::close_window() {
-  const std::size_t least = window_.size() / kPart;
-  if (std::ranges::any_of(counters_, [&](std::uint32_t count) { return count > least; })) {
-    std::map<std::array<double, 3>, std::size_t> counts;
-    for (const auto& position : window_)
-      if (counters_[hash_of(position)] > least) ++counts[position];
-    for (const auto& [position, count] : counts)
-      if (count > least) candidates_.insert(position);
+void SharedPositionSearch::propose(const Position& position) {
+  if (!is_shared(counts_[hash_of(position)])) return;
+  const auto candidate = candidates_.find(position);
+  if (candidate != candidates_.end()) {
+    ++candidate->second;
+  } else if (candidates_.size() < kCandidates) {
+    candidates_[position] = 1;
+  } else {
+    for (auto& [other, weight] : candidates_) --weight;
+    std::erase_if(candidates_, [](const auto& entry) { return entry.second == 0; });
   }
-  std::ranges::fill(counters_, 0U);
-  window_.clear();
+}
+
+void SharedPositionSearch::begin_count() {
+  for (auto& [position, count] : candidates_) count = 0;
+}
+
+void SharedPositionSearch::count(const Position& position) {
+  const auto candidate = candidates_.find(position);
+  if (candidate != candidates_.end()) ++candidate->second;
+}
+
+std::map<SharedPositionSearch::Position, std::int64_t> SharedPositionSearch::shared() const {
+  std::map<Position, std::int64_t> shared = candidates_;
+  std::erase_if(shared, [&](const auto& entry) { return !is_shared(entry.second); });
+  return shared;
 }
 
 ScreenedCloud::ScreenedCloud(std::unique_ptr<CloudReader> cloud, std::string name, CloudNodata nodata)
@@ -87,15 +96,8 @@ void ScreenedCloud::remove_nodata(CloudBatch& batch) {
 
 /// The two searches share nothing, so that each has a thread.
 void ScreenedCloud::search(const CloudBatch& batch) {
-  parallel_for(2, 1, [&](std::size_t part, std::size_t) {
-    for (std::size_t i = 0; i < batch.size(); ++i) {
-      if (!is_searched_point(batch, i)) continue;
-      if (part == 0)
-        z_.add(batch.columns[2][i]);
-      else
-        positions_.add({batch.columns[0][i], batch.columns[1][i], batch.columns[2][i]});
-    }
-  });
+  run_both([&] { for_each_searched(batch, [&](std::size_t i) { z_.add(batch.columns[2][i]); }); },
+           [&] { for_each_searched(batch, [&](std::size_t i) { positions_.add(position_of(batch, i)); }); });
 }
 
 void ScreenedCloud::refuse_fills() {
@@ -110,27 +112,27 @@ void ScreenedCloud::refuse_fills() {
                     remedy(nodata_text(found.fills)));
 }
 
-/// Counts the candidates in a pass of its own, for the few files that have any.
-void ScreenedCloud::refuse_shared_position() {
-  std::map<std::array<double, 3>, std::int64_t> counts;
-  for (const std::array<double, 3>& candidate : positions_.candidates()) counts[candidate] = 0;
-  if (counts.empty()) return;
+/// Calls use(position) in a pass over all points that are searched.
+template <class Use>
+void ScreenedCloud::for_each_position(const Use& use) {
   cloud_->rewind();
   for (CloudBatch batch; cloud_->next(batch);) {
     if (!nodata_.z.empty()) remove_nodata(batch);
-    for (std::size_t i = 0; i < batch.size(); ++i) {
-      if (!is_searched_point(batch, i)) continue;
-      const auto candidate = counts.find({batch.columns[0][i], batch.columns[1][i], batch.columns[2][i]});
-      if (candidate != counts.end()) ++candidate->second;
-    }
+    for_each_searched(batch, [&](std::size_t i) { use(position_of(batch, i)); });
   }
   left_out_now_ = 0;
-  for (const auto& [position, count] : counts)
-    if (count >= kLeastShared && 100 * count > positions_.total())
-      throw FormatError(name_ + ": " + grouped(count) + " of " + grouped(positions_.total()) +
-                        " points share the position " + joined(position, ", ", number_text) +
-                        ", which looks like that of pulses without a return; " +
-                        remedy(number_text(position[2])));
+}
+
+void ScreenedCloud::refuse_shared_position() {
+  if (!positions_.needs_further_passes()) return;
+  for_each_position([&](const auto& position) { positions_.propose(position); });
+  positions_.begin_count();
+  for_each_position([&](const auto& position) { positions_.count(position); });
+  for (const auto& [position, count] : positions_.shared())
+    throw FormatError(name_ + ": " + grouped(count) + " of " + grouped(positions_.total()) +
+                      " points share the position " + joined(position, ", ", number_text) +
+                      ", which looks like that of pulses without a return; " +
+                      remedy(number_text(position[2])));
 }
 
 }  // namespace landfall

@@ -2,9 +2,10 @@
 #pragma once
 
 #include <array>
+#include <bit>
 #include <cstdint>
+#include <map>
 #include <memory>
-#include <set>
 #include <string>
 #include <vector>
 
@@ -20,26 +21,45 @@ struct CloudNodata {
       false;  ///< others that look like fill values are points; else they are refused
 };
 
-/// Finds the positions that may be shared by more than 1 % of the points of a stream, in one pass and in
-/// bounded memory. A position of so many points is one of more than 0.5 % of those of a window of the stream,
-/// except of a last window that is too short to matter.
+/// Finds the positions that at least 10 points and more than 1 % of a stream share, exactly, in any order and
+/// in bounded memory. Three passes over the same points; nearly all streams need the first alone.
 class SharedPositionSearch {
  public:
-  void add(const std::array<double, 3>& position);
-  /// Candidates after the last point: all positions of more than 1 %, and some of fewer points.
-  [[nodiscard]] const std::set<std::array<double, 3>>& candidates();
+  using Position = std::array<double, 3>;
+
+  /// First pass. Counts the points by a hash of their position: a position has no more than its hash.
+  void add(const Position& position) {
+    ++total_;
+    ++counts_[hash_of(position)];
+  }
+  /// Whether a hash has as many points as a shared position; else none is shared.
+  [[nodiscard]] bool needs_further_passes() const;
+  /// Second pass. Keeps 100 candidates of these hashes by the algorithm of Misra and Gries (1982): each
+  /// position of more than one in 101 points is one of them.
+  void propose(const Position& position);
+  /// Between the second pass and the third.
+  void begin_count();
+  /// Third pass.
+  void count(const Position& position);
+  /// The shared positions, with their numbers of points.
+  [[nodiscard]] std::map<Position, std::int64_t> shared() const;
   [[nodiscard]] std::int64_t total() const { return total_; }
 
  private:
-  static constexpr std::size_t kWindow = std::size_t{1} << 18U;
-  static constexpr std::size_t kCounters = 4096;
-  static constexpr int kPart = 200;  ///< candidates are more than this part of a window
+  static constexpr unsigned kHashBits = 11;
+  static constexpr std::size_t kCandidates = 100;
 
-  void close_window();
+  /// Equal for 0 and -0.
+  [[nodiscard]] static std::size_t hash_of(const Position& position) {
+    std::uint64_t hash = 0;
+    for (const double coordinate : position)  // -0 becomes 0
+      hash = (std::rotl(hash, 21) ^ std::bit_cast<std::uint64_t>(coordinate + 0.0)) * 0x9E3779B97F4A7C15U;
+    return static_cast<std::size_t>(hash >> (64U - kHashBits));
+  }
+  [[nodiscard]] bool is_shared(std::int64_t count) const;
 
-  std::vector<std::array<double, 3>> window_;
-  std::vector<std::uint32_t> counters_ = std::vector<std::uint32_t>(kCounters);  ///< points by their hash
-  std::set<std::array<double, 3>> candidates_;
+  std::vector<std::int64_t> counts_ = std::vector<std::int64_t>(std::size_t{1} << kHashBits);
+  std::map<Position, std::int64_t> candidates_;
   std::int64_t total_ = 0;
 };
 
@@ -61,6 +81,8 @@ class ScreenedCloud final : public CloudReader {
   void search(const CloudBatch& batch);
   void refuse_fills();
   void refuse_shared_position();
+  template <class Use>
+  void for_each_position(const Use& use);
 
   std::unique_ptr<CloudReader> cloud_;
   std::string name_;

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <map>
 #include <random>
 #include <string>
 
@@ -66,10 +67,9 @@ std::string screened(Points points, const CloudNodata& nodata = {}, std::size_t 
 /// `shared` points at one position among others, at the end or spread.
 Points with_shared(std::size_t others, std::size_t shared, bool is_spread) {
   Points points = scattered(others);
-  for (std::size_t i = 0; i < shared; ++i)
-    points.insert(
-        is_spread ? points.begin() + static_cast<std::ptrdiff_t>(i * points.size() / shared) : points.end(),
-        {0, 0, 0});
+  points.resize(others + shared);
+  if (is_spread)
+    for (std::size_t i = 0; i < shared; ++i) std::swap(points[others + i], points[i * others / shared]);
   return points;
 }
 
@@ -93,6 +93,48 @@ TEST(ScreenedCloud, FindsASharedPositionInAnyPartOfALongStream) {
   }
   EXPECT_NE(screened(with_shared((1U << 18U) - 3, 3'000, false)).find("3,000 of 265,141 points"),
             std::string::npos);
+}
+
+/// The shared positions by the three passes.
+std::map<std::array<double, 3>, std::int64_t> shared_of(const Points& points) {
+  SharedPositionSearch search;
+  for (const auto& position : points) search.add(position);
+  EXPECT_EQ(search.total(), static_cast<std::int64_t>(points.size()));
+  if (!search.needs_further_passes()) return {};
+  for (const auto& position : points) search.propose(position);
+  search.begin_count();
+  for (const auto& position : points) search.count(position);
+  return search.shared();
+}
+
+/// The same by counting every position.
+std::map<std::array<double, 3>, std::int64_t> counted_shared_of(const Points& points) {
+  std::map<std::array<double, 3>, std::int64_t> counts;
+  for (const auto& position : points) ++counts[position];
+  std::erase_if(counts, [&](const auto& entry) {
+    return entry.second < 10 || 100 * entry.second <= static_cast<std::int64_t>(points.size());
+  });
+  return counts;
+}
+
+TEST(SharedPositionSearch, FindsAllPositionsOfMoreThanOnePercentInAnyOrder) {
+  std::mt19937_64 random(test_seed());
+  for (const auto& [positions, others, shared] :
+       {std::array<std::size_t, 3>{1, 90, 1}, {7, 90, 7}, {60, 20'000, 30}, {90, 30'000, 0}, {98, 0, 49}}) {
+    Points points = scattered(others);
+    for (std::size_t i = 0; i < 200 * positions; ++i) {
+      const auto place = static_cast<double>(i % positions);
+      points.push_back({place, -place, 0});
+      if (i % positions < positions / 2) points.push_back({place, -place, -0.0});
+    }
+    const auto expected = counted_shared_of(points);
+    EXPECT_EQ(expected.size(), shared);
+    EXPECT_EQ(shared_of(points), expected) << positions;
+    std::ranges::sort(points);
+    EXPECT_EQ(shared_of(points), expected) << positions << ", sorted";
+    std::ranges::shuffle(points, random);
+    EXPECT_EQ(shared_of(points), expected) << positions << ", shuffled";
+  }
 }
 
 TEST(ScreenedCloud, RefusesFillsOfZ) {
