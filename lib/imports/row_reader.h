@@ -12,7 +12,7 @@
 namespace landfall {
 
 /// Points that a file reads at a time: fewer where their rows would take more bytes than this.
-inline constexpr std::size_t kCloudBatchPoints = std::size_t{1} << 18U;
+inline constexpr std::size_t kCloudBatchPoints = std::size_t{1} << 16U;
 inline constexpr std::size_t kMaxBatchBytes = std::size_t{1} << 25U;
 
 /// A number in each row of a binary file.

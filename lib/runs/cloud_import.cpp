@@ -38,17 +38,22 @@ struct Extent {
   [[nodiscard]] std::int64_t count() const { return sample.point_count(); }
 };
 
+/// Widens [low, high] to hold the values.
+void widen(const std::vector<double>& values, double& low, double& high) {
+  double least = low;  // a local variable stays in a register
+  double greatest = high;
+  for (const double value : values) {
+    least = std::min(least, value);
+    greatest = std::max(greatest, value);
+  }
+  low = least;
+  high = greatest;
+}
+
 void add(const CloudBatch& batch, Extent& extent) {
   parallel_for(4, 1, [&](std::size_t part, std::size_t) {
     if (part == 3) return extent.sample.add(batch);
-    double low = extent.box.low[part];
-    double high = extent.box.high[part];
-    for (const double value : batch.columns[part]) {
-      low = std::min(low, value);
-      high = std::max(high, value);
-    }
-    extent.box.low[part] = low;
-    extent.box.high[part] = high;
+    widen(batch.columns[part], extent.box.low[part], extent.box.high[part]);
   });
   for (const double t : batch[CloudField::t]) {
     if (!std::isfinite(t)) continue;  // SitePoints refuses it
@@ -221,11 +226,7 @@ std::vector<std::string> named(const std::string& name,
 
 void add_bounds(const PointColumns& points, std::array<std::array<double, 2>, 3>& bounds) {
   const std::array columns = {&points.x_est, &points.y_est, &points.z_est};
-  for (std::size_t axis = 0; axis < 3; ++axis) {
-    if (columns[axis]->empty()) continue;
-    const auto [low, high] = std::ranges::minmax(*columns[axis]);
-    bounds[axis] = {std::min(bounds[axis][0], low), std::max(bounds[axis][1], high)};
-  }
+  for (std::size_t axis = 0; axis < 3; ++axis) widen(*columns[axis], bounds[axis][0], bounds[axis][1]);
 }
 
 /// Which columns an import has, and what its times count.
