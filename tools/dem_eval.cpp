@@ -108,6 +108,7 @@ ExitCode run(cli::Session& session, const Options& o) {
   session.phase("read", [&](const ProgressCallback&) { dem = read_inputs(session, o, provenance); });
   const GridSpec grid = dem.layers.z_est.spec();
   const BinBox scanned = valid_box(dem.layers.z_est);
+  const bool from_import = is_imported(dem.chain);
   std::optional<EvaluationWriter> writer;
   std::optional<html_report::Report> report;
   std::vector<LayerSink*> sinks;
@@ -136,6 +137,7 @@ ExitCode run(cli::Session& session, const Options& o) {
     if (report_file) report_file->commit();
   });
   session.count("metrics", numbers);
+  cli::warn_of_assumptions(session, o.dem, evaluation.metrics, parameters, grid.resolution_m, from_import);
   print(session.options(), o, evaluation.metrics, parameters.limits);
   return cli::report_evaluation(session, o.dem, evaluation, scanned, o.require_pass);
 }

@@ -8,10 +8,11 @@ namespace landfall {
 namespace {
 
 DeviceRule rule_of(const EvaluationParameters& parameters, const Footprint& footprint, TruthAt truth_at) {
+  const EvaluationLimits limits = effective_limits(parameters, footprint);
   return {.quantile = parameters.quantile,
-          .relative_horizontal_m = parameters.limits.relative_horizontal_m,
-          .relative_elevation_m = parameters.limits.relative_elevation_m,
-          .absolute_horizontal_m = parameters.limits.absolute_horizontal_m,
+          .relative_horizontal_m = limits.relative_horizontal_m,
+          .relative_elevation_m = limits.relative_elevation_m,
+          .absolute_horizontal_m = limits.absolute_horizontal_m,
           .half_bins = footprint.half_bins(),
           .is_square = footprint.is_square() ? 1 : 0,
           .at_centroid = truth_at == TruthAt::centroid ? 1 : 0,

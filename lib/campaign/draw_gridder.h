@@ -34,6 +34,7 @@ struct DrawGround {
   const TerrainSurface& surface;
   const RayEngine* engine = nullptr;  ///< null: the draw takes the ranges of the traced scan
   const SurfaceAlbedo* albedo = nullptr;
+  std::optional<double> spacing_m = std::nullopt;  ///< DemLayers::truth_spacing_m
 
   [[nodiscard]] Simulation simulate(ScanModel model) const {
     return {std::move(model), engine, &surface, albedo};

@@ -18,10 +18,18 @@ Grid<float> layer_of(const GridSpec& spec, const auto& value) {
 
 }  // namespace
 
-Grid<float> share_of_draws(const DrawMaps& maps, const Grid<std::int32_t>& count, const BinMask* region) {
-  const auto n = static_cast<double>(maps.draws);
+std::array<FailureMap, 4> failure_maps(const DrawMaps& maps) {
+  return {{{"p_fail_rel_x", "relative_horizontal", maps.fail_rel_x},
+           {"p_fail_rel_y", "relative_horizontal", maps.fail_rel_y},
+           {"p_fail_rel_z", "relative_elevation", maps.fail_rel_z},
+           {"p_fail_absolute", "absolute_horizontal", maps.fail_absolute}}};
+}
+
+Grid<float> share_of_draws(const Grid<std::int32_t>& count, std::int64_t draws, const BinMask* region) {
+  const auto n = static_cast<double>(draws);
   return layer_of(count.spec(), [&](std::size_t i) {
-    return region != nullptr && region->values()[i] == 0 ? kNoValue : count.values()[i] / n;
+    const bool is_outside = region != nullptr && region->values()[i] == 0;
+    return is_outside || draws == 0 ? kNoValue : count.values()[i] / n;
   });
 }
 

@@ -1,14 +1,26 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <array>
+#include <cstdint>
+
 #include "campaign/draw_maps.h"
 
 namespace landfall {
 
 /// The layers that follow from the sums of a campaign, as draws.h5 stores and its report shows them.
 
-/// `count` is one of `maps`: the share of its draws. NaN outside `region`, unless that is null.
-[[nodiscard]] Grid<float> share_of_draws(const DrawMaps& maps, const Grid<std::int32_t>& count,
+/// One kind of failing footprints: its layer and the requirement that the footprints miss.
+struct FailureMap {
+  const char* layer;
+  const char* requirement;
+  const Grid<std::int32_t>& count;  ///< draws
+};
+/// Those of relative x, y and z, and the absolute one.
+[[nodiscard]] std::array<FailureMap, 4> failure_maps(const DrawMaps& maps);
+
+/// `count` / `draws`. NaN outside `region`, unless that is null, and everywhere without a draw.
+[[nodiscard]] Grid<float> share_of_draws(const Grid<std::int32_t>& count, std::int64_t draws,
                                          const BinMask* region);
 /// `count` is one of `safety`: the share of the draws in which the place is known; NaN where there is none.
 [[nodiscard]] Grid<float> share_of_known(const SafetyCounts& safety, const Grid<std::int32_t>& count);

@@ -122,6 +122,8 @@ DrawResult DrawRunner::run(DrawSetup setup, const DrawGround& ground, MetricsKin
   std::optional<UncertaintyMetrics> assessed;
   if (sigma) assessed = assess(*std::move(sigma), dem, ground.surface, setup.evaluation, scene_.region);
   if (has_mask(setup.evaluation.region_shape)) dem.layers.region_mask = scene_.region;
+  dem.layers.count = std::exchange(dem.count, {});
+  dem.layers.truth_spacing_m = ground.spacing_m;
   Evaluation evaluation = evaluate(std::exchange(dem.layers, {}), setup.evaluation);
   if (maps != nullptr) maps->add_verdicts(evaluation.fail);
   evaluation.metrics.uncertainty = std::move(assessed);

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cassert>
+#include <cmath>
 #include <stdexcept>
 #include <string_view>
 
@@ -45,13 +46,20 @@ std::vector<OwnColumn> own_columns(const DrawTable& table) {
 }
 
 std::vector<std::int8_t> six_passed(const DrawTable& table) {
-  std::vector<std::int8_t> passed(table.pass.size(), 1);
+  std::vector<std::int8_t> passed(table.pass.size(), pass_flag(true));
   for (const dictionary::Requirement& words : dictionary::kRequirements) {
     const std::vector<double>& passes = pass_column(table, words.name).values;
-    for (std::size_t i = 0; i < passed.size(); ++i)
-      if (passes[i] != 1) passed[i] = 0;
+    for (std::size_t i = 0; i < passed.size(); ++i) {
+      if (std::isnan(passes[i]) && passed[i] == pass_flag(true)) passed[i] = pass_flag(std::nullopt);
+      if (passes[i] == 0) passed[i] = pass_flag(false);
+    }
   }
   return passed;
+}
+
+std::int64_t judged_draws(const DrawTable& table, const std::string& requirement) {
+  return std::ranges::count_if(pass_column(table, requirement).values,
+                               [](double pass) { return !std::isnan(pass); });
 }
 
 const DrawColumn& pass_column(const DrawTable& table, const std::string& requirement) {

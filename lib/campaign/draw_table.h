@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -23,7 +24,7 @@ struct DrawTable {
   std::vector<std::int64_t> draws;
   std::vector<DrawColumn> varied;
   std::vector<DrawColumn> metrics;  ///< NaN for a number that metrics.json has as null
-  std::vector<std::int8_t> pass;    ///< 1: all requirements passed, the user's own too
+  std::vector<std::int8_t> pass;    ///< pass_flag() of all requirements, the user's own too
 
   [[nodiscard]] std::int64_t size() const { return static_cast<std::int64_t>(seeds.size()); }
   /// Number after the last draw.
@@ -53,8 +54,16 @@ struct OwnColumn {
 };
 [[nodiscard]] std::vector<OwnColumn> own_columns(const DrawTable& table);
 
-/// Whether each draw passed all six requirements: without the user's own.
+/// 1: passed, 0: failed, -1: not judged, because a requirement is not and none is missed.
+[[nodiscard]] constexpr std::int8_t pass_flag(std::optional<bool> pass) {
+  return !pass ? std::int8_t{-1} : *pass ? std::int8_t{1} : std::int8_t{0};
+}
+
+/// pass_flag() of all six requirements of each draw: without the user's own.
 [[nodiscard]] std::vector<std::int8_t> six_passed(const DrawTable& table);
+
+/// The number of draws in which a requirement is judged.
+[[nodiscard]] std::int64_t judged_draws(const DrawTable& table, const std::string& requirement);
 
 /// The metric "requirements.NAME.pass"; throws std::out_of_range if the table has none.
 [[nodiscard]] const DrawColumn& pass_column(const DrawTable& table, const std::string& requirement);

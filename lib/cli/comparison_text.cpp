@@ -109,6 +109,10 @@ std::string pair_lines(const Comparison& json) {
                            "neither", "McNemar p", "B - A, 95 % interval");
   for (const Comparison& pair : json) {
     const Comparison& difference = pair["difference"];
+    if (pair["both"] == 0 && pair["only_a"] == 0 && pair["only_b"] == 0 && pair["neither"] == 0) {
+      text += print("%-19s not judged\n", pair["name"].get<std::string>().c_str());
+      continue;
+    }
     text += print("%-19s %4s %6s %6s %7s %9.2g %.3f, %.3f to %.3f\n", pair["name"].get<std::string>().c_str(),
                   value_text(pair["both"]).c_str(), value_text(pair["only_a"]).c_str(),
                   value_text(pair["only_b"]).c_str(), value_text(pair["neither"]).c_str(),

@@ -98,6 +98,18 @@ void report_dem(Session& session, const BinnedReturns& returns, const GridSpec& 
   for (const std::string& warning : returns.warnings) session.warn(warning);
 }
 
+void warn_of_assumptions(Session& session, const std::string& dem, const Metrics& metrics,
+                         const EvaluationParameters& parameters, double resolution_m, bool is_imported) {
+  if (const auto why = why_not_judged(parameters, resolution_m); why && metrics.accuracy)
+    session.warn(dem + ": " + *why);
+  const double limit_m = parameters.footprint_m / 5;
+  if (const auto spacing_m = metrics.assumptions->truth_spacing_m;
+      spacing_m && !is_imported && *spacing_m > limit_m * (1 + 1e-9))
+    session.warn(dem + ": the truth has nodes every " + short_number(*spacing_m) +
+                 " m, more than a fifth of the footprint (" + short_number(limit_m) +
+                 " m): it lacks what a lander would meet; make the terrain finer (grid.resolution_m)");
+}
+
 ExitCode report_evaluation(Session& session, const std::string& dem, const Evaluation& evaluation,
                            const BinBox& scanned, bool require_pass) {
   const BinBox region = set_box(evaluation.region);

@@ -31,6 +31,11 @@ void report_draw_device(Session& session, const DeviceUse& use);
 /// Also passes on the warnings about the sigmas.
 void report_dem(Session& session, const BinnedReturns& returns, const GridSpec& grid);
 
+/// Warns where relative errors are not judged (why_not_judged()), and where the truth's nodes are farther
+/// apart than a fifth of the footprint, unless the truth is that of an import.
+void warn_of_assumptions(Session& session, const std::string& dem, const Metrics& metrics,
+                         const EvaluationParameters& parameters, double resolution_m, bool is_imported);
+
 /// Warns where the judged region reaches beyond the bins with an elevation by more than 1 % of its width:
 /// nobody looked there. `dem` begins the messages; `scanned` is valid_box() of its elevations. Returns
 /// requirement_missed, and always says why, if all requirements must pass and one does not.

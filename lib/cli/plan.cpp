@@ -11,6 +11,7 @@
 #include "base/parameter_check.h"
 #include "cli/print.h"
 #include "config/scan_config.h"
+#include "evaluation/parameters.h"
 #include "files/field_json.h"
 #include "files/table_reader.h"
 #include "scene/scene.h"
@@ -32,6 +33,13 @@ std::string posting_line(const PlanMetrics::Posting& p) {
   if (!p.posting_m) return text + print("no posting fills %g %% of its bins\n", 100 * p.wanted_frac);
   return text + print("%g m is the finest that fills %g %% of its bins (%.2f %%)\n", *p.posting_m,
                       100 * p.wanted_frac, 100 * *p.filled_frac);
+}
+
+/// A posting at which dem-eval does not judge the default footprint needs a larger one, or another scan.
+void warn_of_posting(Session& session, const PlanMetrics& plan) {
+  if (!plan.posting || !plan.posting->posting_m) return;
+  if (const auto why = why_not_judged(EvaluationParameters{}, *plan.posting->posting_m))
+    session.warn("the proposed posting is too coarse for dem-eval: " + *why);
 }
 
 /// The smallest grid of bins centred on the origin that contains the region.
@@ -100,6 +108,7 @@ ExitCode run_plan(Session& session, const PlanOptions& o, std::int64_t batch_poi
   });
   session.count("plan", fields_json(summary.metrics));
   if (!session.options().json_summary) std::cout << plan_table(summary.metrics);
+  warn_of_posting(session, summary.metrics);
   return ExitCode::done;
 }
 

@@ -133,6 +133,9 @@ std::string p_text(const VerdictJson& p) { return print("%.4f", p.get<double>())
 std::string rate_line(const std::string& name, const VerdictJson& rate) {
   const auto passed = rate.at("passed").get<std::int64_t>();
   const auto draws = rate.at("draws").get<std::int64_t>();
+  if (rate.value("judged", draws) == 0)
+    return print("%-20s %8s of %-8s not judged\n", name.c_str(), grouped(passed).c_str(),
+                 grouped(draws).c_str());
   return print("%-20s %8s of %-8s %-17s %s\n", name.c_str(), grouped(passed).c_str(), grouped(draws).c_str(),
                (p_text(rate.at("wilson_low")) + " .. " + p_text(rate.at("wilson_high"))).c_str(),
                p_text(rate.at("exact_lower_bound")).c_str());
@@ -162,6 +165,8 @@ std::string verdict_table(const Metrics& metrics, const EvaluationLimits& limits
   text += "\nRegion: " + grouped(metrics.region.bin_count) + " bins" + region_text(metrics.region) + "; " +
           grouped(metrics.coverage.invalid_count) + " invalid in " + grouped(metrics.coverage.hole_count) +
           (metrics.coverage.hole_count == 1 ? " hole\n" : " holes\n");
+  if (metrics.assumptions)
+    text += "Assumptions: " + joined(assumption_texts(*metrics.assumptions), ",\n             ") + "\n";
   if (metrics.accuracy)
     text += accuracy_lines(*metrics.accuracy, limits) + statistics_lines(metrics.statistics);
   return text;
@@ -235,6 +240,7 @@ std::string draws_summary(const VerdictJson& verdict) {
   const auto passed = all.at("passed").get<std::int64_t>();
   const auto draws = all.at("draws").get<std::int64_t>();
   std::string text = grouped(passed) + " of " + grouped(draws) + " draws pass all requirements";
+  if (all.value("judged", draws) == 0) return text + "; not judged: the footprint has too few bins";
   if (verdict.contains("sprt")) return text + "; sequential test: " + verdict.at("sprt").get<std::string>();
   return text + "; passes with a probability of at least " + p_text(all.at("exact_lower_bound")) + " (95 %)";
 }

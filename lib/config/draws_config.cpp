@@ -250,6 +250,27 @@ DrawsConfig::DrawsConfig(const Json& resolved, std::string name, const Json& sca
                      return each.first.starts_with("terrain.");
                    });
   if (resolved.at("sigma")) predict();
+  if (!sprt_ || tests_landing_) return;
+  if (const auto why = why_not_judged())
+    throw UsageError(name_ + ": /stop: the sequential test is of requirements that are not judged: " + *why);
+}
+
+std::optional<std::int64_t> DrawsConfig::footprint_bins() const {
+  if (footprint_varies()) return std::nullopt;
+  const EvaluationParameters parameters = evaluation_config(stages_.eval, name_ + ": /eval");
+  return footprint_of(parameters, stages_.regrid.at("resolution_m").get<double>()).edge_bins();
+}
+
+std::optional<std::string> DrawsConfig::why_not_judged() const {
+  for (const std::int64_t draw :
+       footprint_varies() ? deciding_draws(0, draw_count_) : std::vector<std::int64_t>{0}) {
+    const DrawStages stages = footprint_varies() ? this->stages(draw) : stages_;
+    const std::string of_draw = footprint_varies() ? "draw " + std::to_string(draw) + ": " : "";
+    const auto why = landfall::why_not_judged(evaluation_config(stages.eval, name_ + ": /eval"),
+                                              stages.regrid.at("resolution_m").get<double>());
+    if (why) return of_draw + *why;
+  }
+  return std::nullopt;
 }
 
 void DrawsConfig::warn_of_draw(const Json& section, const char* stage) {

@@ -56,6 +56,11 @@ class DrawsConfig {
   [[nodiscard]] bool has_uncertainty() const { return has_uncertainty_; }
   /// How the draws land; empty where they do not.
   [[nodiscard]] const std::optional<LandingParameters>& landing() const { return landing_; }
+  /// Footprint::edge_bins() of the draws; none where the footprint varies.
+  [[nodiscard]] std::optional<std::int64_t> footprint_bins() const;
+  /// Says, with the draw where draws differ, why relative errors are not judged; nothing where all draws
+  /// judge them.
+  [[nodiscard]] std::optional<std::string> why_not_judged() const;
   /// Empty for the rule `fixed`.
   [[nodiscard]] const std::optional<SprtParameters>& sprt() const { return sprt_; }
   /// Whether the sequential test is one of the landings.
@@ -80,6 +85,7 @@ class DrawsConfig {
   [[nodiscard]] DrawStages stages(std::int64_t draw) const;
 
  private:
+  [[nodiscard]] bool footprint_varies() const { return vary_.contains("eval.footprint_m"); }
   /// `owner` begins messages about the key.
   void add_variation(const std::string& owner, const std::string& key, Variation<double> variation);
   void take_samples(const NumberTable& samples);

@@ -58,16 +58,25 @@ ErrorLayers errors_of(TrueLayers truth, const Grid<double>& z_est, std::optional
           .z_corrected = std::move(z_corrected)};
 }
 
+FootprintRule footprint_rule(const EvaluationParameters& parameters, double resolution_m) {
+  FootprintRule rule{footprint_of(parameters, resolution_m), std::nullopt};
+  if (judges_relative_errors(rule.footprint.edge_bins())) rule.quantile = parameters.quantile;
+  return rule;
+}
+
 FootprintStatistics footprint_statistics(const Grid<double>& error, const BinMask& region,
                                          const FootprintRule& rule, const ProgressCallback& progress) {
   WindowMeans windows = window_means(error, rule.footprint);
   FootprintStatistics result;
-  result.relative = window_quantile({.error = error,
-                                     .windows = windows,
-                                     .footprint = rule.footprint,
-                                     .region = region,
-                                     .quantile = rule.quantile},
-                                    progress);
+  if (rule.quantile)
+    result.relative = window_quantile({.error = error,
+                                       .windows = windows,
+                                       .footprint = rule.footprint,
+                                       .region = region,
+                                       .quantile = *rule.quantile},
+                                      progress);
+  else
+    result.relative = Grid<double>(region.spec(), std::numeric_limits<double>::quiet_NaN());
   for_each_index(region.spec().size(), [&](std::size_t i) {
     if (region.values()[i] == 0) windows.mean.values()[i] = std::numeric_limits<double>::quiet_NaN();
   });
@@ -85,7 +94,7 @@ AbsoluteMetrics summarise_absolute(const Grid<double>& mean) {
 RelativeMetrics summarise_relative(const Grid<double>& relative, double limit_m) {
   const std::size_t bins = relative.spec().size();
   const ValueLook look = look_at(bins, values_of(relative), limit_m);
-  if (look.sum.count == 0) return {};
+  if (look.sum.count == 0) return {.violation_count = 0};
   return {
       .p95_m = p95(look, bins, values_of(relative)), .max_m = look.largest, .violation_count = look.above};
 }

@@ -31,8 +31,11 @@ struct FootprintStatistics {
 
 struct FootprintRule {
   Footprint footprint;
-  double quantile = 0.95;
+  std::optional<double> quantile = 0.95;  ///< without one relative errors are NaN
 };
+
+/// The rule of an evaluation.
+[[nodiscard]] FootprintRule footprint_rule(const EvaluationParameters& parameters, double resolution_m);
 
 [[nodiscard]] FootprintStatistics footprint_statistics(const Grid<double>& error, const BinMask& region,
                                                        const FootprintRule& rule,

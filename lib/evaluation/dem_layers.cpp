@@ -20,6 +20,7 @@ void check_layers(const DemLayers& dem) {
   const GridSpec& spec = dem.z_est.spec();
   check_layer("z_est", dem.z_est, spec);
   if (dem.z_corrected) check_layer("z_corrected", *dem.z_corrected, spec);
+  if (dem.count && dem.count->spec() != spec) throw FormatError("count: its grid differs from that of z_est");
   if (!dem.truth) return;
   if (dem.truth->has_positions()) {
     check_layer("x_true", dem.truth->x, spec);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <cstdint>
 #include <optional>
 
 #include "raster/grid.h"
@@ -26,6 +27,9 @@ struct DemLayers {
   std::optional<Grid<double>> z_corrected = std::nullopt;
   /// Which bins are judged, for RegionShape::mask and polygon.
   std::optional<BinMask> region_mask = std::nullopt;
+  std::optional<Grid<std::int32_t>> count = std::nullopt;  ///< returns of each bin
+  /// Between the nodes of the terrain that is the truth; none if unknown, or if it is exact at any spacing.
+  std::optional<double> truth_spacing_m = std::nullopt;
 };
 
 /// Throws FormatError, naming the layer, when layers differ in grid or hold an infinite value.

@@ -9,6 +9,7 @@
 
 #include "base/parallel.h"
 #include "evaluation/accuracy.h"
+#include "evaluation/assumptions.h"
 #include "evaluation/coverage.h"
 #include "evaluation/error_statistics.h"
 #include "evaluation/piecewise.h"
@@ -55,7 +56,7 @@ RegionMetrics describe(const EvaluationParameters& parameters, const BinMask& re
 void leave_unjudged(RequirementMetrics& requirements) {
   for (Requirement* const requirement :
        {&requirements.relative_horizontal, &requirements.absolute_horizontal})
-    *requirement = {std::nullopt, requirement->limit, std::nullopt};
+    *requirement = {std::nullopt, requirement->limit, std::nullopt, requirement->reason};
 }
 
 using Sinks = std::vector<LayerSink*>;
@@ -64,17 +65,18 @@ using Sinks = std::vector<LayerSink*>;
 class AccuracyPass {
  public:
   AccuracyPass(const EvaluationParameters& parameters, const Sinks& sinks, Evaluation& result)
-      : limits_(parameters.limits),
+      : parameters_(parameters),
+        limits_(parameters.limits),
         region_(result.region),
-        rule_{footprint_of(parameters, result.region.spec().resolution_m), parameters.quantile},
+        rule_(footprint_rule(parameters, result.region.spec().resolution_m)),
         sinks_(sinks),
         metrics_(result.metrics.accuracy.emplace()),
         statistics_(result.metrics.statistics),
         fail_(result.fail) {}
 
   void run(ErrorLayers errors, const ProgressCallback& progress) const {
-    metrics_.footprint_bins = 2 * rule_.footprint.half_bins() + 1;
-    metrics_.quantile = rule_.quantile;
+    metrics_.footprint_bins = rule_.footprint.edge_bins();
+    metrics_.quantile = parameters_.quantile;
     const double share = 0.99 / (errors.z_corrected ? 4 : 3);  // the last hundredth is for the summary
     if (errors.z_corrected) measure_corrected(*errors.z_corrected, part(progress, 0, share));
     errors.z_corrected.reset();
@@ -111,7 +113,7 @@ class AccuracyPass {
                         const ProgressCallback& progress) const {
     FootprintStatistics statistics = footprint_statistics(error, region_, rule_, progress);
     judged.absolute = summarise_absolute(statistics.mean);
-    judged.relative = summarise_relative(statistics.relative, judged.limit_m);
+    judged.relative = summary_of_relative(statistics.relative, judged.limit_m);
     flag_above(statistics.relative, judged.limit_m, judged.flag, fail_);
     if (sinks_.empty()) return {std::move(error), std::move(statistics.mean)};
     AxisLayers layers{std::move(error), to_float(statistics.mean), to_float(statistics.relative)};
@@ -128,7 +130,11 @@ class AccuracyPass {
     statistics_.z_corrected = error_statistics(error, region_);
     const FootprintStatistics statistics = footprint_statistics(error, region_, rule_, progress);
     metrics_.absolute.z_corrected = summarise_absolute(statistics.mean);
-    metrics_.relative.z_corrected = summarise_relative(statistics.relative, limits_.relative_elevation_m);
+    metrics_.relative.z_corrected = summary_of_relative(statistics.relative, limits_.relative_elevation_m);
+  }
+
+  [[nodiscard]] RelativeMetrics summary_of_relative(const Grid<double>& relative, double limit_m) const {
+    return rule_.quantile ? summarise_relative(relative, limit_m) : RelativeMetrics{};
   }
 
   static ProgressCallback part(const ProgressCallback& progress, double begin, double share) {
@@ -136,6 +142,7 @@ class AccuracyPass {
     return [&progress, begin, share](double fraction) { progress(begin + share * fraction); };
   }
 
+  const EvaluationParameters& parameters_;
   const EvaluationLimits& limits_;
   const BinMask& region_;
   FootprintRule rule_;
@@ -175,6 +182,9 @@ Evaluation evaluate(DemLayers dem, const EvaluationParameters& parameters, const
       .fail = Grid<std::int8_t>(dem.z_est.spec())};
   Metrics& metrics = result.metrics;
   metrics.region = describe(parameters, result.region);
+  metrics.assumptions =
+      assumptions_of(dem, result.region, footprint_of(parameters, dem.z_est.spec().resolution_m));
+  dem.count.reset();
   const bool has_positions = dem.truth && dem.truth->has_positions();
   std::optional<AccuracyPass> accuracy;
   if (dem.truth) accuracy.emplace(parameters, sinks, result);

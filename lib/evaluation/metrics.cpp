@@ -12,7 +12,7 @@ std::optional<double> violations(std::initializer_list<RelativeMetrics> axes) {
   double sum = 0;
   for (const RelativeMetrics& axis : axes) {
     if (!axis.max_m) return std::nullopt;
-    sum += static_cast<double>(axis.violation_count);
+    sum += static_cast<double>(*axis.violation_count);
   }
   return sum;
 }
@@ -23,10 +23,11 @@ RequirementMetrics judge(const CoverageMetrics& coverage, const std::optional<Ac
                          const EvaluationLimits& limits) {
   if (!accuracy) return judge_values(coverage, std::nullopt, limits);
   const AccuracyMetrics::Relative& relative = accuracy->relative;
-  return judge_values(coverage,
-                      AccuracyValues{violations({relative.z}), violations({relative.x, relative.y}),
-                                     accuracy->absolute.horizontal.within_limit_frac},
-                      limits);
+  return judge_values(
+      coverage,
+      AccuracyValues{judges_relative_errors(accuracy->footprint_bins), violations({relative.z}),
+                     violations({relative.x, relative.y}), accuracy->absolute.horizontal.within_limit_frac},
+      limits);
 }
 
 RequirementMetrics judge_values(const CoverageMetrics& coverage,
@@ -43,18 +44,21 @@ RequirementMetrics judge_values(const CoverageMetrics& coverage,
     result.relative_horizontal.value = accuracy->relative_horizontal;
     result.absolute_horizontal.value = accuracy->absolute_horizontal;
   }
+  if (accuracy && !accuracy->judges_relative)
+    result.relative_elevation.reason = result.relative_horizontal.reason = kFootprintBins;
   for (const RequirementInfo& info : kRequirementInfo) {
     Requirement& r = result.*info.requirement;
     if (r.value)
       r.pass = info.at_least ? *r.value >= r.limit : *r.value <= r.limit;
-    else if (accuracy)
+    else if (accuracy && !r.reason)
       r.pass = false;
   }
   return result;
 }
 
 std::optional<bool> overall_pass(const RequirementMetrics& requirements) {
-  if (!requirements.relative_elevation.pass) return std::nullopt;  // without truth
+  const Requirement& elevation = requirements.relative_elevation;
+  if (!elevation.pass && !elevation.reason) return std::nullopt;  // without truth
   const auto any = [&](std::optional<bool> pass) {
     return std::ranges::any_of(kRequirementInfo, [&](const RequirementInfo& info) {
       return (requirements.*info.requirement).pass == pass;
@@ -70,6 +74,7 @@ std::optional<bool> with_own(std::optional<bool> pass, const OwnVerdicts& own) {
 
 std::vector<ResultField> metrics_fields() {
   Metrics all;
+  all.assumptions.emplace();
   AccuracyMetrics& accuracy = all.accuracy.emplace();
   accuracy.absolute.z_corrected.emplace();
   accuracy.relative.z_corrected.emplace();

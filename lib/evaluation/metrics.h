@@ -5,6 +5,7 @@
 #include <array>
 #include <cstdint>
 #include <optional>
+#include <string>
 #include <string_view>
 #include <utility>
 #include <vector>
@@ -28,6 +29,15 @@ struct RegionMetrics {
   std::optional<double> center_x_m = std::nullopt;  ///< of the circle
   std::optional<double> center_y_m = std::nullopt;
   LANDFALL_FIELDS(radius_m, bin_count, shape, half_width_m, center_x_m, center_y_m)
+};
+
+/// What a verdict takes for granted, empty where it is unknown.
+struct AssumptionMetrics {
+  std::int64_t footprint_bins = 0;                              ///< Footprint::edge_bins()
+  std::optional<double> truth_spacing_m = std::nullopt;         ///< DemLayers::truth_spacing_m
+  std::optional<double> median_returns_per_bin = std::nullopt;  ///< over the region's bins with returns
+  std::optional<double> single_return_frac = std::nullopt;      ///< of these bins, those with one return
+  LANDFALL_FIELDS(footprint_bins, truth_spacing_m, median_returns_per_bin, single_return_frac)
 };
 
 /// The hole sizes that occur, ascending, and the number of holes of each size.
@@ -65,10 +75,12 @@ struct HorizontalMetrics {
   LANDFALL_FIELDS(p95_m, within_limit_frac)
 };
 
+/// Empty where relative errors are not judged. p95_m is the 0.95 quantile, independent of
+/// EvaluationParameters::quantile; the footprints above the limit are counted in double.
 struct RelativeMetrics {
-  std::optional<double> p95_m;  ///< 0.95 quantile, independent of EvaluationParameters::quantile
-  std::optional<double> max_m;
-  std::int64_t violation_count = 0;  ///< footprints above the limit, judged in double
+  std::optional<double> p95_m = std::nullopt;
+  std::optional<double> max_m = std::nullopt;
+  std::optional<std::int64_t> violation_count = std::nullopt;
   LANDFALL_FIELDS(p95_m, max_m, violation_count)
 };
 
@@ -119,13 +131,23 @@ struct AccuracyMetrics {
   LANDFALL_FIELDS(footprint_bins, quantile, absolute, relative)
 };
 
+/// The reason of relative requirements that are not judged because footprints have too few bins
+/// (judges_relative_errors()).
+inline constexpr const char* kFootprintBins = "footprint_bins";
+
 /// A value equal to its limit passes. Without truth, value and pass of the accuracy requirements are null.
 /// With truth but no footprint to judge, value is null and the requirement is not met.
 struct Requirement {
   std::optional<double> value;
   double limit = 0;
   std::optional<bool> pass;
-  LANDFALL_FIELDS(value, limit, pass)
+  std::optional<std::string> reason = std::nullopt;  ///< of a requirement that is not judged: kFootprintBins
+  static void fields(auto& walk, auto& m) {
+    walk("value", m.value);
+    walk("limit", m.limit);
+    walk("pass", m.pass);
+  }
+  friend bool operator==(const Requirement&, const Requirement&) = default;
 };
 
 /// The requirements of schemas/dictionary/requirements.json, one member for each.
@@ -218,13 +240,15 @@ struct UncertaintyMetrics {
 struct Metrics {
   std::optional<bool> pass;  ///< with_own()
   RegionMetrics region;
+  std::optional<AssumptionMetrics> assumptions;  ///< of evaluate(); files of version 1 have none
   CoverageMetrics coverage;
   std::optional<AccuracyMetrics> accuracy;  ///< null without truth
   StatisticsMetrics statistics;
   RequirementMetrics requirements;
   OwnVerdicts own_requirements;
   std::optional<UncertaintyMetrics> uncertainty;  ///< for a DEM with 1-sigma maps
-  LANDFALL_FIELDS(pass, region, coverage, accuracy, requirements, own_requirements, statistics, uncertainty)
+  LANDFALL_FIELDS(pass, region, assumptions, coverage, accuracy, requirements, own_requirements, statistics,
+                  uncertainty)
 };
 
 /// Judges coverage and accuracy against Table 1. `accuracy` is empty without truth.
@@ -234,16 +258,17 @@ struct Metrics {
 
 /// The values of the accuracy requirements; empty without a footprint to judge.
 struct AccuracyValues {
-  std::optional<double> relative_elevation;
-  std::optional<double> relative_horizontal;
-  std::optional<double> absolute_horizontal;
+  bool judges_relative = true;  ///< judges_relative_errors()
+  std::optional<double> relative_elevation = std::nullopt;
+  std::optional<double> relative_horizontal = std::nullopt;
+  std::optional<double> absolute_horizontal = std::nullopt;
 };
 [[nodiscard]] RequirementMetrics judge_values(const CoverageMetrics& coverage,
                                               const std::optional<AccuracyValues>& accuracy,
                                               const EvaluationLimits& limits);
 
-/// Whether all requirements pass. Null without truth, even if the coverage fails; with true elevations alone,
-/// false if a judged requirement fails, else null.
+/// Whether all requirements pass. Null without truth, even if the coverage fails; with true elevations alone
+/// or too few bins in a footprint, false if a judged requirement fails, else null.
 [[nodiscard]] std::optional<bool> overall_pass(const RequirementMetrics& requirements);
 
 /// The verdict on Table 1 and on the user's own requirements: false if one of these is missed.

@@ -1,7 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Decisions: D450
 #include "evaluation/parameters.h"
 
+#include <limits>
+
 #include "base/error.h"
+#include "base/number_text.h"
 #include "base/parameter_check.h"
 
 namespace landfall {
@@ -35,6 +39,27 @@ Footprint footprint_of(const EvaluationParameters& parameters, double resolution
   return parameters.footprint_shape == FootprintShape::square
              ? Footprint::square(static_cast<std::int64_t>(half))
              : Footprint::disc(static_cast<std::int64_t>(half * half));
+}
+
+double coarsest_judged_posting_m(const EvaluationParameters& parameters) {
+  return parameters.footprint_m / static_cast<double>(kMinFootprintBins - 1);
+}
+
+std::optional<std::string> why_not_judged(const EvaluationParameters& parameters, double resolution_m) {
+  const std::int64_t bins = footprint_of(parameters, resolution_m).edge_bins();
+  if (judges_relative_errors(bins)) return std::nullopt;
+  const auto square = [](std::int64_t edge) { return std::to_string(edge) + " x " + std::to_string(edge); };
+  return "a footprint of " + number_text(parameters.footprint_m) + " m has " + square(bins) + " bins of " +
+         number_text(resolution_m) + " m, and relative errors are judged from " + square(kMinFootprintBins) +
+         " bins on; the coarsest posting that can be judged is " +
+         number_text(coarsest_judged_posting_m(parameters)) + " m";
+}
+
+EvaluationLimits effective_limits(const EvaluationParameters& parameters, const Footprint& footprint) {
+  EvaluationLimits limits = parameters.limits;
+  if (judges_relative_errors(footprint.edge_bins())) return limits;
+  limits.relative_elevation_m = limits.relative_horizontal_m = std::numeric_limits<double>::infinity();
+  return limits;
 }
 
 BinMask judged_region(const EvaluationParameters& parameters, const GridSpec& dem, const BinMask* mask) {

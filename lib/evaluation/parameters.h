@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <optional>
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -54,6 +55,27 @@ void check(const EvaluationParameters& parameters);
 /// bins up to h = floor(R) along either axis, R = footprint_m / (2 resolution_m) + 1e-9; the disc holds i^2 +
 /// j^2 <= R^2. The slack of 1e-9 bins absorbs the division's rounding. Throws UsageError if h exceeds 2^20.
 [[nodiscard]] Footprint footprint_of(const EvaluationParameters& parameters, double resolution_m);
+
+/// The bins on an edge of the smallest footprint that has relative errors: the deviations of fewer bins from
+/// their own mean say little of the ground under a lander, and one bin deviates by 0 (D450).
+inline constexpr std::int64_t kMinFootprintBins = 5;
+
+/// Whether relative errors are judged; `footprint_bins` is Footprint::edge_bins().
+[[nodiscard]] constexpr bool judges_relative_errors(std::int64_t footprint_bins) {
+  return footprint_bins >= kMinFootprintBins;
+}
+
+/// The coarsest posting at which the relative errors of a footprint are judged.
+[[nodiscard]] double coarsest_judged_posting_m(const EvaluationParameters& parameters);
+
+/// One sentence that says why the relative errors are not judged and names coarsest_judged_posting_m();
+/// nothing where they are judged.
+[[nodiscard]] std::optional<std::string> why_not_judged(const EvaluationParameters& parameters,
+                                                        double resolution_m);
+
+/// The limits above which footprints fail: infinite for relative errors that are not judged.
+[[nodiscard]] EvaluationLimits effective_limits(const EvaluationParameters& parameters,
+                                                const Footprint& footprint);
 
 /// The bins that are judged; `mask` holds those of RegionShape::mask and polygon. Throws UsageError for a
 /// region that does not fit the DEM, FormatError for a mask that is missing, has another grid or no bin.

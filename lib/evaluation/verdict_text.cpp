@@ -35,14 +35,14 @@ const char* verdict(const Requirement& requirement) {
 
 std::string relative_elevation(const Metrics& m) {
   const RelativeMetrics& z = m.accuracy->relative.z;
-  return violations(z.violation_count, m.region.bin_count, z.max_m.value_or(0));
+  return violations(z.violation_count.value_or(0), m.region.bin_count, z.max_m.value_or(0));
 }
 
 /// A footprint is judged along x and along y.
 std::string relative_horizontal(const Metrics& m) {
   const RelativeMetrics& x = m.accuracy->relative.x;
   const RelativeMetrics& y = m.accuracy->relative.y;
-  return violations(x.violation_count + y.violation_count, 2 * m.region.bin_count,
+  return violations(x.violation_count.value_or(0) + y.violation_count.value_or(0), 2 * m.region.bin_count,
                     std::max(x.max_m.value_or(0), y.max_m.value_or(0)));
 }
 
@@ -52,7 +52,36 @@ std::string absolute_horizontal(const Metrics& m, double limit_m) {
          centimetres(h.p95_m.value_or(0));
 }
 
+std::string square(std::int64_t edge) { return std::to_string(edge) + " x " + std::to_string(edge); }
+
+/// In place of a value.
+std::string no_value(const Metrics& m, const Requirement& requirement) {
+  if (!m.accuracy) return "no truth to compare with";
+  if (requirement.reason) return "footprint of " + square(m.accuracy->footprint_bins) + " bins";
+  return requirement.pass ? "no footprint to judge" : "no true positions to compare with";
+}
+
 }  // namespace
+
+std::vector<std::string> assumption_texts(const AssumptionMetrics& a) {
+  std::vector<std::string> texts = {"footprint of " + square(a.footprint_bins) + " bins"};
+  if (a.truth_spacing_m) texts.push_back("truth nodes every " + short_number(*a.truth_spacing_m) + " m");
+  if (a.median_returns_per_bin)
+    texts.push_back(short_number(*a.median_returns_per_bin) + " returns per bin (median)");
+  if (a.single_return_frac)
+    texts.push_back(percent_text(*a.single_return_frac) + " of the bins with a single return");
+  return texts;
+}
+
+std::string missing_text(const Metrics& m) {
+  if (!m.accuracy) return "the DEM has no truth";
+  std::string text;
+  if (m.requirements.relative_elevation.reason)
+    text = "the footprint has fewer than " + square(kMinFootprintBins) + " bins";
+  if (!m.requirements.absolute_horizontal.pass)
+    text += std::string(text.empty() ? "" : ", and ") + "the DEM has no true positions";
+  return text;
+}
 
 const char* overall_verdict(const Metrics& m) {
   const auto any = [&](std::optional<bool> pass) {
@@ -98,10 +127,7 @@ std::vector<VerdictText> verdict_texts(const Metrics& m, const EvaluationLimits&
     const RequirementInfo& info = kRequirementInfo[i];
     texts[i].name = info.name;
     texts[i].verdict = verdict(r.*info.requirement);
-    if (texts[i].value.empty())
-      texts[i].value = !m.accuracy                  ? "no truth to compare with"
-                       : (r.*info.requirement).pass ? "no footprint to judge"
-                                                    : "no true positions to compare with";
+    if (texts[i].value.empty()) texts[i].value = no_value(m, r.*info.requirement);
     if (info.at_least) texts[i].limit.insert(0, ">= ");
   }
   std::ranges::move(own_texts(m.own_requirements), std::back_inserter(texts));

@@ -22,6 +22,13 @@ struct VerdictText {
 /// The user's own requirements: "statistics.z.le90_m 1.23 cm".
 [[nodiscard]] std::vector<VerdictText> own_texts(const OwnVerdicts& verdicts);
 
+/// "footprint of 35 x 35 bins", "truth nodes every 0.05 m", "3 returns per bin (median)", "4.2 % of the bins
+/// with a single return": those that are known.
+[[nodiscard]] std::vector<std::string> assumption_texts(const AssumptionMetrics& assumptions);
+
+/// What a verdict lacks that leaves requirements unjudged: "the DEM has no truth", ...
+[[nodiscard]] std::string missing_text(const Metrics& metrics);
+
 /// "FAIL" if a requirement is missed, else "not judged" if one is not judged (no truth), else "pass".
 [[nodiscard]] const char* overall_verdict(const Metrics& metrics);
 

@@ -286,7 +286,15 @@ class GridPair {
   std::string reason_;  ///< why no bins are compared; empty if they are
 };
 
-Json pair_json(const std::string& name, const std::vector<double>& a, const std::vector<double>& b) {
+/// NaN is a draw that is not judged, of which no pair is made.
+Json pair_json(const std::string& name, std::vector<double> a, std::vector<double> b) {
+  std::size_t judged = 0;
+  for (std::size_t i = 0; i < a.size(); ++i)
+    if (!std::isnan(a[i]) && !std::isnan(b[i]))
+      std::tie(a[judged], b[judged]) = std::pair(a[i], b[i]), ++judged;
+  const auto not_judged = static_cast<std::int64_t>(a.size() - judged);
+  a.resize(judged);
+  b.resize(judged);
   const PairedCounts counts = paired_counts(b, a);  // the difference is B - A
   const ProbabilityDifference difference = newcombe_difference(counts);
   return {{"name", name},
@@ -294,19 +302,26 @@ Json pair_json(const std::string& name, const std::vector<double>& a, const std:
           {"only_a", counts.only_b},
           {"only_b", counts.only_a},
           {"neither", counts.neither},
+          {"not_judged", not_judged},
           {"mcnemar_p", mcnemar_p(counts)},
           {"difference", {{"value", difference.value}, {"low", difference.low}, {"high", difference.high}}}};
 }
 
-/// The outcomes of draws that can be paired, by name.
+/// The outcomes of draws that can be paired, by name: 1, 0, and NaN where not judged.
 std::vector<std::pair<std::string, std::vector<double>>> outcomes(const DrawTable& table) {
   std::vector<std::pair<std::string, std::vector<double>>> all;
   for (const RequirementInfo& info : kRequirementInfo)
     all.emplace_back(info.name, pass_column(table, info.name).values);
   for (const OwnColumn& own : own_columns(table)) all.emplace_back(own.name, own.passes->values);
   all.emplace_back("all", std::vector<double>(table.pass.begin(), table.pass.end()));
+  std::ranges::replace(all.back().second, static_cast<double>(pass_flag(std::nullopt)),
+                       std::numeric_limits<double>::quiet_NaN());
   for (const char* const name : {"site.true_safe", "landing.safe", "blind.safe"})
-    if (const DrawColumn* const column = find_metric(table, name)) all.emplace_back(name, column->values);
+    if (const DrawColumn* const column = find_metric(table, name)) {
+      all.emplace_back(name, column->values);
+      std::ranges::replace_if(
+          all.back().second, [](double safe) { return std::isnan(safe); }, 0);  // no site
+    }
   return all;
 }
 

@@ -89,7 +89,11 @@ std::string truth_words(const DemRequest& request) {
 }
 
 Layer z_true(const DemRequest& request) {
-  return {"z_true", h5::Type::float64, {.long_name = truth_words(request)}, put_z_true, terrain_missing};
+  return {"z_true",
+          h5::Type::float64,
+          {.long_name = truth_words(request), .truth_spacing_m = request.truth_spacing_m},
+          put_z_true,
+          terrain_missing};
 }
 
 /// value(bin) for each bin that holds a return, NaN for the others.

@@ -23,7 +23,8 @@ struct DemRequest {
   bool uncertainty = false;   ///< also z_true_map and the sigmas
   bool corrected = false;     ///< also z_corrected
   std::string left_out = {};  ///< what the sigmas leave out, for their attribute `comment`
-  double epoch_s = 0;         ///< what the clock shows at the time 0 of the returns, for t_mean's attribute
+  std::optional<double> truth_spacing_m = {};  ///< of z_true: TerrainIdentity::spacing_m
+  double epoch_s = 0;  ///< what the clock shows at the time 0 of the returns, for t_mean's attribute
 };
 
 /// The layer names that a DEM may have, in the order of the file.

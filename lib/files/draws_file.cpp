@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Decisions: D452
 #include "files/draws_file.h"
 
 #include <algorithm>
@@ -34,14 +35,10 @@ constexpr const char* kFirstDraw = "first_draw";
 void write_layers(LandfallFileWriter& file, const Draws& draws, const std::string& crs_wkt) {
   const DrawMaps& maps = *draws.maps;
   GridLayerWriter layers(file, maps.spec(), crs_wkt);
-  layers.write("p_invalid", share_of_draws(maps, maps.invalid, nullptr));
-  const auto share = [&](const Grid<std::int32_t>& count) {
-    return share_of_draws(maps, count, &*draws.region);
-  };
-  layers.write("p_fail_rel_x", share(maps.fail_rel_x));
-  layers.write("p_fail_rel_y", share(maps.fail_rel_y));
-  layers.write("p_fail_rel_z", share(maps.fail_rel_z));
-  layers.write("p_fail_absolute", share(maps.fail_absolute));
+  layers.write("p_invalid", share_of_draws(maps.invalid, maps.draws, nullptr));
+  for (const FailureMap& map : failure_maps(maps))
+    layers.write(map.layer,
+                 share_of_draws(map.count, judged_draws(draws.table, map.requirement), &*draws.region));
   if (maps.safety) {
     layers.write("p_judged_safe", share_of_known(*maps.safety, maps.safety->judged_safe));
     layers.write("p_missed_hazard", share_of_known(*maps.safety, maps.safety->missed));
@@ -174,7 +171,7 @@ void write_rows(const LandfallFileWriter& file, const DrawTable& table) {
   }
   const std::string of =
       own_columns(table).empty() ? "all six requirements" : "all six requirements and the user's own";
-  columns.push_back({"pass", int8, "1", "whether " + of + " passed", {0, 1}, "no yes"});
+  columns.push_back({"pass", int8, "1", "whether " + of + " passed", {-1, 0, 1}, "not_judged no yes"});
   rows.emplace_back(std::span(table.pass));
   write_table(file.root(), "draws", std::move(columns), rows, file.compression());
   h5::write_attribute(h5::open_group(file.root(), "draws").get(), kFirstDraw, table.first);
@@ -238,6 +235,18 @@ Json rate_json(const std::string& name, const PassRate& rate) {
           {"exact_lower_bound", exact_lower_bound(rate)}};
 }
 
+/// The rate of a requirement from the pass_flag() of each draw, or NaN where it is not judged. A draw that is
+/// not judged might pass or fail: the interval holds for both (D452).
+template <class T>
+Json requirement_rate(const std::string& name, const std::vector<T>& passes) {
+  const PassRate rate{std::ranges::count(passes, T{1}), std::ssize(passes)};
+  const std::int64_t judged = rate.k + std::ranges::count(passes, T{0});
+  Json json = rate_json(name, rate);
+  json["judged"] = judged;
+  json["wilson_high"] = wilson({rate.k + rate.n - judged, rate.n}).high;
+  return json;
+}
+
 /// The share of draws whose chosen place is safe in truth, of a campaign that judges hazards. A draw without
 /// a safe place, or whose place is unknown in truth, counts as not safe.
 Json hazard_json(std::int64_t draws, const std::vector<double>& chosen_safe,
@@ -289,16 +298,12 @@ Json landing_json(const DrawTable& table, bool is_valid) {
 /// The rates of all rows.
 Json result_json(const DrawTable& table, bool is_valid) {
   Json rates = Json::array();
-  for (const RequirementInfo& info : kRequirementInfo) {
-    const std::vector<double>& passes = pass_column(table, info.name).values;
-    rates.push_back(rate_json(info.name, {std::ranges::count(passes, 1.0), table.size()}));
-  }
-  rates.push_back(rate_json("all", {std::ranges::count(six_passed(table), 1), table.size()}));
+  for (const RequirementInfo& info : kRequirementInfo)
+    rates.push_back(requirement_rate(info.name, pass_column(table, info.name).values));
+  rates.push_back(requirement_rate("all", six_passed(table)));
   const std::vector<OwnColumn> own = own_columns(table);
-  for (const OwnColumn& column : own)
-    rates.push_back(rate_json(column.name, {std::ranges::count(column.passes->values, 1.0), table.size()}));
-  if (!own.empty())
-    rates.push_back(rate_json("all_and_own", {std::ranges::count(table.pass, 1), table.size()}));
+  for (const OwnColumn& column : own) rates.push_back(requirement_rate(column.name, column.passes->values));
+  if (!own.empty()) rates.push_back(requirement_rate("all_and_own", table.pass));
   Json result = {{"rates", std::move(rates)}};
   const DrawColumn* const chosen_safe = find_metric(table, "site.true_safe");
   const DrawColumn* const site_x = find_metric(table, "site.x_m");
@@ -481,11 +486,11 @@ void check_rows(const LandfallFileReader& file, const DrawTable& table, bool cou
                [](double value) { return value >= 0 && value <= 1; });
   const std::vector<std::int8_t> six = six_passed(table);
   for (std::size_t i = 0; i < table.pass.size(); ++i) {
-    const bool all = six[i] == 1 && std::ranges::all_of(own, [&](const OwnColumn& column) {
-                       return column.passes->values[i] == 1;
-                     });
-    if (table.pass[i] != (all ? 1 : 0))
-      fail_at(file, "pass", i, table.pass[i], std::string(all ? "1" : "0") + ", which its requirements give");
+    const bool all_own =
+        std::ranges::all_of(own, [&](const OwnColumn& column) { return column.passes->values[i] == 1; });
+    const std::int8_t expected = all_own ? six[i] : pass_flag(false);
+    if (table.pass[i] != expected)
+      fail_at(file, "pass", i, table.pass[i], std::to_string(expected) + ", which its requirements give");
   }
 }
 
@@ -577,6 +582,7 @@ void write_draws(LandfallFileWriter& file, const Draws& draws, const Json& verdi
                  const std::string& crs_wkt) {
   if (draws.maps) write_layers(file, draws, crs_wkt);
   write_rows(file, draws.table);
+  if (draws.footprint_bins) h5::write_attribute(file.root(), kFootprintBins, *draws.footprint_bins);
   h5::write_text(file.root(), {"verdict_json", "how many draws passed each requirement"}, verdict.dump(2));
   if (draws.maps) StateTable(*draws.maps).write(file);
   file.commit();
@@ -590,6 +596,8 @@ DrawsInput read_draws(const std::filesystem::path& path) {
   input.file_id = file.file_id();
   input.chain = file.chain();
   if (input.chain.empty()) file.fail("does not say how it was made: /provenance is missing");
+  if (const auto bins = h5::read_number_attribute(file.root(), kFootprintBins))
+    input.draws.footprint_bins = static_cast<std::int64_t>(*bins);
   if (!has_grid(file)) return input;
   const GridLayerReader layers(file);
   input.crs_wkt = layers.crs_wkt();

@@ -20,6 +20,8 @@ namespace landfall {
 /// The draws of a campaign, or of a part of one.
 struct Draws {
   DrawTable table;
+  /// Footprint::edge_bins() of all draws; none where the footprint varies, and in files of version 0.2.0.
+  std::optional<std::int64_t> footprint_bins;
   std::optional<DrawMaps> maps;
   // With maps:
   std::optional<BinMask> region;           ///< the judged bins
@@ -37,11 +39,11 @@ using NamedNumber = std::pair<std::string, double>;
 
 /// How many draws passed each requirement and all six ("all"), then each of the user's own and these and the
 /// six together ("all_and_own"), with Wilson's 95 % interval and the exact one-sided
-/// lower bound; of a campaign that judges hazards also in how many the chosen place is safe in truth, and of
-/// one whose draws land in how many they land safely, with the lidar and without, with exact McNemar test and
-/// the interval of the difference (Newcombe). Over
-/// several scans for each of them, and for all. With the state of a sequential test the results decided the
-/// number of draws: both are then not valid, and marked so.
+/// lower bound, and in how many it is judged; of a campaign that judges hazards also in how many the chosen
+/// place is safe in truth, and of one whose draws land in how many they land safely, with the lidar and
+/// without, with exact McNemar test and the interval of the difference (Newcombe). Over several scans for
+/// each of them, and for all. With the state of a sequential test the results decided the number of draws:
+/// both are then not valid, and marked so.
 [[nodiscard]] nlohmann::ordered_json verdict_json(const DrawTable& table,
                                                   const std::optional<SprtState>& sprt);
 

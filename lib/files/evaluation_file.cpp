@@ -201,7 +201,10 @@ DemInput read_dem(const std::filesystem::path& path) {
                layers.crs_wkt(),
                file.file_id(),
                file.chain()};
+  if (layers.has("count") && maker_of(dem.chain) != "landfall-import")
+    dem.layers.count = layers.read_checked<std::int32_t>("count", LayerValues::not_negative);
   if (!layers.has("z_true")) return dem;
+  dem.layers.truth_spacing_m = layers.truth_spacing_m();
   dem.layers.truth = TrueLayers{.x = {}, .y = {}, .z = layers.read<double>("z_true")};
   if (layers.has("x_true") && layers.has("y_true")) {
     dem.layers.truth->x = layers.read<double>("x_true");

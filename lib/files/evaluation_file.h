@@ -21,8 +21,9 @@ struct DemInput {
   nlohmann::json chain;
 };
 
-/// Reads z_est of a dem.h5 and, if it exists, z_true, then also z_corrected if it exists, and x_true and
-/// y_true if both do. Throws FormatError.
+/// Reads z_est of a dem.h5 and, if they exist, count and z_true, then also z_corrected if
+/// it exists, and x_true and y_true if both do. The layer `count` of a DEM that landfall-import made says
+/// nothing about returns and is left out. Throws FormatError.
 [[nodiscard]] DemInput read_dem(const std::filesystem::path& path);
 
 /// Reads parts of a DEM, one at a time.

@@ -21,6 +21,8 @@
 namespace landfall {
 namespace {
 
+constexpr const char* kTruthSpacing = "truth_spacing_m";  ///< attribute of z_true
+
 /// `count` fill values of the layer's type.
 void prepare(GridLayerWriter::TileValues& values, h5::Type type, std::size_t count) {
   const auto fill = [&]<class T>(T value) {
@@ -188,6 +190,7 @@ h5::Handle GridLayerWriter::create(const std::string& name, h5::Type type, const
     h5::write_attribute(dataset.get(), "ancillary_variables", text.ancillary_variables);
   if (!text.comment.empty()) h5::write_attribute(dataset.get(), "comment", text.comment);
   if (text.epoch_s) h5::write_attribute(dataset.get(), "epoch_s", *text.epoch_s);
+  if (text.truth_spacing_m) h5::write_attribute(dataset.get(), kTruthSpacing, *text.truth_spacing_m);
   if (!text.flag_values.empty()) h5::write_attribute(dataset.get(), "flag_values", text.flag_values);
   if (!text.flag_masks.empty()) h5::write_attribute(dataset.get(), "flag_masks", text.flag_masks);
   if (!text.flag_meanings.empty()) h5::write_attribute(dataset.get(), "flag_meanings", text.flag_meanings);
@@ -368,6 +371,12 @@ Grid<T> GridLayerReader::read_window(const std::string& name, const GridSpec& wi
 
 std::optional<std::array<double, 2>> GridLayerReader::range(const std::string& name) const {
   return h5::read_pair_attribute(open(name).get(), "actual_range");
+}
+
+std::optional<double> GridLayerReader::truth_spacing_m() const {
+  if (!has("z_true")) return std::nullopt;
+  const std::optional<double> spacing_m = h5::read_number_attribute(open("z_true").get(), kTruthSpacing);
+  return spacing_m && *spacing_m > 0 && std::isfinite(*spacing_m) ? spacing_m : std::nullopt;
 }
 
 template Grid<double> GridLayerReader::read_window(const std::string&, const GridSpec&,

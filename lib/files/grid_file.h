@@ -35,10 +35,11 @@ class GridLayerWriter {
     std::string long_name = {};
     std::vector<std::int8_t> flag_values = {};
     std::string flag_meanings = {};
-    std::vector<std::int8_t> flag_masks = {};  ///< bits that may be set together
-    std::string ancillary_variables = {};      ///< layers that qualify this one's values, in CF's form
-    std::string comment = {};                  ///< CF's comment
-    std::optional<double> epoch_s = {};        ///< of a time: what the clock shows at 0
+    std::vector<std::int8_t> flag_masks = {};    ///< bits that may be set together
+    std::string ancillary_variables = {};        ///< layers that qualify this one's values, in CF's form
+    std::string comment = {};                    ///< CF's comment
+    std::optional<double> epoch_s = {};          ///< of a time: what the clock shows at 0
+    std::optional<double> truth_spacing_m = {};  ///< of z_true: DemLayers::truth_spacing_m
   };
   /// T: double, float, std::int32_t or std::int8_t. Tiles are compressed in parallel. Throws IoError.
   template <class T>
@@ -124,6 +125,8 @@ class GridLayerReader {
                                     const ProgressCallback& progress = {}) const;
   /// The range that write_range() wrote; nothing if a layer has none.
   [[nodiscard]] std::optional<std::array<double, 2>> range(const std::string& name) const;
+  /// LayerText::truth_spacing_m of the layer z_true; nothing if it has none that is positive.
+  [[nodiscard]] std::optional<double> truth_spacing_m() const;
 
  private:
   [[nodiscard]] h5::Handle open(const std::string& name) const;

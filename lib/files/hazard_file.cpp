@@ -50,12 +50,6 @@ float or_nan(const std::optional<float>& value) {
   return value.value_or(std::numeric_limits<float>::quiet_NaN());
 }
 
-/// Made of data of another program, whose true elevations are those of the bin centres.
-bool is_imported(const LandfallFileReader& dem) {
-  return std::ranges::any_of(
-      dem.chain(), [](const nlohmann::json& step) { return step.value("tool", "") == "landfall-import"; });
-}
-
 TruthCentroids bin_centers(const GridSpec& spec) {
   TruthCentroids centers{Grid<double>(spec), Grid<double>(spec)};
   for (std::int64_t row = 0; row < spec.rows; ++row)
@@ -104,13 +98,15 @@ HazardSource read_hazard_source(const std::filesystem::path& path, bool with_tru
                         layers.read_checked<float>("y_est_mean", LayerValues::finite)};
   if (with_truth && kind == "dem" && layers.has("z_true"))
     source.z_true = layers.read_checked<double>("z_true", LayerValues::finite);
+  if (source.z_true) source.truth_spacing_m = layers.truth_spacing_m();
+  source.is_imported = is_imported(source.chain);
   return source;
 }
 
 TruthCentroids read_truth_centroids(const std::filesystem::path& path) {
   const LandfallFileReader file(path, {"dem"});
   const GridLayerReader layers(file);
-  if (is_imported(file) && !layers.has("x_true")) return bin_centers(layers.spec());
+  if (is_imported(file.chain()) && !layers.has("x_true")) return bin_centers(layers.spec());
   return {layers.read_checked<double>("x_true", LayerValues::finite),
           layers.read_checked<double>("y_true", LayerValues::finite)};
 }

@@ -109,7 +109,8 @@ std::optional<LargeTerrainInput> open_large_terrain(const std::filesystem::path&
   const auto load = [source, range](const GridSpec& window) {
     return checked_window(*source, range, window);
   };
-  return LargeTerrainInput{{source->layers.crs_wkt(), source->file.file_id(), source->file.chain()},
+  return LargeTerrainInput{{source->layers.crs_wkt(), source->file.file_id(), source->file.chain(),
+                            node_spacing_m(source->file.config(), spec.resolution_m)},
                            {spec, range[0], range[1], source->layers.tile(), load}};
 }
 

@@ -12,11 +12,12 @@ NLOHMANN_JSON_SERIALIZE_ENUM(RegionShape, {{RegionShape::circle, "circle"},
                                            {RegionShape::polygon, "polygon"}})
 
 nlohmann::ordered_json metrics_json(const Metrics& metrics) {
-  nlohmann::ordered_json json = {{"format", "landfall.metrics"}, {"version", 1}};
+  nlohmann::ordered_json json = {{"format", "landfall.metrics"}, {"version", 2}};
   json.update(fields_json(metrics));
   if (!metrics.uncertainty) json["uncertainty"] = nullptr;
-  if (metrics.accuracy && !metrics.requirements.relative_horizontal.pass)  // not judged
-    for (const char* const axis : {"x", "y"}) json["accuracy"]["relative"][axis]["violation_count"] = nullptr;
+  for (const RequirementInfo& info : kRequirementInfo)
+    if (const auto& reason = (metrics.requirements.*info.requirement).reason)
+      json["requirements"][info.name]["reason"] = *reason;
   return json;
 }
 
@@ -43,6 +44,9 @@ OwnVerdicts own_verdicts_from(const nlohmann::ordered_json& result) {
 Metrics metrics_from(const nlohmann::ordered_json& json) {
   auto metrics = fields_from<Metrics>(json);
   metrics.requirements.hole_distance.value = metrics.coverage.max_distance_bins;  // JSON has no infinity
+  for (const RequirementInfo& info : kRequirementInfo)
+    if (const auto& requirement = json.at("requirements").at(info.name); requirement.contains("reason"))
+      requirement.at("reason").get_to((metrics.requirements.*info.requirement).reason.emplace());
   metrics.own_requirements = own_verdicts_from(json);
   return metrics;
 }

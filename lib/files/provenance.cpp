@@ -60,6 +60,15 @@ void Provenance::add_input(const std::string& role, const std::string& id,
     if (std::find(chain.begin(), chain.end(), step) == chain.end()) chain.push_back(step);
 }
 
+std::string maker_of(const nlohmann::json& chain) {
+  return chain.is_array() && !chain.empty() && chain.back().is_object() ? chain.back().value("tool", "") : "";
+}
+
+bool is_imported(const nlohmann::json& chain) {
+  return std::ranges::any_of(
+      chain, [](const nlohmann::json& step) { return step.value("tool", "") == "landfall-import"; });
+}
+
 std::string content_id(const std::filesystem::path& path) {
   require_regular_file(path);
   std::ifstream stream(path, std::ios::binary);

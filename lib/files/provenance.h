@@ -45,6 +45,11 @@ struct Provenance {
 /// The hash of a foreign file's bytes. Throws FormatError if it cannot be read.
 [[nodiscard]] std::string content_id(const std::filesystem::path& path);
 
+/// The tool that made the file with this chain; empty where no step says so.
+[[nodiscard]] std::string maker_of(const nlohmann::json& chain);
+/// Whether the file is made of data of another program: a step of its chain is landfall-import.
+[[nodiscard]] bool is_imported(const nlohmann::json& chain);
+
 /// "0.2.0", and "landfall scan-sim 0.2.0 (git 0123abc)".
 [[nodiscard]] std::string program_version();
 [[nodiscard]] std::string source_line(const std::string& tool);

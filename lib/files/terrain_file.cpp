@@ -20,7 +20,16 @@ namespace landfall {
 namespace {
 
 TerrainIdentity identity_of(const LandfallFileReader& file) {
-  return {read_crs(file), file.file_id(), file.chain()};
+  TerrainIdentity identity{read_crs(file), file.file_id(), file.chain()};
+  if (h5::exists(file.root(), "z"))
+    identity.spacing_m = node_spacing_m(file.config(), GridLayerReader(file).spec().resolution_m);
+  return identity;
+}
+
+/// Whether the key holds no object of a terrain.
+bool is_without(const nlohmann::json& config, const char* key) {
+  const auto found = config.find(key);
+  return found == config.end() || found->empty();
 }
 
 constexpr const char* kGroup = "features";
@@ -66,6 +75,19 @@ struct FeatureColumns {
 };
 
 }  // namespace
+
+std::optional<double> node_spacing_m(const nlohmann::json& config, double resolution_m) {
+  if (!config.is_object()) return resolution_m;
+  if (config.contains("mesh")) return std::nullopt;
+  const auto is_plane = [](const nlohmann::json& base) {
+    return base.is_object() && base.value("type", nlohmann::json()) == "plane";
+  };
+  const auto base = config.find("base");
+  const bool is_flat =
+      base != config.end() && (base->is_array() ? std::ranges::all_of(*base, is_plane) : is_plane(*base));
+  if (is_flat && is_without(config, "features") && is_without(config, "patterns")) return std::nullopt;
+  return resolution_m;
+}
 
 void write_terrain(LandfallFileWriter& file, const GeneratedTerrain& terrain) {
   GridLayerWriter layers(file, terrain.nodes.spec(), terrain.crs_wkt, "grid node");

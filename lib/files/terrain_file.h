@@ -42,7 +42,12 @@ struct TerrainIdentity {
   std::string crs_wkt{};
   std::string file_id{};
   nlohmann::json chain = nlohmann::json::array();
+  std::optional<double> spacing_m{};  ///< node_spacing_m()
 };
+
+/// The distance between the nodes of a terrain made by this configuration of terrain-gen; nothing for a mesh
+/// and for a plane without features, which is exact at any spacing.
+[[nodiscard]] std::optional<double> node_spacing_m(const nlohmann::json& config, double resolution_m);
 
 /// Throws FormatError unless the file is a complete terrain; does not read the elevations or the mesh.
 [[nodiscard]] TerrainIdentity read_terrain_identity(const std::filesystem::path& path);

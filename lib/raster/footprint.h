@@ -19,6 +19,8 @@ class Footprint {
   [[nodiscard]] bool is_square() const { return is_square_; }
   /// Rows above and below the centre row, which is also the largest half width.
   [[nodiscard]] std::int64_t half_bins() const { return static_cast<std::int64_t>(half_widths_.size()) - 1; }
+  /// Rows of a square, and the diameter of a disc in bins.
+  [[nodiscard]] std::int64_t edge_bins() const { return 2 * half_bins() + 1; }
   /// Columns on either side of the centre column in row `offset` above or below, |offset| <= half_bins().
   [[nodiscard]] std::int64_t half_width(std::int64_t offset) const {
     return half_widths_[static_cast<std::size_t>(offset < 0 ? -offset : offset)];

@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <optional>
 #include <stdexcept>
 #include <utility>
@@ -19,6 +20,7 @@
 #include "report/hazard_page.h"
 #include "report/heading.h"
 #include "report/page_parts.h"
+#include "report/verdicts.h"
 
 namespace landfall::html_report {
 namespace {
@@ -34,14 +36,11 @@ class CampaignLayers {
   [[nodiscard]] Json all() {
     if (draws_.z_true_map) add("z_true_map", *draws_.z_true_map);
     add("in_region", *draws_.region);
-    add("p_invalid", share_of_draws(maps_, maps_.invalid, nullptr));
-    const auto in_region = [&](const Grid<std::int32_t>& count) {
-      return share_of_draws(maps_, count, &*draws_.region);
-    };
-    add("p_fail_rel_z", in_region(maps_.fail_rel_z));
-    add("p_fail_rel_x", in_region(maps_.fail_rel_x));
-    add("p_fail_rel_y", in_region(maps_.fail_rel_y));
-    add("p_fail_absolute", in_region(maps_.fail_absolute));
+    add("p_invalid", share_of_draws(maps_.invalid, maps_.draws, nullptr));
+    const auto [x, y, z, absolute] = failure_maps(maps_);
+    for (const FailureMap& map : {z, x, y, absolute})
+      if (const std::int64_t judged = judged_draws(draws_.table, map.requirement); judged > 0)
+        add(map.layer, share_of_draws(map.count, judged, &*draws_.region));
     if (maps_.safety) add_safety(*maps_.safety);
     add("e_z_mean", mean_of(maps_.e_z));
     add("e_z_std", std_of(maps_.e_z));
@@ -211,6 +210,20 @@ Json reach_json(const nlohmann::json& config) {
   return sites.reach ? outline_json(*sites.reach) : Json(nullptr);
 }
 
+/// The assumptions of the draws; those that the metrics have are means over the draws.
+std::string assumptions_of(const Draws& draws) {
+  if (!draws.footprint_bins) return "";
+  const auto mean = [&](const std::string& name) -> std::optional<double> {
+    const DrawColumn* const column = find_metric(draws.table, "assumptions." + name);
+    if (column == nullptr || column->values.empty()) return std::nullopt;
+    const double sum = std::accumulate(column->values.begin(), column->values.end(), 0.0);
+    return std::isfinite(sum) ? std::optional(sum / static_cast<double>(column->values.size()))
+                              : std::nullopt;
+  };
+  return assumptions_html({*draws.footprint_bins, mean("truth_spacing_m"), mean("median_returns_per_bin"),
+                           mean("single_return_frac")});
+}
+
 /// The maps, if the campaign has any, and the numbers of each draw. `config` is the campaign's configuration.
 ReportData draws_data(const DrawsReport& content, const nlohmann::json& config) {
   const DrawTable& table = content.draws.table;
@@ -266,10 +279,12 @@ std::string rate_row_html(const std::string& name, const Json& rate, bool is_sto
           : name == "blind_safe"        ? "safe landing without a lidar"
                                         : name) +
          "</th>" + number_cell(grouped(passed) + " of " + grouped(draws)) +
-         number_cell(percent_text(static_cast<double>(passed) / static_cast<double>(draws))) +
-         number_cell(probability_text(rate.at("wilson_low")) + " \u2026 " +
-                     probability_text(rate.at("wilson_high")) + note) +
-         number_cell(probability_text(rate.at("exact_lower_bound")) + note) + "</tr>\n";
+         (rate.value("judged", draws) == 0
+              ? "<td colspan=\"3\"><span class=\"verdict unjudged\">not judged</span></td></tr>\n"
+              : number_cell(percent_text(static_cast<double>(passed) / static_cast<double>(draws))) +
+                    number_cell(probability_text(rate.at("wilson_low")) + " \u2026 " +
+                                probability_text(rate.at("wilson_high")) + note) +
+                    number_cell(probability_text(rate.at("exact_lower_bound")) + note) + "</tr>\n");
 }
 
 std::string rates_html(const Json& verdict) {
@@ -309,7 +324,10 @@ std::string banner_html(const Json& verdict) {
   std::string text = grouped(all.at("passed").get<std::int64_t>()) + " of " +
                      grouped(all.at("draws").get<std::int64_t>()) + " draws pass all requirements";
   std::string kind = all_pass ? "pass" : "fail";
-  if (verdict.contains("sprt")) {
+  if (all.value("judged", all.at("draws").get<std::int64_t>()) == 0) {
+    text += ": not judged, because the footprint has too few bins";
+    kind = "unjudged";
+  } else if (verdict.contains("sprt")) {
     const auto state = verdict.at("sprt").get<std::string>();
     text += "; sequential test: " + state;
     kind = state == "accepted" ? "pass" : state == "rejected" ? "fail" : "unjudged";
@@ -330,6 +348,7 @@ std::string draws_page(const DrawsReport& content, const Provenance& provenance,
                     {"subtitle", subtitle_html(steps, "draws", "scan", "scan")},
                     {"banner", banner_html(content.verdict)},
                     {"rates", rates_html(content.verdict)},
+                    {"assumptions", assumptions_of(content.draws)},
                     {"provenance", provenance_html(steps, "these draws")},
                     {"data", data_html(draws_data(content, provenance.config))}});
 }

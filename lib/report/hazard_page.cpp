@@ -243,6 +243,12 @@ std::string lander_text(const HazardParameters& parameters, const std::string& m
          metres(parameters.touchdown_sigma_m) + " (1 sigma along x and y).";
 }
 
+std::string assumptions_text(const HazardReport& content) {
+  std::string text = "Assumptions: bins of " + metres(content.map.safe.spec().resolution_m);
+  if (content.truth_spacing_m) text += "; truth nodes every " + metres(*content.truth_spacing_m);
+  return text + ".";
+}
+
 std::string place_text(const LandingSite& site, bool has_probability) {
   return "(" + short_number(site.x_m) + ", " + short_number(site.y_m) + ") m" +
          (has_probability ? " has a p_touchdown of " + probability_text(static_cast<double>(site.p_touchdown))
@@ -335,6 +341,7 @@ std::string hazard_page(const HazardReport& content, const Provenance& provenanc
                     {"banner", banner_html(map, own, content.parameters.sites.min_p)},
                     {"places", tables},
                     {"lander", lander_text(content.parameters, text_of(provenance.config, "method"))},
+                    {"assumptions", assumptions_text(content)},
                     {"provenance", provenance_html(steps, "this hazard map")},
                     {"data", data_html(hazard_data(content, kind == "dem" ? "z_est" : "z"))}});
 }

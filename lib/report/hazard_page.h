@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <optional>
 #include <string>
 
 #include "files/provenance.h"
@@ -14,6 +15,7 @@ struct HazardReport {
   const HazardInput& input;  ///< as map_hazards() judged it
   const HazardParameters& parameters;
   const HazardMap& map;
+  std::optional<double> truth_spacing_m = std::nullopt;  ///< DemLayers::truth_spacing_m
 };
 
 inline constexpr std::size_t kMaxDrawnSites = 10;  ///< the best ones, with their poses

@@ -161,6 +161,7 @@ std::string report_page(const ReportContent& content) {
                                        {"subtitle", subtitle_html(content.steps, "evaluation", "DEM", "dem")},
                                        {"banner", verdict_banner_html(metrics)},
                                        {"verdicts", verdict_table_html(metrics, content.parameters.limits)},
+                                       {"assumptions", assumptions_html(metrics.assumptions.value())},
                                        {"provenance", provenance_html(content.steps, "this evaluation")},
                                        {"data", data_html(report_data(content))}});
 }

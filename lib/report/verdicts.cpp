@@ -5,6 +5,7 @@
 #include <optional>
 #include <vector>
 
+#include "base/joined.h"
 #include "evaluation/verdict_text.h"
 #include "report/escape.h"
 
@@ -47,6 +48,11 @@ std::string verdict_table_html(const Metrics& metrics, const EvaluationLimits& l
   return table_html("verdicts", verdict_texts(metrics, limits));
 }
 
+std::string assumptions_html(const AssumptionMetrics& assumptions) {
+  return "<p class=\"note\" id=\"assumptions\">Assumptions: " +
+         html_text(joined(assumption_texts(assumptions), "; ")) + ".</p>";
+}
+
 std::string own_table_html(const OwnVerdicts& own) {
   return own.all.empty() ? "" : table_html("own-requirements", own_texts(own));
 }
@@ -69,8 +75,8 @@ std::string verdict_banner_html(const Metrics& metrics) {
   }
   if (missed > 0) text = std::to_string(missed) + " of 6 requirements missed";
   if (unjudged > 0)
-    text += (text.empty() ? "" : ", ") + std::to_string(unjudged) + " of 6 not judged: the DEM has no " +
-            (metrics.accuracy ? "true positions" : "truth");
+    text +=
+        (text.empty() ? "" : ", ") + std::to_string(unjudged) + " of 6 not judged: " + missing_text(metrics);
   if (text.empty()) text = "all 6 requirements met";
   const OwnVerdicts& own = metrics.own_requirements;
   if (!all_pass(own))

@@ -11,6 +11,9 @@ namespace landfall::html_report {
 /// what was measured, limit, verdict.
 [[nodiscard]] std::string verdict_table_html(const Metrics& metrics, const EvaluationLimits& limits);
 
+/// A paragraph with assumption_texts().
+[[nodiscard]] std::string assumptions_html(const AssumptionMetrics& assumptions);
+
 /// The same table of the user's own requirements on a hazard map; empty without any.
 [[nodiscard]] std::string own_table_html(const OwnVerdicts& own);
 

@@ -85,7 +85,7 @@ std::vector<BinIndex> largest_apart(const Grid<float>& map, std::int64_t half_bi
 
 WorstFootprint measure_footprint(BinIndex bin, const GridSpec& dem, const EvaluationParameters& parameters,
                                  const DemWindow& read) {
-  const FootprintRule rule{footprint_of(parameters, dem.resolution_m), parameters.quantile};
+  const FootprintRule rule = footprint_rule(parameters, dem.resolution_m);
   WorstFootprint result;
   result.bin = bin;
   result.window = window_about(bin, 3 * rule.footprint.half_bins() + 3, dem);

@@ -180,6 +180,7 @@ void Campaign::make_ground(const nlohmann::json& terrain, Provenance& provenance
   const TerrainInput made =
       source_.make(terrain_config(terrain, config_.name() + ": /terrain"), provenance, source_.warn);
   scene_ = traced_scene(made);
+  if (made.grid) scene_.spacing_m = node_spacing_m(terrain, made.grid->nodes().spec().resolution_m);
   albedo_ = made.albedo;
 }
 
@@ -189,7 +190,7 @@ DrawGround Campaign::ground_of(const DrawStages& stages, std::int64_t draw) {
     make_ground(stages.terrain, recorded);
     ground_draw_ = draw;
   }
-  return {*scene_.surface, scene_.engine.get(), albedo_.get()};
+  return {*scene_.surface, scene_.engine.get(), albedo_.get(), scene_.spacing_m};
 }
 
 void Campaign::prepare(const TerrainSurface* ground, const std::optional<OpenClOptions>& device,
@@ -237,6 +238,7 @@ void Campaign::require_device(const DrawSpan& span) const {
 Draws Campaign::empty(std::int64_t first) const {
   Draws draws;
   draws.table.first = first;
+  draws.footprint_bins = config_.footprint_bins();
   if (pair_) draws.table.varied.push_back({kPairColumn, {}});
   for (const std::string& key : config_.varied_keys()) draws.table.varied.push_back({key, {}});
   if (config_.has_layers()) {
@@ -308,7 +310,7 @@ void Campaign::run_next(Draws& draws) {
   add_to(table.metrics, flat_metrics(result));
   for (std::size_t i = 0; i < values.size(); ++i) table.varied[i].values.push_back(values[i]);
   const bool hazards_pass = !result.hazards || all_pass(result.hazards->score.own_requirements);
-  table.pass.push_back(pass.value_or(false) && hazards_pass ? 1 : 0);
+  table.pass.push_back(pass_flag(hazards_pass ? pass : std::optional(false)));
   table.seeds.push_back(static_cast<std::int64_t>(config_.seed(draw).seed));
   table.draws.push_back(draw);
 }

@@ -216,6 +216,7 @@ CampaignResult run_campaign(const CampaignSources& sources, const std::optional<
   output.provenance.config = scans.json();
   cut_paths(output.provenance.config);
   const DrawSpan span = scans.checked_span(part);
+  if (const auto why = scans.config().why_not_judged()) output.warn(scans.config().name() + ": " + *why);
   output.phase("read",
                [&](const ProgressCallback& progress) { scans.check(span, output.provenance, progress); });
   const CampaignState state(output.file.path, output.provenance, span.first);

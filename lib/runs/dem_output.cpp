@@ -184,6 +184,7 @@ BinnedReturns make_dem(const RegridConfig& config, const DemSources& sources, De
   layers.true_points = std::ranges::all_of(scans, [](const auto& scan) { return scan->has_truth(); });
   layers.times = std::ranges::all_of(scans, [](const auto& scan) { return scan->has_times(); });
   layers.truth = truth.surface.get();
+  layers.truth_spacing_m = truth.spacing_m;
   layers.truth_at = config.truth_at;
   check_layers(layers);
   LandfallFileWriter file(output.file, "dem", output.provenance);

@@ -36,7 +36,7 @@ struct BinnedReturns {
   std::string returns_used = {};
 };
 
-/// Grids scans into dem.h5. `layers.truth` and `layers.truth_at` are set here. The
+/// Grids scans into dem.h5. `layers.truth`, its spacing and `layers.truth_at` are set here. The
 /// provenance's configuration gives the sigmas of the uncertainty; missing ones are taken from the scans, and
 /// all are recorded. Throws UsageError as check_layers() and uncertainty_parameters() do, FormatError for a
 /// scan of another terrain, and as the readers and PoseTrack do.

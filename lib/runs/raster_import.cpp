@@ -22,6 +22,7 @@ namespace {
 struct Truth {
   Grid<double> z;
   std::string comment;
+  std::optional<double> spacing_m{};  ///< of its nodes
 };
 
 std::string file_name(const std::string& path) { return std::filesystem::path(path).filename().string(); }
@@ -60,7 +61,8 @@ Truth truth_of_terrain(const ImportedRaster& dem, Provenance& provenance,
   const Placement placement = place_truth(dem, "terrain_of_raster", {path, scene.crs_wkt}, warnings);
   require_window(scene, dem.grid.spec, placement);
   scene = placed_scene(std::move(scene), placement);
-  return {bin_elevations(*scene.surface, dem.grid.spec), "elevation of the terrain at the bin centre"};
+  return {bin_elevations(*scene.surface, dem.grid.spec), "elevation of the terrain at the bin centre",
+          scene.spacing_m};
 }
 
 /// sample_raster(); the option that gives a band is not for the truth.
@@ -113,7 +115,9 @@ void write(LandfallFileWriter& file, const Grid<double>& z, const std::optional<
   layers.write("count", count, {.long_name = "1 where the raster has a value"});
   if (truth)
     layers.write("z_true", truth->z,
-                 {.long_name = "true elevation at the bin centre", .comment = truth->comment});
+                 {.long_name = "true elevation at the bin centre",
+                  .comment = truth->comment,
+                  .truth_spacing_m = truth->spacing_m});
   file.commit();
 }
 

@@ -28,7 +28,7 @@ BASE = {
              "scanner": {"type": "fsm", "pattern": {"type": "line_search", "rows": 20, "columns": 20, "half_width_m": 4}},
              "trajectory": {"type": "constant_velocity", "position_m": [0, 0, 50], "velocity_mps": [0, 0, -5]}},
     "regrid": {"half_width_m": 5, "resolution_m": 0.1},
-    "eval": {"region_radius_m": 3.5, "footprint_m": 0.7},
+    "eval": {"region_radius_m": 3.5, "footprint_m": 0.8},
 }
 SIGMAS = {"key": "scan.noise.range_sigma_m", "list": [0.01, 0.02, 0.05]}
 RESOLUTIONS = {"key": "regrid.resolution_m", "list": [0.1, 0.2]}

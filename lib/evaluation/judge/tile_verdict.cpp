@@ -56,7 +56,7 @@ TileJudge::TileJudge(const DemLayers& dem, const BinMask& region, const Evaluati
                      const Footprint& footprint, Grid<std::int8_t>& fail)
     : dem_(dem),
       region_(region),
-      limits_(parameters.limits),
+      limits_(effective_limits(parameters, footprint)),
       footprint_(footprint),
       fail_(fail),
       x_(Axis::x, dem, footprint),

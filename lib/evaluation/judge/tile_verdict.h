@@ -43,7 +43,7 @@ class TileJudge {
 
   const DemLayers& dem_;
   const BinMask& region_;
-  const EvaluationLimits& limits_;
+  EvaluationLimits limits_;  ///< effective_limits()
   const Footprint& footprint_;
   Grid<std::int8_t>& fail_;
   TileErrors x_, y_, z_;

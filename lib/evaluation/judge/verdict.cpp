@@ -61,10 +61,10 @@ std::optional<double> violations(const WindowJudge::Outcome& a, const WindowJudg
   return static_cast<double>(a.violations + b.violations);
 }
 
-AccuracyValues accuracy_of(const TileVerdict& verdict) {
-  AccuracyValues result;
-  if (verdict.z.footprints > 0) result.relative_elevation = violations(verdict.z);
-  if (verdict.x.footprints > 0 && verdict.y.footprints > 0)
+AccuracyValues accuracy_of(const TileVerdict& verdict, bool judges_relative) {
+  AccuracyValues result{.judges_relative = judges_relative};
+  if (judges_relative && verdict.z.footprints > 0) result.relative_elevation = violations(verdict.z);
+  if (judges_relative && verdict.x.footprints > 0 && verdict.y.footprints > 0)
     result.relative_horizontal = violations(verdict.x, verdict.y);
   const auto count = static_cast<double>(verdict.horizontal.footprints);
   if (verdict.horizontal.footprints > 0)
@@ -86,10 +86,13 @@ DecisiveMetrics decisive_metrics(const std::optional<TileVerdict>& footprints, c
   DecisiveMetrics metrics;
   std::optional<AccuracyValues> values;
   if (footprints) {
-    values = accuracy_of(*footprints);
+    const Footprint footprint = footprint_of(parameters, region.spec().resolution_m);
+    values = accuracy_of(*footprints, judges_relative_errors(footprint.edge_bins()));
     DecisiveMetrics::Accuracy& accuracy = metrics.accuracy.emplace();
     accuracy.absolute.horizontal.within_limit_frac = values->absolute_horizontal;
-    accuracy.relative = {{footprints->x.violations}, {footprints->y.violations}, {footprints->z.violations}};
+    if (values->judges_relative)
+      accuracy.relative = {
+          {footprints->x.violations}, {footprints->y.violations}, {footprints->z.violations}};
   }
   metrics.coverage = judge_coverage(valid, region, parameters.limits, fail).metrics;
   metrics.requirements = judge_values(metrics.coverage, values, parameters.limits);

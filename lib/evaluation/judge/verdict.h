@@ -26,7 +26,7 @@ struct DecisiveMetrics {
       LANDFALL_FIELDS(horizontal)
     };
     struct Axis {
-      std::int64_t violation_count = 0;
+      std::optional<std::int64_t> violation_count;  ///< none where relative errors are not judged
       LANDFALL_FIELDS(violation_count)
     };
     struct Relative {

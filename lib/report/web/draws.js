@@ -142,20 +142,24 @@ function shortScale(values) {
   return [10 ** -power, ` (10${superscripts.join("")})`];
 }
 
+/** By the number of a draw; others are not judged. */
+const OUTCOMES = {0: {color: LINE.vermilion, text: "failed"}, 1: {color: LINE.blue, text: "passed"}};
+const UNJUDGED = {color: LINE.sky, text: "not judged"};
+
 function withoutStage(name) { return name.slice(name.indexOf(".") + 1); }
 
 function scatterChart(metric, {name, values}) {
   const [xFactor, xScale] = shortScale(values), [yFactor, yScale] = shortScale(metric.values.map((y) => (y ?? 0) * metric.factor));
   const limit = metric.limit === null ? null : metric.limit * yFactor;
-  const points = values.map((x, i) => ({x: x * xFactor, y: metric.values[i] === null ? null : metric.values[i] * metric.factor * yFactor, pass: metric.pass[i] !== 0}))
+  const points = values.map((x, i) => ({x: x * xFactor, y: metric.values[i] === null ? null : metric.values[i] * metric.factor * yFactor, outcome: OUTCOMES[metric.pass[i]] ?? UNJUDGED}))
       .filter(({x, y}) => x !== null && y !== null);
   const ys = points.map(({y}) => y), xs = points.map(({x}) => x);
   const near = limit !== null && Math.abs(limit) <= 3 * Math.max(...ys.map(Math.abs));
   const chart = new Chart(withoutStage(name), axisOf(xs, withoutStage(name) + xScale), axisOf(near ? [...ys, limit] : ys, metric.label + yScale));
   const rho = rankCorrelation(xs, ys), rhoOfSize = rankCorrelation(xs.map(Math.abs), ys);
-  for (const [pass, color, text] of [[true, LINE.blue, "passed"], [false, LINE.vermilion, "failed"]]) {
-    const shown = points.filter((point) => point.pass === pass);
-    if (shown.length > 0) chart.dots(shown.map(({x, y}) => [x, y, 3]), color, text);
+  for (const outcome of [OUTCOMES[1], OUTCOMES[0], UNJUDGED]) {
+    const shown = points.filter((point) => point.outcome === outcome);
+    if (shown.length > 0) chart.dots(shown.map(({x, y}) => [x, y, 3]), outcome.color, outcome.text);
   }
   if (near) chart.curve([[chart.x.low, limit], [chart.x.high, limit]], {color: LINE.purple, dash: "7 3", text: "limit"});
   const correlations = [["the key", rho], ["its magnitude", xs.some((x) => x < 0) ? rhoOfSize : null]].filter(([, r]) => r !== null);
@@ -266,7 +270,9 @@ function fillLandings(section) {
 }
 
 function fillFailures(section) {
-  const failed = report.pass.map((pass, i) => pass === 1 ? -1 : i).filter((i) => i >= 0);
+  const failed = report.pass.map((pass, i) => pass === 0 ? i : -1).filter((i) => i >= 0);
+  const unjudged = report.pass.filter((pass) => pass === -1).length;
+  if (unjudged > 0) section.append(htmlElement("p", {}, `${unjudged.toLocaleString("en")} draws are not judged, because the footprint has too few bins.`));
   section.append(htmlElement("p", {}, failed.length === 0 ? "No draw failed." : `${failed.length.toLocaleString("en")} draws failed.` +
       `${failed.length > MAX_FAILURES ? ` The table has the first ${MAX_FAILURES}.` : ""}${shownNote()}`));
   if (failed.length > 0) section.append(htmlElement("div", {class: "tall"}, failureTable(failed)));

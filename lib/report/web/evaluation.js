@@ -143,7 +143,8 @@ function fillTexts() {
   fillUncertainty(document.getElementById("uncertainty"));
   fillErrors(document.getElementById("errors"));
   fillHoles(document.getElementById("holes"));
-  if (report.metrics.requirements.relative_elevation.pass === null) document.getElementById("worst").remove();
+  const {pass, reason} = report.metrics.requirements.relative_elevation;
+  if (pass === null && reason === undefined) document.getElementById("worst").remove();  // no truth
 }
 
 async function fillDrawings() {

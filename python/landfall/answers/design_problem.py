@@ -138,7 +138,7 @@ class Problem:
     def passes(self, row):
         """Whether a draw meets the requirement. An accepted place is one that hazard-map --require-safe accepts."""
         if self.requirement == ALL_AND_OWN:
-            return bool(row["pass"])
+            return row["pass"] == 1
         if self.requirement == ALL_REQUIREMENTS:
             return all(row[f"requirements.{name}.pass"] == 1 for name in dictionary.requirements())
         if self.judges_map():
@@ -157,6 +157,9 @@ class Problem:
             if not row["site.true_safe"]:
                 return "the chosen place is not known to be safe on the true ground"
             return f"the chosen place has p_touchdown {row['site.p_touchdown']:.3g}, less than {self.base['hazard']['sites']['min_p']:g}"
+        unjudged = [requirement.words for requirement in dictionary.requirements().values() if row[f"requirements.{requirement.name}.pass"] is None]
+        if unjudged and self.requirement in (ALL_REQUIREMENTS, ALL_AND_OWN):
+            return f"{unjudged[0]} is not judged: the footprint has too few bins"
         worst = max(margins, key=margins.get)
         return f"{worst} is {math.exp(margins[worst]):.3g} of its limit"
 

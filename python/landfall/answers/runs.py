@@ -29,6 +29,7 @@ from landfall.study.model import read_config, TOOLS
 
 STAGES = tuple(stage for stage in TOOLS if stage != "draws")
 REFUSALS = (1, 2)  # exit codes of a tool that refuses its input; any other code, such as that of a killed tool, does not blame the input
+NOT_JUDGED = -1  # in the column `pass` of draws
 PART_DRAWS = 32  # of one run of monte-carlo: what is lost at most where a run is killed
 
 
@@ -349,5 +350,6 @@ def rows_of(path):
     """The rows of a file of draws: [{name: value, None where it has none}]."""
     with files.open_landfall(path, "landfall.draws") as file:
         columns = {name: values.tolist() for name, values in files.read_columns(file["draws"]).items()}
+    columns["pass"] = [None if value == NOT_JUDGED else value for value in columns["pass"]]
     names = list(columns)
     return [{name: None if value != value else value for name, value in zip(names, values)} for values in zip(*columns.values())]

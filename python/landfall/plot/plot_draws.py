@@ -169,7 +169,7 @@ def draw_distribution(ax, draws, name):
     known = ~np.isnan(value)
     ax.set(title=name, xlabel=measured, ylabel="draws")
     if not known.any():
-        maps.notice(ax, "not judged: the draws have no truth" if name in dictionary.requirements() else "no draw has this number")
+        maps.notice(ax, "not judged: the footprint has too few bins" if name in dictionary.requirements() else "no draw has this number")
         return
     value, limit, passed = factor * value[known], factor * limit[0], passed[known] == 1
     edges = edges_of(value, limit, is_whole)
@@ -187,6 +187,8 @@ def rate_text(draws, name):
     rate = next((rate for rate in draws.verdict.get("rates", []) if rate["requirement"] == name), None)
     if rate is None:
         return ""
+    if rate.get("judged", rate["draws"]) == 0:
+        return "not judged: the footprint has too few bins"
     text = f"{rate['passed']} of {rate['draws']} pass"
     if "sprt" in draws.verdict:
         return text

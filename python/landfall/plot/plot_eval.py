@@ -284,17 +284,20 @@ def old_verdict(metrics):
     return [row(requirement) for requirement in dictionary.requirements().values()]
 
 
-def overall(verdicts, has_elevations):
+def overall(verdicts, has_elevations, reason=None):
     """The verdict on all requirements, as dem-eval's table gives it: FAIL where one that is judged is missed."""
     if "FAIL" in verdicts:
         return "FAIL"
     if "not judged" not in verdicts:
         return "pass"
+    if reason == "footprint_bins":
+        return "not judged, the footprint has too few bins"
     return "not judged, the DEM has no " + ("true positions" if has_elevations else "truth")
 
 
 def draw_verdict(evaluation):
-    text = overall([row["verdict"] for row in evaluation.verdict], evaluation.has("e_z"))
+    reason = evaluation.metrics.text("requirements/relative_elevation/reason")
+    text = overall([row["verdict"] for row in evaluation.verdict], evaluation.has("e_z"), reason)
     height = 3.4 + 0.33 * (len(evaluation.verdict) - len(dictionary.requirements()))  # more rows are the user's own requirements
     figure, axes = maps.new_figure((1, 1), (11, height), f"{evaluation.name}: {text}")
     ax = axes[0, 0]

@@ -102,6 +102,8 @@ def head(text, is_number=False):
 def verdicts(tree):
     counts = [(word, tree["verdicts"][word]) for word in VERDICTS if word in tree["verdicts"]]
     text = "<p>" + " ".join(f'<span class="count">{verdict(word)} {counted(count, "case")}</span>' for word, count in counts) + "</p>\n"
+    if tree["assumptions"]:
+        text += f'<p class="note" id="assumptions">Assumptions: {escaped("; ".join(tree["assumptions"]))}.</p>\n'
     if tree["stale"]:
         text += f'<p class="note">{counted(tree["stale"], "case")} of the table were made by other versions of the tools.</p>\n'
     return text

@@ -78,8 +78,9 @@ def campaign_numbers(verdict):
 
 
 def rate_numbers(rate, stopped, prefix):
-    kept = {"passed": rate["passed"], "draws": rate["draws"], "passed_frac": rate["passed"] / rate["draws"]}
-    return flatten(kept if stopped else {**kept, **{key: rate[key] for key in INTERVAL}}, prefix)
+    is_judged = rate.get("judged", rate["draws"]) > 0
+    kept = {"passed": rate["passed"], "draws": rate["draws"], "passed_frac": rate["passed"] / rate["draws"] if is_judged else None}
+    return flatten(kept if stopped else {**kept, **{key: rate[key] if is_judged else None for key in INTERVAL}}, prefix)
 
 
 def landing_numbers(landing, stopped):

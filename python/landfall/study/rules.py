@@ -216,12 +216,12 @@ class Fragment:
         """Only the layers that dem-eval reads, uncompressed: for a DEM that is not kept."""
         if "eval" in self.layout.keep:
             return []
-        layers = ["z_est", "x_true", "y_true", "z_true"]
+        layers = ["z_est", "count", "x_true", "y_true", "z_true"]
         options = self.options.get("regrid", [])
         if "--corrected" in options:
             layers.append("z_corrected")
         if "--uncertainty" in options:
-            layers += ["count", "z_true_map", "z_sigma_abs", "z_sigma_rel"]
+            layers += ["z_true_map", "z_sigma_abs", "z_sigma_rel"]
         return ["--compression 0", "--layers", ",".join(layers)]
 
     def judge(self, recipe, stage, dem):

@@ -86,8 +86,8 @@ class DeviceJudging : public ::testing::Test {
     EXPECT_EQ(b.accuracy->relative.y.violation_count, a.accuracy->relative.y.violation_count);
     EXPECT_EQ(b.accuracy->relative.z.violation_count, a.accuracy->relative.z.violation_count);
     kept_ += found.is_on_device ? 1 : 0;
-    violations_ += a.accuracy->relative.x.violation_count + a.accuracy->relative.y.violation_count +
-                   a.accuracy->relative.z.violation_count;
+    for (const auto& axis : {a.accuracy->relative.x, a.accuracy->relative.y, a.accuracy->relative.z})
+      violations_ += axis.violation_count.value_or(0);
     return found.is_on_device;
   }
 

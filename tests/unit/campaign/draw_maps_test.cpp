@@ -166,9 +166,17 @@ TEST(DrawMaps, CountsDrawsAndErrors) {
   EXPECT_EQ(values_of(maps.e_z.count), (std::vector<std::int32_t>{3, 0, 3, 0}));
   EXPECT_EQ(values_of(maps.e_map->count), (std::vector<std::int32_t>{3, 0, 0, 2}));
   expect_same(mean_count(maps), {2, 0, 2, 3});
-  expect_same(share_of_draws(maps, maps.invalid, nullptr), {0, 1, 0, 1.0 / 3});
+  expect_same(share_of_draws(maps.invalid, 3, nullptr), {0, 1, 0, 1.0 / 3});
   const BinMask region = grid_of<std::int8_t>({1, 0, 1, 1});
-  expect_same(share_of_draws(maps, maps.invalid, &region), {0, kNan, 0, 1.0 / 3});
+  expect_same(share_of_draws(maps.invalid, 3, &region), {0, kNan, 0, 1.0 / 3});
+  expect_same(share_of_draws(maps.fail_rel_x, 0, nullptr), {kNan, kNan, kNan, kNan});
+  std::string layers;
+  for (const FailureMap& map : failure_maps(maps))
+    layers += std::string(map.layer) + " " + map.requirement + " ";
+  EXPECT_EQ(
+      layers,
+      "p_fail_rel_x relative_horizontal p_fail_rel_y relative_horizontal p_fail_rel_z relative_elevation "
+      "p_fail_absolute absolute_horizontal ");
 }
 
 TEST(DrawMaps, DoNotDependOnTheParts) {

@@ -3,7 +3,12 @@
 
 #include <gtest/gtest.h>
 
+#include <limits>
 #include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "dictionary/tables/requirements.h"
 
 namespace landfall {
 namespace {
@@ -34,6 +39,19 @@ TEST(DrawTable, FindsMetrics) {
   EXPECT_EQ(find_metric(table, "b"), nullptr);
   EXPECT_EQ(pass_column(table, "coverage").name, "requirements.coverage.pass");
   EXPECT_THROW(static_cast<void>(pass_column(table, "a")), std::out_of_range);
+}
+
+TEST(DrawTable, SixPassedTellsUnjudgedDraws) {
+  constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+  DrawTable table{0, {1, 2, 3, 4}, {}, {}, {1, 0, -1, 0}};
+  for (const auto& words : dictionary::kRequirements)
+    table.metrics.push_back({"requirements." + std::string(words.name) + ".pass", {1, 1, 1, 1}});
+  table.metrics[0].values = {1, 0, 1, 1};
+  table.metrics[3].values = {1, 1, kNan, kNan};
+  table.metrics[5].values = {1, 1, 1, 0};
+  EXPECT_EQ(six_passed(table), (std::vector<std::int8_t>{1, 0, -1, 0}));
+  EXPECT_EQ(judged_draws(table, std::string(dictionary::kRequirements[3].name)), 2);
+  EXPECT_EQ(judged_draws(table, std::string(dictionary::kRequirements[0].name)), 4);
 }
 
 }  // namespace

@@ -88,8 +88,15 @@ TEST(Summaries, Relative) {
   EXPECT_EQ(metrics.max_m, 0.75);
   EXPECT_EQ(metrics.violation_count, 2);  // equal to the limit is none
   EXPECT_NEAR(metrics.p95_m.value(), 0.725, 1e-14);
-  EXPECT_EQ(summarise_relative(row_of({kNan}), 0), RelativeMetrics{});
-  EXPECT_EQ(summarise_relative(row_of({kNan}), 0).violation_count, 0);
+  EXPECT_EQ(summarise_relative(row_of({kNan}), 0), (RelativeMetrics{.violation_count = 0}));
+}
+
+TEST(FootprintStatistics, HasNoRelativeErrorWithoutAQuantile) {
+  const Grid<double> error = row_of({1, 2, 6});
+  const FootprintStatistics found =
+      footprint_statistics(error, BinMask(error.spec(), 1), {Footprint::square(1), std::nullopt});
+  EXPECT_EQ(found.mean.at({0, 1}), 3);
+  for (const double relative : found.relative.values()) EXPECT_TRUE(std::isnan(relative));
 }
 
 TEST(Summaries, HorizontalLeavesEmptyFootprintsOut) {

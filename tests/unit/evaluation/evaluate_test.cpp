@@ -58,7 +58,8 @@ DemLayers noisy(std::int64_t half) {
 EvaluationParameters small() {
   EvaluationParameters parameters;
   parameters.region_radius_m = 4;
-  parameters.footprint_m = 3;
+  parameters.footprint_m = 5;
+  parameters.quantile = 0.99;
   return parameters;
 }
 
@@ -84,45 +85,45 @@ TEST(Evaluate, PerfectDemPasses) {
   EXPECT_EQ(evaluation.metrics.pass, true);
   EXPECT_EQ(evaluation.metrics.region, (RegionMetrics{RegionShape::circle, 4.0, {}, 45, 0.0, 0.0}));
   ASSERT_TRUE(evaluation.metrics.accuracy);
-  EXPECT_EQ(evaluation.metrics.accuracy->footprint_bins, 3);
-  EXPECT_EQ(evaluation.metrics.accuracy->quantile, 0.95);
+  EXPECT_EQ(evaluation.metrics.accuracy->footprint_bins, 5);
+  EXPECT_EQ(evaluation.metrics.accuracy->quantile, 0.99);
   EXPECT_EQ(evaluation.metrics.accuracy->absolute.z, (AbsoluteMetrics{0.0, 0.0, 0.0}));
   EXPECT_EQ(evaluation.metrics.accuracy->absolute.horizontal, (HorizontalMetrics{0.0, 1.0}));
   EXPECT_TRUE(std::ranges::all_of(evaluation.layers.fail.values(), [](std::int8_t f) { return f == 0; }));
 }
 
-// One bin of e_z = 0.9 in footprints of 9: mean 0.1, deviations eight of 0.1 and one of 0.8; h = 7.6, so
-// rel = 0.1 + 0.6 * 0.7 = 0.52, in the nine footprints around it.
+// One bin of e_z = 2.5 in footprints of 25: mean 0.1, deviations 24 of 0.1 and one of 2.4; h = 23.76, so
+// rel = 0.1 + 0.76 * 2.3 = 1.848, in the 25 footprints around it.
 TEST(Evaluate, OneWrongElevation) {
   DemLayers dem = perfect(5);
-  dem.truth->z.at({5, 5}) += 0.9;
+  dem.truth->z.at({5, 5}) += 2.5;
   const Collected evaluation = collected(dem, small());
-  EXPECT_EQ(evaluation.metrics.requirements.relative_elevation, (Requirement{9.0, 0, false}));
+  EXPECT_EQ(evaluation.metrics.requirements.relative_elevation, (Requirement{25.0, 0, false}));
   EXPECT_EQ(evaluation.metrics.requirements.relative_horizontal.pass, true);
   EXPECT_EQ(evaluation.metrics.pass, false);
   const AccuracyMetrics& accuracy = *evaluation.metrics.accuracy;
-  EXPECT_NEAR(accuracy.absolute.z.mean_m.value(), 0.1 * 9 / 45, 1e-14);
+  EXPECT_NEAR(accuracy.absolute.z.mean_m.value(), 0.1 * 25 / 45, 1e-14);
   EXPECT_NEAR(accuracy.absolute.z.max_m.value(), 0.1, 1e-14);
-  EXPECT_NEAR(accuracy.relative.z.max_m.value(), 0.52, 1e-14);
+  EXPECT_NEAR(accuracy.relative.z.max_m.value(), 1.848, 1e-14);
   const Layers& layers = evaluation.layers;
   EXPECT_EQ(layers.fail.at({4, 6}), fail_relative_z);
-  EXPECT_EQ(layers.fail.at({4, 7}), 0);
-  EXPECT_EQ(layers.z->error.at({5, 5}), 7.9 - 7);
+  EXPECT_EQ(layers.fail.at({4, 8}), 0);
+  EXPECT_EQ(layers.z->error.at({5, 5}), 2.5);
   EXPECT_NEAR(layers.z->absolute.at({6, 6}), 0.1, 1e-7);
-  EXPECT_NEAR(layers.z->relative.at({6, 6}), 0.52, 1e-7);
+  EXPECT_NEAR(layers.z->relative.at({6, 6}), 1.848, 1e-6);
 }
 
 TEST(Evaluate, AxesHaveTheirOwnFlags) {
   DemLayers dem = perfect(5);
-  dem.truth->x.at({5, 5}) -= 0.9;
-  dem.truth->y.at({5, 7}) += 0.9;
+  dem.truth->x.at({5, 5}) -= 2.5;
+  dem.truth->y.at({5, 7}) += 2.5;
   const Collected evaluation = collected(dem, small());
-  EXPECT_EQ(evaluation.layers.fail.at({5, 4}), fail_relative_x);
+  EXPECT_EQ(evaluation.layers.fail.at({5, 3}), fail_relative_x);
   EXPECT_EQ(evaluation.layers.fail.at({5, 6}), fail_relative_x | fail_relative_y);
   EXPECT_EQ(evaluation.layers.fail.at({5, 8}), fail_relative_y);
-  EXPECT_NEAR(evaluation.metrics.accuracy->absolute.x.mean_m.value(), -0.1 * 9 / 45, 1e-14);
-  // Both blocks of 3 x 3 footprints lie in the region: its corner (4, 8) has 3^2 + 1 < 16.
-  EXPECT_EQ(evaluation.metrics.requirements.relative_horizontal.value, 18);
+  EXPECT_NEAR(evaluation.metrics.accuracy->absolute.x.mean_m.value(), -0.1 * 25 / 45, 1e-14);
+  // 25 footprints along x; along y 20, because column 9 lies outside the region: 4^2 = 16.
+  EXPECT_EQ(evaluation.metrics.requirements.relative_horizontal.value, 45);
 }
 
 TEST(Evaluate, AbsoluteHorizontalIsTheHypotenuse) {
@@ -159,27 +160,27 @@ TEST(Evaluate, ViolationsAreJudgedInDouble) {
 
 TEST(Evaluate, HolesAndDistancesAreFlagged) {
   DemLayers dem = perfect(5);
-  for (std::int64_t row = 4; row <= 6; ++row)
-    for (std::int64_t col = 4; col <= 6; ++col) dem.z_est.at({row, col}) = kNan;
+  for (std::int64_t row = 3; row <= 7; ++row)
+    for (std::int64_t col = 3; col <= 7; ++col) dem.z_est.at({row, col}) = kNan;
   EvaluationParameters parameters = small();
-  parameters.limits.hole_bins = 8;
+  parameters.limits.hole_bins = 24;
   const Collected evaluation = collected(dem, parameters);
   const Layers& layers = evaluation.layers;
-  EXPECT_EQ(layers.fail.at({4, 4}), fail_hole_size);
+  EXPECT_EQ(layers.fail.at({3, 3}), fail_hole_size);
   EXPECT_EQ(layers.fail.at({5, 5}), fail_hole_size | fail_hole_distance);
   EXPECT_EQ(layers.coverage.hole_id.at({5, 5}), 1);
-  EXPECT_EQ(layers.coverage.distance_to_valid.at({5, 5}), 2);
-  EXPECT_EQ(layers.coverage.distance_to_valid.at({3, 5}), 0);
+  EXPECT_EQ(layers.coverage.distance_to_valid.at({5, 5}), 3);
+  EXPECT_EQ(layers.coverage.distance_to_valid.at({2, 5}), 0);
   ASSERT_EQ(evaluation.holes.size(), 1U);
   EXPECT_EQ(evaluation.holes[0].centroid_x_m, 0);
-  EXPECT_EQ(evaluation.metrics.coverage.invalid_frac, 9.0 / 45);
+  EXPECT_EQ(evaluation.metrics.coverage.invalid_frac, 25.0 / 45);
   // The footprint of (5, 5) has no valid e_z: no value, and no violation.
   EXPECT_TRUE(std::isnan(layers.z->absolute.at({5, 5})));
   EXPECT_EQ(evaluation.metrics.accuracy->relative.z.violation_count, 0);
-  EXPECT_EQ(evaluation.metrics.requirements.hole_size, (Requirement{9.0, 8, false}));
-  EXPECT_EQ(evaluation.metrics.requirements.hole_distance, (Requirement{2.0, 1, false}));
-  parameters.limits.hole_bins = 9;
-  EXPECT_EQ(collected(dem, parameters).layers.fail.at({4, 4}), 0);
+  EXPECT_EQ(evaluation.metrics.requirements.hole_size, (Requirement{25.0, 24, false}));
+  EXPECT_EQ(evaluation.metrics.requirements.hole_distance, (Requirement{3.0, 1, false}));
+  parameters.limits.hole_bins = 25;
+  EXPECT_EQ(collected(dem, parameters).layers.fail.at({3, 3}), 0);
 }
 
 TEST(Evaluate, LayersOutsideTheRegion) {
@@ -197,15 +198,15 @@ TEST(Evaluate, LayersOutsideTheRegion) {
 }
 
 // The region touches the DEM's border (R/s = 6 bins, 5 on each side of the origin): footprints there are
-// clipped to two thirds. e_z = 0.6 on one bin of six.
+// clipped to three fifths. e_z = 0.6 on one bin of 15.
 TEST(Evaluate, FootprintClippedAtTheDemBorder) {
   DemLayers dem = perfect(5);
   dem.truth->z.at({0, 5}) += 0.6;
   EvaluationParameters parameters = small();
   parameters.region_radius_m = 6;
   const Collected evaluation = collected(dem, parameters);
-  EXPECT_NEAR(evaluation.layers.z->absolute.at({0, 5}), 0.1, 1e-7);
-  EXPECT_NEAR(evaluation.layers.z->absolute.at({1, 5}), 0.6 / 9, 1e-7);
+  EXPECT_NEAR(evaluation.layers.z->absolute.at({0, 5}), 0.04, 1e-7);
+  EXPECT_NEAR(evaluation.layers.z->absolute.at({2, 5}), 0.6 / 25, 1e-7);
 }
 
 TEST(Evaluate, StatisticsAreOfTheRegionsBins) {
@@ -228,15 +229,15 @@ TEST(Evaluate, StatisticsAreOfTheRegionsBins) {
 TEST(Evaluate, CorrectedElevationIsMeasuredAndNotJudged) {
   DemLayers dem = perfect(5);
   dem.z_corrected = dem.z_est;
-  dem.z_corrected->at({5, 5}) -= 0.9;
+  dem.z_corrected->at({5, 5}) -= 2.5;
   const Evaluation evaluation = evaluate(dem, small());
   const Evaluation without = evaluate(perfect(5), small());
   EXPECT_EQ(evaluation.metrics.requirements, without.metrics.requirements);
   EXPECT_EQ(evaluation.metrics.statistics.z, without.metrics.statistics.z);
-  EXPECT_NEAR(evaluation.metrics.statistics.z_corrected->mean_m.value(), 0.9 / 45, 1e-15);
+  EXPECT_NEAR(evaluation.metrics.statistics.z_corrected->mean_m.value(), 2.5 / 45, 1e-15);
   EXPECT_NEAR(evaluation.metrics.accuracy->absolute.z_corrected->max_m.value(), 0.1, 1e-14);
-  EXPECT_NEAR(evaluation.metrics.accuracy->relative.z_corrected->max_m.value(), 0.52, 1e-14);
-  EXPECT_EQ(evaluation.metrics.accuracy->relative.z_corrected->violation_count, 9);
+  EXPECT_NEAR(evaluation.metrics.accuracy->relative.z_corrected->max_m.value(), 1.848, 1e-14);
+  EXPECT_EQ(evaluation.metrics.accuracy->relative.z_corrected->violation_count, 25);
   dem.z_corrected->at({1, 1}) = std::numeric_limits<double>::infinity();
   EXPECT_THROW(static_cast<void>(evaluate(dem, small())), FormatError);
 }
@@ -310,6 +311,71 @@ TEST(Evaluate, WithTrueElevationsOnlyNothingHorizontalIsJudged) {
   EXPECT_EQ(collected(dem, parameters).metrics.pass, false);
 }
 
+TEST(Evaluate, RelativeErrorsOfFewBinsAreNotJudged) {
+  DemLayers dem = noisy(20);
+  dem.z_corrected = dem.z_est;
+  EvaluationParameters parameters = small();
+  parameters.limits.invalid_frac = 1;
+  parameters.limits.hole_bins = 1000;
+  parameters.limits.distance_bins = 100;
+  for (const auto& [footprint_m, bins] : {std::pair(1.0, 1), std::pair(3.99, 3)}) {
+    SCOPED_TRACE(bins);
+    parameters.footprint_m = footprint_m;
+    const Collected evaluation = collected(dem, parameters);
+    const Metrics& metrics = evaluation.metrics;
+    EXPECT_EQ(metrics.assumptions->footprint_bins, bins);
+    for (const Requirement& relative :
+         {metrics.requirements.relative_elevation, metrics.requirements.relative_horizontal})
+      EXPECT_EQ(relative, (Requirement{std::nullopt, 0, std::nullopt, kFootprintBins}));
+    EXPECT_EQ(metrics.requirements.absolute_horizontal.pass, true);
+    EXPECT_EQ(metrics.pass, std::nullopt);
+    EXPECT_EQ(metrics.accuracy->relative.z, RelativeMetrics{});
+    EXPECT_EQ(metrics.accuracy->relative.z_corrected, RelativeMetrics{});
+    EXPECT_TRUE(metrics.accuracy->absolute.z.p95_m.has_value());
+    EXPECT_TRUE(std::isnan(evaluation.layers.z->relative.at({20, 20})));
+    EXPECT_EQ(count_set(evaluation.layers.fail), 0);
+  }
+  parameters.limits.absolute_horizontal_m = 0;
+  EXPECT_EQ(evaluate(dem, parameters).metrics.pass, false);
+  parameters.footprint_m = 4;
+  for (const FootprintShape shape : {FootprintShape::square, FootprintShape::disc}) {
+    parameters.footprint_shape = shape;
+    const Requirement judged = evaluate(dem, parameters).metrics.requirements.relative_elevation;
+    EXPECT_EQ(judged.pass, false);
+    EXPECT_EQ(judged.reason, std::nullopt);
+  }
+}
+
+TEST(Evaluate, TooFewBinsAndNoTruePositions) {
+  DemLayers dem = perfect(20);
+  dem.truth->x = dem.truth->y = {};
+  EvaluationParameters parameters = small();
+  parameters.footprint_m = 1;
+  const Metrics metrics = evaluate(dem, parameters).metrics;
+  EXPECT_EQ(metrics.requirements.relative_horizontal.reason, kFootprintBins);
+  EXPECT_EQ(metrics.requirements.absolute_horizontal.reason, std::nullopt);
+  EXPECT_EQ(metrics.pass, std::nullopt);
+}
+
+TEST(Evaluate, AssumptionsAreOfTheRegionsBinsWithReturns) {
+  DemLayers dem = perfect(5);
+  dem.truth_spacing_m = 0.5;
+  EXPECT_EQ(evaluate(dem, small()).metrics.assumptions, (AssumptionMetrics{5, 0.5}));
+  dem.count.emplace(dem.z_est.spec(), 9);
+  for (std::int64_t row = 2; row <= 8; ++row)
+    for (std::int64_t col = 2; col <= 8; ++col) dem.count->at({row, col}) = 0;
+  EXPECT_EQ(evaluate(dem, small()).metrics.assumptions, (AssumptionMetrics{5, 0.5}));
+  dem.count->at({5, 5}) = 1;
+  dem.count->at({5, 6}) = 4;
+  EXPECT_EQ(evaluate(dem, small()).metrics.assumptions, (AssumptionMetrics{5, 0.5, 2.5, 0.5}));
+  dem.count->at({6, 5}) = 7;
+  EXPECT_EQ(evaluate(dem, small()).metrics.assumptions, (AssumptionMetrics{5, 0.5, 4.0, 1.0 / 3}));
+  dem.truth.reset();
+  EXPECT_EQ(evaluate(dem, small()).metrics.assumptions->truth_spacing_m, std::nullopt);
+  dem.count.emplace(GridSpec::centered(4, 1));
+  EXPECT_THROW(static_cast<void>(evaluate(dem, small())), FormatError);
+}
+
 TEST(Evaluate, DemWithoutAValidBinFails) {
   DemLayers dem = perfect(5);
   for (Grid<double>* layer : {&dem.z_est, &dem.truth->x, &dem.truth->y, &dem.truth->z})
@@ -326,11 +392,11 @@ TEST(Evaluate, QuantileChangesRelativeOnly) {
   const DemLayers dem = noisy(20);
   EvaluationParameters parameters = small();
   parameters.region_radius_m = 15;
-  const Metrics at_95 = evaluate(dem, parameters).metrics;
+  const Metrics at_99 = evaluate(dem, parameters).metrics;
   parameters.quantile = 0.5;
   const Metrics at_50 = evaluate(dem, parameters).metrics;
-  EXPECT_EQ(at_50.accuracy->absolute, at_95.accuracy->absolute);
-  EXPECT_LT(at_50.accuracy->relative.z.max_m, at_95.accuracy->relative.z.max_m);
+  EXPECT_EQ(at_50.accuracy->absolute, at_99.accuracy->absolute);
+  EXPECT_LT(at_50.accuracy->relative.z.max_m, at_99.accuracy->relative.z.max_m);
 }
 
 TEST(Evaluate, SameAtAnyThreadCountAndWithoutLayers) {
@@ -429,12 +495,12 @@ TEST(Evaluate, DiscsLeaveTheirCornersOut) {
   DemLayers dem = perfect(5);
   dem.truth->z.at({5, 5}) += 0.9;
   EvaluationParameters parameters = small();
-  parameters.footprint_m = 2;  // the bin and its four neighbours
+  parameters.footprint_m = 4;  // the bin, its eight neighbours and four bins two away
   parameters.footprint_shape = FootprintShape::disc;
   const Collected evaluation = collected(dem, parameters);
-  EXPECT_NEAR(evaluation.layers.z->absolute.at({5, 6}), 0.9 / 5, 1e-7);
-  EXPECT_EQ(evaluation.layers.z->absolute.at({6, 6}), 0);
-  EXPECT_EQ(evaluation.metrics.requirements.relative_elevation.value, 5);
+  EXPECT_NEAR(evaluation.layers.z->absolute.at({5, 7}), 0.9 / 13, 1e-7);
+  EXPECT_EQ(evaluation.layers.z->absolute.at({6, 7}), 0);
+  EXPECT_EQ(evaluation.metrics.requirements.relative_elevation.value, 13);
 }
 
 TEST(Evaluate, RefusesInfiniteValues) {

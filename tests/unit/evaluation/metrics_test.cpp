@@ -11,6 +11,7 @@ namespace {
 
 AccuracyMetrics flawless() {
   AccuracyMetrics accuracy;
+  accuracy.footprint_bins = 35;
   accuracy.absolute.horizontal = {.p95_m = 0.5, .within_limit_frac = 1};
   for (RelativeMetrics* axis : {&accuracy.relative.x, &accuracy.relative.y, &accuracy.relative.z})
     *axis = {.p95_m = 0.01, .max_m = 0.02, .violation_count = 0};
@@ -24,7 +25,7 @@ TEST(Metrics, BeginAtZero) {
   EXPECT_EQ(metrics.statistics.valid_frac, 0);
   EXPECT_EQ(AccuracyMetrics{}.footprint_bins, 0);
   EXPECT_EQ(AccuracyMetrics{}.quantile, 0);
-  EXPECT_EQ(RelativeMetrics{}.violation_count, 0);
+  EXPECT_EQ(RelativeMetrics{}.violation_count, std::nullopt);
   const ScoreMetrics scores;
   EXPECT_EQ(scores.count, 0);
   EXPECT_EQ(scores.left_out_count, 0);
@@ -90,10 +91,25 @@ TEST(Judge, WithoutTruthAccuracyIsNull) {
 }
 
 TEST(Judge, NoFootprintToJudgeIsNotMet) {
-  const RequirementMetrics judged = judge({}, AccuracyMetrics{}, {});
+  AccuracyMetrics accuracy;
+  accuracy.footprint_bins = 5;
+  const RequirementMetrics judged = judge({}, accuracy, {});
   EXPECT_EQ(judged.relative_elevation, (Requirement{std::nullopt, 0, false}));
   EXPECT_EQ(judged.relative_horizontal, (Requirement{std::nullopt, 0, false}));
   EXPECT_EQ(judged.absolute_horizontal, (Requirement{std::nullopt, 0.95, false}));
+  EXPECT_EQ(overall_pass(judged), false);
+}
+
+TEST(Judge, TooFewBinsAreNotJudged) {
+  AccuracyMetrics accuracy = flawless();
+  accuracy.footprint_bins = 3;
+  accuracy.relative = {};
+  RequirementMetrics judged = judge({}, accuracy, {});
+  EXPECT_EQ(judged.relative_elevation, (Requirement{std::nullopt, 0, std::nullopt, kFootprintBins}));
+  EXPECT_EQ(judged.relative_horizontal, (Requirement{std::nullopt, 0, std::nullopt, kFootprintBins}));
+  EXPECT_EQ(judged.absolute_horizontal, (Requirement{1.0, 0.95, true}));
+  EXPECT_EQ(overall_pass(judged), std::nullopt);
+  judged.coverage.pass = false;
   EXPECT_EQ(overall_pass(judged), false);
 }
 

@@ -111,6 +111,28 @@ TEST(FootprintOf, RefusesAFootprintBeyondCounting) {
   EXPECT_THROW(static_cast<void>(half_bins(1e300, 1e-300)), UsageError);
 }
 
+// 1.7 m: 1.7 / (2 s) is 2.5 at 0.34 m, 2.125 at 0.4 m, 2 at 0.425 m and 1.98 at 0.43 m.
+TEST(WhyNotJudged, FootprintsOfFewerThanFiveBins) {
+  const EvaluationParameters parameters;
+  for (const double judged : {0.05, 0.34, 0.4, 0.425, 0.425 * (1 + 1e-10)})
+    EXPECT_EQ(why_not_judged(parameters, judged), std::nullopt) << judged;
+  EXPECT_EQ(
+      why_not_judged(parameters, 0.43),
+      "a footprint of 1.7 m has 3 x 3 bins of 0.43 m, and relative errors are judged from 5 x 5 bins on; "
+      "the coarsest posting that can be judged is 0.425 m");
+  for (const double coarse : {0.42501, 0.85, 1.0, 50.0})
+    EXPECT_TRUE(why_not_judged(parameters, coarse).has_value()) << coarse;
+  EXPECT_EQ(coarsest_judged_posting_m(with_footprint(4)), 1);
+  EXPECT_EQ(why_not_judged(with_footprint(4, FootprintShape::disc), 1), std::nullopt);
+}
+
+TEST(EffectiveLimits, AreInfiniteForRelativeErrorsThatAreNotJudged) {
+  EvaluationParameters parameters = with_footprint(4);
+  EXPECT_EQ(effective_limits(parameters, Footprint::square(2)), parameters.limits);
+  parameters.limits.relative_elevation_m = parameters.limits.relative_horizontal_m = kInfinity;
+  EXPECT_EQ(effective_limits(with_footprint(4), Footprint::square(1)), parameters.limits);
+}
+
 TEST(LimitOfLayer, IsTheOneThatTheLayerIsJudgedBy) {
   const EvaluationLimits limits{
       .relative_elevation_m = 1, .relative_horizontal_m = 2, .absolute_horizontal_m = 3};

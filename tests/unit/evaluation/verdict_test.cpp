@@ -76,7 +76,7 @@ DemLayers perfect_dem(std::int64_t half) {
 EvaluationParameters small_region() {
   EvaluationParameters parameters;
   parameters.region_radius_m = 4;
-  parameters.footprint_m = 3;
+  parameters.footprint_m = 5;
   return parameters;
 }
 
@@ -176,7 +176,7 @@ TEST(Decide, FiftyRandomScenes) {
     DemLayers dem = scene(spec, recipe);
     dem.region_mask = testing_masks::random_mask(spec, 0.05 + 0.95 * draw.uniform(i, 6), i);
     const Collected full = expect_exact(dem, random_parameters(i, dem));
-    violations += full.metrics.accuracy->relative.z.violation_count;
+    violations += full.metrics.accuracy->relative.z.violation_count.value_or(0);
   }
   EXPECT_GT(violations, 1000);
 }
@@ -203,7 +203,7 @@ TEST(Decide, LimitsThatValuesHit) {
     dem.truth->z.values()[i] += i % 2 == 0 ? 0.1 : -0.1;
   EvaluationParameters parameters = small_region();
   parameters.region_radius_m = 15;
-  for (const double footprint : {1.0, 3.0, 5.0, 9.0}) {
+  for (const double footprint : {5.0, 7.0, 9.0}) {
     for (const double quantile : {0.0, 0.25, 0.5, 0.75, 0.95, 1.0}) {
       parameters.footprint_m = footprint;
       parameters.quantile = quantile;
@@ -218,13 +218,31 @@ TEST(Decide, LimitsThatValuesHit) {
   }
 }
 
-// One of nine values exceeds the limit, and the quantile lies between it and the next.
+// One of 25 values exceeds the limit, and the quantile lies between it and the next.
 TEST(Decide, OneWrongElevation) {
   DemLayers dem = perfect_dem(5);
-  dem.truth->z.at({5, 5}) += 0.9;
+  dem.truth->z.at({5, 5}) += 2.5;
   EvaluationParameters parameters = small_region();
+  parameters.quantile = 0.99;
   parameters.limits.relative_elevation_m = 0.2;
-  EXPECT_EQ(expect_exact(dem, parameters).metrics.requirements.relative_elevation.value, 9);
+  EXPECT_EQ(expect_exact(dem, parameters).metrics.requirements.relative_elevation.value, 25);
+}
+
+TEST(Decide, TooFewBinsAreNotJudged) {
+  const DemLayers dem = scene(GridSpec::centered(20, 1), {.sigma_m = 1, .empty_frac = 0.1});
+  EvaluationParameters parameters = small_region();
+  parameters.region_radius_m = 15;
+  for (const double footprint_m : {1.0, 3.0, 3.99}) {
+    for (const FootprintShape shape : {FootprintShape::square, FootprintShape::disc}) {
+      parameters.footprint_m = footprint_m;
+      parameters.footprint_shape = shape;
+      const Collected full = expect_exact(dem, parameters);
+      EXPECT_EQ(full.metrics.requirements.relative_elevation.reason, kFootprintBins);
+      EXPECT_TRUE(std::ranges::none_of(full.layers.fail.values(), [](std::int8_t flags) {
+        return (flags & (fail_relative_x | fail_relative_y | fail_relative_z)) != 0;
+      }));
+    }
+  }
 }
 
 TEST(Decide, AbsoluteErrorsAtTheLimit) {

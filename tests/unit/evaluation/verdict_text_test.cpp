@@ -17,6 +17,7 @@ Metrics tutorial() {
   m.coverage.largest_hole_bins = 1;
   m.coverage.max_distance_bins = 1;
   AccuracyMetrics& a = m.accuracy.emplace();
+  a.footprint_bins = 35;
   a.absolute.horizontal = {.p95_m = 0.00361, .within_limit_frac = 1};
   a.relative.x = {.p95_m = 0.018, .max_m = 0.0202, .violation_count = 0};
   a.relative.y = {.p95_m = 0.018, .max_m = 0.02, .violation_count = 0};
@@ -60,6 +61,34 @@ TEST(VerdictText, AllPass) {
   m.accuracy->relative.z.violation_count = 0;
   m.requirements = judge(m.coverage, m.accuracy, {});
   EXPECT_EQ(overall_verdict(m), std::string("pass"));
+}
+
+TEST(VerdictText, TooFewBins) {
+  Metrics m = tutorial();
+  EXPECT_EQ(missing_text(m), "");
+  m.accuracy->footprint_bins = 3;
+  m.accuracy->relative = {};
+  m.requirements = judge(m.coverage, m.accuracy, {});
+  for (const std::size_t i : {3U, 4U}) {
+    EXPECT_EQ(verdict_texts(m, {})[i].value, "footprint of 3 x 3 bins");
+    EXPECT_EQ(verdict_texts(m, {})[i].verdict, std::string("not judged"));
+  }
+  EXPECT_EQ(overall_verdict(m), std::string("not judged"));
+  EXPECT_EQ(missing_text(m), "the footprint has fewer than 5 x 5 bins");
+  m.requirements.absolute_horizontal.pass.reset();
+  EXPECT_EQ(missing_text(m), "the footprint has fewer than 5 x 5 bins, and the DEM has no true positions");
+  m.requirements.relative_elevation.reason.reset();
+  EXPECT_EQ(missing_text(m), "the DEM has no true positions");
+  m.accuracy.reset();
+  EXPECT_EQ(missing_text(m), "the DEM has no truth");
+}
+
+TEST(VerdictText, Assumptions) {
+  EXPECT_EQ(
+      assumption_texts({35, 0.05, 3.0, 0.1234}),
+      (std::vector<std::string>{"footprint of 35 x 35 bins", "truth nodes every 0.05 m",
+                                "3 returns per bin (median)", "12.3 % of the bins with a single return"}));
+  EXPECT_EQ(assumption_texts({3}), std::vector<std::string>{"footprint of 3 x 3 bins"});
 }
 
 TEST(VerdictText, NoFootprintToJudge) {

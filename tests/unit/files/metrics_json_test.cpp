@@ -80,13 +80,14 @@ TEST(MetricsJson, NumbersKeepTheirPlaceAndOrder) {
             R"({"p95_m":0.4,"max_m":0.5,"violation_count":6})");
   EXPECT_EQ(json.at("requirements").at("absolute_horizontal").dump(),
             R"({"value":0.97,"limit":0.95,"pass":true})");
-  EXPECT_EQ(json.dump().substr(0, 56), R"({"format":"landfall.metrics","version":1,"pass":true,"re)");
+  EXPECT_EQ(json.dump().substr(0, 56), R"({"format":"landfall.metrics","version":2,"pass":true,"re)");
 }
 
 Metrics with_all_fields() {
   Metrics m;
   m.pass = false;
   m.region = {RegionShape::square, std::nullopt, 5.0, 121};
+  m.assumptions = AssumptionMetrics{35, 0.1, 2.5, 0.25};
   m.coverage = {3, 3.0 / 121, 2, 2, 1, 1.5, 4, {{1, 2}, {1, 1}}};
   m.accuracy.emplace();
   m.accuracy->footprint_bins = 35;
@@ -95,7 +96,7 @@ Metrics with_all_fields() {
   m.accuracy->relative = {{1.0, 2.0, 3}, {4.0, 5.0, 6}, {7.0, 8.0, 9}, RelativeMetrics{1.0, 2.0, 30}};
   m.statistics = {0.99, {1, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0}, {}, {}, ErrorStatistics{2}, {3, 4.0, 5.0}};
   for (const RequirementInfo& info : kRequirementInfo) m.requirements.*info.requirement = {0.5, 0.25, true};
-  m.requirements.relative_elevation = {std::nullopt, 0, std::nullopt};
+  m.requirements.relative_elevation = {std::nullopt, 0, std::nullopt, kFootprintBins};
   m.requirements.hole_distance.value = m.coverage.max_distance_bins;
   m.uncertainty.emplace();
   m.uncertainty->absolute = {
@@ -118,6 +119,27 @@ TEST(MetricsJson, ReadsWhatItWrote) {
     EXPECT_EQ(metrics_from(nlohmann::ordered_json::parse(json.dump())), metrics);
     EXPECT_EQ(metrics_json(metrics_from(json)).dump(), json.dump());
   }
+}
+
+TEST(MetricsJson, OnlyARequirementThatIsNotJudgedHasAReason) {
+  const auto json = metrics_json(with_all_fields());
+  EXPECT_EQ(json.at("requirements").at("relative_elevation").dump(),
+            R"({"value":null,"limit":0.0,"pass":null,"reason":"footprint_bins"})");
+  EXPECT_FALSE(json.at("requirements").at("relative_horizontal").contains("reason"));
+  EXPECT_EQ(
+      json.at("assumptions").dump(),
+      R"({"footprint_bins":35,"truth_spacing_m":0.1,"median_returns_per_bin":2.5,"single_return_frac":0.25})");
+}
+
+TEST(MetricsJson, ReadsVersion1) {
+  auto json = metrics_json(with_all_fields());
+  json["version"] = 1;
+  json.erase("assumptions");
+  json["requirements"]["relative_elevation"].erase("reason");
+  Metrics expected = with_all_fields();
+  expected.assumptions.reset();
+  expected.requirements.relative_elevation.reason.reset();
+  EXPECT_EQ(metrics_from(json), expected);
 }
 
 TEST(MetricsJson, RequirementsAreThoseOfTheTable) {

@@ -23,7 +23,8 @@ EvaluationParameters parameters_of_square() {
   EvaluationParameters parameters;
   parameters.region_shape = RegionShape::square;
   parameters.region_half_width_m = 1;
-  parameters.footprint_m = 0.3;
+  parameters.footprint_m = 0.5;
+  parameters.quantile = 0.99;
   return parameters;
 }
 
@@ -54,8 +55,8 @@ TEST(ReportLayers, KeepsSingleBadBins) {
   const Quantised& error = layer_named(layers, "e_z").values;
   EXPECT_EQ(error.low, -1);
   EXPECT_NEAR(error.offset + error.step * error.codes[1 * 7 + 5], -1, error.step);
-  EXPECT_EQ(layers.fail_counts()[2], 9);  // the footprints of 3 x 3 bins that hold it
-  EXPECT_EQ(evaluation.metrics.accuracy->relative.z.violation_count, 9);
+  EXPECT_EQ(layers.fail_counts()[2], 25);  // the footprints of 5 x 5 bins that hold it
+  EXPECT_EQ(evaluation.metrics.accuracy->relative.z.violation_count, 25);
 }
 
 TEST(ReportLayers, CountsTheErrorsOfTheRegion) {

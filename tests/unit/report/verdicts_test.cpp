@@ -45,6 +45,12 @@ TEST(VerdictTable, LeavesOpenWhatIsNotJudged) {
                         "<td><span class=\"verdict unjudged\">not judged</span>"));
 }
 
+TEST(Assumptions, AreAParagraph) {
+  EXPECT_EQ(assumptions_html({35, 0.05}),
+            "<p class=\"note\" id=\"assumptions\">Assumptions: footprint of 35 x 35 bins; truth nodes every "
+            "0.05 m.</p>");
+}
+
 TEST(VerdictBanner, CountsTheMissedOnes) {
   EXPECT_THAT(verdict_banner_html(metrics_of()), HasSubstr("FAIL: 2 of 6 requirements missed<"));
   Metrics metrics = metrics_of();
@@ -55,6 +61,9 @@ TEST(VerdictBanner, CountsTheMissedOnes) {
   metrics.requirements.relative_elevation.pass = std::nullopt;
   metrics.pass = std::nullopt;
   EXPECT_THAT(verdict_banner_html(metrics), HasSubstr("class=\"banner unjudged\""));
+  metrics.requirements.relative_elevation.reason = kFootprintBins;
+  EXPECT_THAT(verdict_banner_html(metrics),
+              HasSubstr("not judged: 1 of 6 not judged: the footprint has fewer than 5 x 5 bins<"));
   metrics.requirements.coverage.pass = false;
   EXPECT_THAT(verdict_banner_html(metrics), HasSubstr("FAIL: 1 of 6 requirements missed, 1 of 6 not judged"));
 }
