@@ -13,7 +13,9 @@
 #include "cli/standard_streams.h"
 #include "cli/tool.h"
 #include "config/chain_config.h"
+#include "config/import_config.h"
 #include "config/stage_sections.h"
+#include "exports/terrain_output.h"
 #include "files/landfall_file.h"
 #include "output/output_path.h"
 #include "tools.h"
@@ -63,17 +65,22 @@ void bind(CLI::App& app, Options& o) {
   cli::bind_meeting_options(app, o.rules);
 }
 
-/// Sections of --set may be presets too.
+/// Sections of --set may be presets too, and --from replaces that of the terrain.
 void complete(JsonSource& source, Options& o) {
   expand_stage_sections(source);
-  if (!o.from.empty()) o.replaces_terrain = source.value.erase("terrain") > 0;
+  if (!o.from.empty()) {
+    o.replaces_terrain = source.value.contains("terrain");
+    source.value["terrain"] = import_section(o.from, o.center);
+  }
   fill_area(source.value, true);
+  import_terrain(source,
+                 [](const DemBase& dem, const SiteRequest& request) { return fit_site_of(dem, request); });
 }
 
 cli::ChainRequest request_of(const cli::Session& session, const Options& o) {
   const fs::path folder = session.options().output_path;
   if (folder.empty()) throw UsageError("-o/--output is required: the folder of the outputs");
-  return {folder, o.from, o.center, o.require_pass, o.require_safe, o.rules};
+  return {folder, o.require_pass, o.require_safe, o.rules};
 }
 
 void make_folder(const fs::path& folder) {
@@ -220,7 +227,7 @@ int start(int argc, const char* const* argv, cli::Invocation* invocation) {
   tool.bind = [&](CLI::App& app) { bind(app, options); };
   tool.complete = [&](JsonSource& source) { complete(source, options); };
   tool.check = [&](const cli::Session& session) {
-    check_chain_config(session.config(), session.config_name(), !options.from.empty());
+    check_chain_config(session.config(), session.config_name());
   };
   tool.run = [&](cli::Session& session) { return run(session, options); };
   return cli::tool_main(argc, argv, tool, invocation);

@@ -13,6 +13,7 @@
 #include "cli/tool.h"
 #include "config/dem_config.h"
 #include "config/draws_config.h"
+#include "config/import_config.h"
 #include "config/stage_sections.h"
 #include "exports/terrain_output.h"
 #include "files/table_reader.h"
@@ -156,6 +157,8 @@ int start(int argc, const char* const* argv, cli::Invocation* invocation) {
   tool.complete = [](JsonSource& source) {
     expand_stage_sections(source);
     fill_area(source.value, false);
+    import_terrain(source,
+                   [](const DemBase& dem, const SiteRequest& request) { return fit_site_of(dem, request); });
   };
   tool.check = [&](const cli::Session& session) { check_config(session, options); };
   tool.run = [&](cli::Session& session) { return run(session, options); };

@@ -11,8 +11,6 @@
 #include "config/terrain_config.h"
 #include "exports/terrain_output.h"
 #include "files/current_output.h"
-#include "files/raster_screening.h"
-#include "terrain/gdal/gdal_loader.h"
 #include "tools.h"
 
 namespace landfall::terrain_gen {
@@ -103,8 +101,7 @@ void expand(JsonSource& source, const ImportOptions& import, const cli::CommonOp
 void complete(JsonSource& source, const Options& o) {
   if (o.import.from.empty() || is_export(o.import)) return;
   complete_import(source, o.import, [&](const DemBase& dem, const SiteRequest& request) {
-    screen_raster(dem, o.links);
-    return fit_dem_site(dem, request, o.links);
+    return fit_site_of(dem, request, o.links);
   });
 }
 

@@ -38,16 +38,7 @@ void add_outputs(ChainStage& stage, const fs::path& output,
 
 ChainStage terrain_stage(const Json& config, const ChainRequest& request) {
   ChainStage stage{"terrain-gen", {}, {}};
-  if (request.from.empty()) {
-    add_section(stage.arguments, config.at("terrain"));
-  } else {
-    stage.arguments = {"--from", request.from};
-    if (!request.center.empty()) stage.arguments.insert(stage.arguments.end(), {"--center", request.center});
-    const Json grid = config.at("terrain").value("grid", Json::object());
-    for (const auto& [key, option] :
-         {std::pair{"half_width_m", "--half-width"}, std::pair{"resolution_m", "--resolution"}})
-      if (grid.contains(key)) stage.arguments.insert(stage.arguments.end(), {option, grid[key].dump()});
-  }
+  add_section(stage.arguments, config.at("terrain"));
   add_outputs(stage, request.folder / "terrain.h5", {});
   return stage;
 }

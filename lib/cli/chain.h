@@ -16,8 +16,6 @@ namespace landfall::cli {
 /// The wishes that the options of `landfall run` express beside the configuration.
 struct ChainRequest {
   std::filesystem::path folder;
-  std::string from;    ///< a raster in place of the terrain's section
-  std::string center;  ///< its site, "X,Y"; empty: the middle
   bool require_pass = false;
   bool require_safe = false;
   MeetingRules rules = {};

@@ -22,10 +22,9 @@ void check_section(const std::string& stage, const JsonSource& section) {
 
 }  // namespace
 
-void check_chain_config(const nlohmann::json& resolved, const std::string& name, bool imports) {
+void check_chain_config(const nlohmann::json& resolved, const std::string& name) {
   for (const std::string& stage : stage_sections()) {
-    if (resolved.at(stage).is_null() || (imports && stage == "terrain")) continue;
-    check_section(stage, {name + ": /" + stage, resolved.at(stage)});
+    if (!resolved.at(stage).is_null()) check_section(stage, {name + ": /" + stage, resolved.at(stage)});
   }
 }
 

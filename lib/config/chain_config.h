@@ -7,8 +7,7 @@
 namespace landfall {
 
 /// Checks the sections of a resolved configuration of `landfall run` as the tools check theirs, but for files
-/// that they name. Throws UsageError that begins with `name` and the section. `imports`: the terrain comes
-/// from a raster, and its section is not used.
-void check_chain_config(const nlohmann::json& resolved, const std::string& name, bool imports);
+/// that they name. Throws UsageError that begins with `name` and the section.
+void check_chain_config(const nlohmann::json& resolved, const std::string& name);
 
 }  // namespace landfall

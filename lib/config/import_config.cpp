@@ -21,7 +21,16 @@
 namespace landfall {
 namespace {
 
+namespace fs = std::filesystem;
 using Json = nlohmann::json;
+
+/// Whether /terrain of a configuration with stage sections names a raster or mesh.
+bool is_import(const Json& config) {
+  if (!config.is_object() || !config.contains("terrain")) return false;
+  const Json& terrain = config["terrain"];
+  return terrain.is_object() && terrain.contains("from") && terrain["from"].is_string() &&
+         terrain["from"] != "";
+}
 
 /// 60 becomes an integer and 60.0 a float, as in a JSON file: the hash depends on it.
 Json number_of(const std::string& text, const char* option) {
@@ -105,14 +114,29 @@ void set_up(JsonSource& source, const ImportOptions& options) {
   source.value["mesh"]["up"] = options.up;
 }
 
+/// Merges what the configuration says of the base, or of the mesh, over what the import makes of it.
+void merge_import(JsonSource& source, const char* part, Json made) {
+  const std::string where = source.name + ": /" + part;
+  const Json given = source.value.value(part, Json::object());
+  if (!given.is_object())
+    throw UsageError(where + ": the configuration has a " + part + " and the import makes one; remove one");
+  const Json type = made.value("type", Json());
+  if (given.value("type", type) != type)
+    throw UsageError(where + "/type: " + abbreviated(given["type"].dump()) +
+                     ": the import makes a base of type \"dem\"; remove this base or the import");
+  for (const auto& [key, value] : given.items())
+    if (key != "type" && made.contains(key))
+      throw UsageError(where + "/" + key + ": the import gives it too; remove one");
+  made.update(given);
+  source.value[part] = std::move(made);
+}
+
 void apply_mesh_import(JsonSource& source, const ImportOptions& options) {
   if (!fits_a_mesh(options))
     throw UsageError("--from " + options.from +
                      ": options of rasters and grids do not apply to a mesh; set mesh.scale_m, "
                      "mesh.translate_m and mesh.rotate_rpy_deg instead");
-  if (source.value.contains("mesh"))
-    throw UsageError(source.name + ": /mesh: the configuration has a mesh and --from names one; remove one");
-  source.value["mesh"] = {{"path", options.from}};
+  merge_import(source, "mesh", {{"path", options.from}});
   set_up(source, options);
 }
 
@@ -121,12 +145,7 @@ void apply_mesh_import(JsonSource& source, const ImportOptions& options) {
 void apply_import(JsonSource& source, const ImportOptions& options) {
   if (is_mesh_name(options.from)) return apply_mesh_import(source, options);
   set_up(source, options);
-  if (!options.from.empty()) {
-    if (source.value.contains("base"))
-      throw UsageError(source.name +
-                       ": /base: the configuration has a base and --from makes one; remove one");
-    source.value["base"] = imported_base(options);
-  }
+  if (!options.from.empty()) merge_import(source, "base", imported_base(options));
   set_in_grid(source, "half_width_m", options.half_width, "--half-width");
   set_in_grid(source, "resolution_m", options.resolution, "--resolution");
 }
@@ -154,6 +173,48 @@ void complete_import(JsonSource& source, const ImportOptions& options, const Sit
   const SiteSize size = fit(dem_base(resolved.at("base")), request);
   if (!request.half_width_m) source.value["grid"]["half_width_m"] = plain_number(size.half_width_m);
   if (!request.resolution_m) source.value["grid"]["resolution_m"] = plain_number(size.resolution_m);
+}
+
+Json import_section(const std::string& from, const std::string& center) {
+  Json section = {{"from", from}};
+  if (!center.empty()) section["center"] = pair_of(center, "--center");
+  return section;
+}
+
+void place_import(Json& config, const fs::path& folder) {
+  if (!is_import(config)) return;
+  Json& from = config["terrain"]["from"];
+  const auto name = from.get<std::string>();
+  const fs::path placed = folder / name;
+  std::error_code unreachable;
+  const bool is_gdal_name = name.find(':') != std::string::npos && !fs::exists(placed, unreachable);
+  if (!is_gdal_name) from = placed.string();
+}
+
+void import_terrain(JsonSource& config, const SiteFitter& fit) {
+  if (!config.value.is_object() || !config.value.contains("terrain")) return;
+  JsonSource terrain{config.name + ": /terrain", config.value["terrain"]};
+  if (!terrain.value.is_object()) return;
+  const Json center = terrain.value.value("center", Json());
+  if (!terrain.value.contains("from") && !center.is_null())
+    throw UsageError(terrain.name + "/center: is the site of a raster; give terrain.from too");
+  const bool is_pair =
+      center.is_array() && center.size() == 2 && center[0].is_number() && center[1].is_number();
+  if (!is_import(config.value) || !(is_pair || center.is_null())) return;
+  ImportOptions options;
+  options.from = terrain.value["from"].get<std::string>();
+  if (is_pair) options.center = center[0].dump() + "," + center[1].dump();
+  terrain.value.erase("from");
+  terrain.value.erase("center");
+  const bool is_mesh = is_mesh_name(options.from);
+  if (is_mesh && is_pair)
+    throw UsageError(terrain.name +
+                     "/center: is the site of a raster; set terrain.mesh.translate_m for a mesh");
+  if (!is_mesh && terrain.value.contains("mesh"))
+    throw UsageError(terrain.name + ": /mesh: the import of " + options.from + " makes a base; remove one");
+  apply_import(terrain, options);
+  complete_import(terrain, options, fit);
+  config.value["terrain"] = std::move(terrain.value);
 }
 
 }  // namespace landfall

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <filesystem>
 #include <functional>
 #include <string>
 
@@ -31,8 +32,9 @@ struct ImportOptions {
 };
 
 /// Writes the options, UTF-8, into a configuration as a file would contain them, so that the same run has the
-/// same resolved configuration either way. Throws UsageError naming the option if a text is not a number or
-/// not a pair of numbers, naming both if the configuration already has a base, and for up without a mesh.
+/// same resolved configuration either way. Other keys of /base, or of /mesh, are merged over those of the
+/// import. Throws UsageError naming the option if a text is not a number or not a pair of numbers, naming the
+/// key if the configuration has another base or gives a key of the import too, and for up without a mesh.
 void apply_import(JsonSource& source, const ImportOptions& options);
 
 /// For --from with a terrain.h5, which is exported unchanged: throws UsageError if the run is `configured` or
@@ -47,5 +49,18 @@ using SiteFitter = std::function<SiteSize(const DemBase& dem, const SiteRequest&
 /// assignments do not set them. Throws UsageError if an assignment replaced the base, and as `fit`
 /// does.
 void complete_import(JsonSource& source, const ImportOptions& options, const SiteFitter& fit);
+
+/// The section terrain that --from and --center, "X,Y" or empty, stand for. Throws as apply_import() does.
+[[nodiscard]] nlohmann::json import_section(const std::string& from, const std::string& center);
+
+/// Joins /terrain/from to the folder of the file that it is read from. Absolute paths and names that are no
+/// file there but one of GDAL's (NETCDF:"f.h5":z) stay.
+void place_import(nlohmann::json& config, const std::filesystem::path& folder);
+
+/// Replaces from and center of the section /terrain by the base, or mesh, and the grid that terrain-gen
+/// --from and --center give, merged with the rest of the section. Values of another type than the schema's
+/// are left for it to refuse. Throws UsageError, naming the section, as apply_import() and complete_import()
+/// do, and for a centre without a raster.
+void import_terrain(JsonSource& config, const SiteFitter& fit);
 
 }  // namespace landfall

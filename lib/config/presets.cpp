@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "config/presets.h"
 
+#include <filesystem>
 #include <string_view>
 
 #include "base/error.h"
 #include "base/joined.h"
 #include "base/shown_text.h"
 #include "config/embedded_presets.h"
+#include "config/import_config.h"
 #include "config/schema.h"
 #include "config/stage_sections.h"
 
@@ -53,7 +55,9 @@ void note_leftovers(JsonSource& merged, const JsonSource& next, const nlohmann::
 JsonSource read_one(const std::string& name, const std::string& schema) {
   JsonSource source =
       name.starts_with(kPrefix) ? read_preset(name.substr(kPrefix.size()), schema) : read_json(name);
-  if (has_stage_sections(schema)) expand_stage_sections(source);
+  if (!has_stage_sections(schema)) return source;
+  expand_stage_sections(source);
+  place_import(source.value, std::filesystem::path(name).parent_path());
   return source;
 }
 

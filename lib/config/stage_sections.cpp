@@ -11,6 +11,7 @@
 #include "config/plain_number.h"
 #include "config/presets.h"
 #include "config/schema.h"
+#include "terrain/mesh/mesh_name.h"
 
 namespace landfall {
 namespace {
@@ -72,9 +73,14 @@ void fill(Json& object, const char* key, const std::optional<double>& value) {
   if (value && object.is_object() && !object.contains(key)) object[key] = plain_number(*value);
 }
 
+bool is_mesh_import(const Json& terrain) {
+  const Json from = terrain.value("from", Json());
+  return from.is_string() && is_mesh_name(from.get<std::string>());
+}
+
 void fill_terrain(Json& terrain, const std::optional<double>& half_width_m,
                   const std::optional<double>& resolution_m) {
-  if (!terrain.is_object() || terrain.contains("mesh")) return;
+  if (!terrain.is_object() || terrain.contains("mesh") || is_mesh_import(terrain)) return;
   if (!terrain.contains("grid")) terrain["grid"] = Json::object();
   Json& grid = terrain["grid"];
   fill(grid, "resolution_m", resolution_m);

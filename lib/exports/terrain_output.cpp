@@ -193,6 +193,11 @@ TerrainContent build_in_strips(const TerrainConfig& config, const DemLoader& loa
 
 }  // namespace
 
+SiteSize fit_site_of(const DemBase& dem, const SiteRequest& request, RasterLinks links) {
+  screen_raster(dem, links);
+  return fit_dem_site(dem, request, links);
+}
+
 std::vector<std::string> input_files(const TerrainConfig& config, const std::filesystem::path& path,
                                      RasterLinks links) {
   if (config.mesh) return {config.mesh->path};

@@ -16,6 +16,7 @@
 #include "files/terrain_file.h"
 #include "terrain/mesh/polygon_soup.h"
 #include "terrain/relief/dem_raster.h"
+#include "terrain/relief/site_fit.h"
 
 namespace landfall {
 
@@ -40,6 +41,10 @@ struct TerrainContent {
   /// Remarks on a site that does not suit its raster; the parts of a mesh file that are not read.
   std::vector<std::string> warnings = {};
 };
+
+/// fit_dem_site() for a raster that is screened before GDAL opens it (screen_raster()).
+[[nodiscard]] SiteSize fit_site_of(const DemBase& dem, const SiteRequest& request,
+                                   RasterLinks links = RasterLinks::refused);
 
 /// The files of the mesh or of the rasters, which an output at `path` must not replace. The files of a raster
 /// are looked up only if there is a file to replace.

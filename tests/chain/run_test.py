@@ -263,6 +263,61 @@ class Run(ToolTest):
         self.run_chain("--from", self.path("ground.tif"), "--center", "3,2")
         self.assertEqual(self.states(), before)
 
+    def ground(self):
+        """A raster in a folder of its own."""
+        os.mkdir(self.path("chains"))
+        self.succeed("terrain-gen", "-o", self.path("ground.h5"), "--set", "grid.half_width_m=40", "--set", "base.slope_x=0.05",
+                     "--set", "grid.resolution_m=1")
+        self.succeed("terrain-gen", "--from", self.path("ground.h5"), "-o", self.path("chains/ground.tif"))
+
+    def test_a_chain_file_names_its_raster_and_site(self):
+        self.ground()
+        cone = {"type": "cone", "radius_m": 1, "height_m": 0.5}
+        terrain = {"from": "ground.tif", "center": [3, 2], "base": {"datum": "none"}, "features": [cone]}
+        for area, sizes in [(CHAIN["area"], ["--half-width", "15", "--resolution", "0.1"]), ({}, [])]:
+            chain = self.config({**CHAIN, "area": area, "terrain": terrain}, "chains/chain.json")
+            printed = json.loads(self.succeed("landfall", "run", "-c", chain, "-o", "x", "--print-config", cwd=self.folder).stdout)["terrain"]
+            self.assertEqual(printed["base"], {"type": "dem", "path": self.path("chains/ground.tif"), "center": [3, 2], "datum": "none"})
+            single = self.config({"base": {"datum": "none"}, "features": [cone]}, "single.json")
+            self.succeed("terrain-gen", "--from", self.path("chains/ground.tif"), "--center", "3,2", *sizes, "-c", single, "-O", "-o", self.path("site.h5"))
+            self.assertEqual(printed["grid"], config_of(self.path("site.h5"))["grid"])
+            if sizes:
+                result = run("landfall", "run", "-c", "chains/chain.json", "-o", "out", cwd=self.folder)
+                self.assertEqual(result.returncode, 0, result.stderr)
+                self.assertEqual(read_bytes(self.out("terrain.h5")), read_bytes(self.path("site.h5")))
+
+    def test_a_mesh_in_place_of_a_raster(self):
+        self.succeed("terrain-gen", "-o", self.path("m.h5"), "--set", "grid.half_width_m=20", "--set", "grid.resolution_m=1")
+        self.succeed("terrain-gen", "--from", self.path("m.h5"), "-o", self.path("mesh.obj"))
+        self.run_chain(chain={**CHAIN, "terrain": {"from": "mesh.obj", "mesh": {"scale_m": 2}}})
+        self.succeed("terrain-gen", "-c", self.config({"mesh": {"path": self.path("mesh.obj"), "scale_m": 2}}), "-o", self.path("single.h5"))
+        self.assertEqual(read_bytes(self.out("terrain.h5")), read_bytes(self.path("single.h5")))
+
+    def test_campaigns_take_the_raster_of_a_chain_file(self):
+        self.ground()
+        common = {"draws": 2, "area": CHAIN["area"], "scan": SCAN, "eval": CHAIN["eval"], "layers": False}
+        named = self.config({**common, "terrain": {"from": "ground.tif", "center": [3, 2]}}, "chains/mc.json")
+        base = {"type": "dem", "path": self.path("chains/ground.tif"), "center": [3, 2]}
+        plain = self.config({**common, "terrain": {"base": base, "grid": {"half_width_m": 15, "resolution_m": 0.1}}}, "plain.json")
+        for name, path in [("a.h5", named), ("b.h5", plain)]:
+            self.succeed("monte-carlo", "-c", path, "-o", self.path(name))
+        self.assertEqual(read_bytes(self.path("a.h5")), read_bytes(self.path("b.h5")))
+
+    def test_a_raster_that_the_section_contradicts_is_refused(self):
+        self.ground()
+        for terrain, words in [({"from": 5}, "chain.json: /terrain/from: 5 is of type integer"),
+                               ({"from": "g.tif", "center": [1]}, "chain.json: /terrain/center: an array of 1"),
+                               ({"center": [1, 2]}, "chain.json: /terrain/center: is the site of a raster; give terrain.from too"),
+                               ({"from": "g.tif", "base": {"type": "plane"}}, "chain.json: /terrain: /base/type: "),
+                               ({"from": "g.tif", "base": {"path": "h.tif"}}, "chain.json: /terrain: /base/path: "),
+                               ({"from": "g.tif", "center": [1, 2], "base": {"center": [1, 2]}}, "chain.json: /terrain: /base/center: "),
+                               ({"from": "g.tif", "mesh": {"path": "m.obj"}}, "chain.json: /terrain: /mesh: "),
+                               ({"from": "m.obj", "center": [1, 2]}, "chain.json: /terrain/center: is the site of a raster; set terrain.mesh"),
+                               ({"from": "g.tif", "base": {"dataum": "none"}}, "chain.json: /terrain: /base/dataum: unknown key")]:
+            with self.subTest(words):
+                self.assertIn(words, self.run_chain(code=2, chain={**CHAIN, "terrain": terrain}).stderr)
+                self.assertFalse(os.path.exists(self.path("out")))
+
     def test_without_hazards(self):
         self.run_chain(chain={**CHAIN, "hazard": None})
         self.assertEqual(sorted(os.listdir(self.path("out"))), sorted({*OUTPUTS, STATE} - {"hazards.h5", "hazards.html", "sites.json"}))

@@ -233,6 +233,24 @@ os.kill(os.getpid(), signal.SIGKILL)"""
 
 
 class Failures(ModelTest):
+    def test_a_terrain_that_names_its_raster(self):
+        for name, words in [("g.h5", ["--set", "grid.half_width_m=30", "--set", "grid.resolution_m=1", "--set", "base.slope_x=0.1"]),
+                            ("g.tif", ["--from", self.path("g.h5")])]:
+            subprocess.run([os.path.join(BIN, "terrain-gen"), *words, "-o", self.path(name)], check=True)
+        os.mkdir(self.path("sub"))
+        named = {"from": "../g.tif", "center": [3, 2], "grid": {"half_width_m": 6}, "features": BASE["terrain"]["features"]}
+        plain = {"base": {"type": "dem", "path": self.path("g.tif"), "center": [3, 2]}, "grid": {"half_width_m": 6, "resolution_m": 1},
+                 "features": BASE["terrain"]["features"]}
+        self.assertEqual(runs.read_base({"terrain": named}, self.path("sub"), "x")["terrain"], runs.resolved("terrain", plain))
+        self.write(named, "sub/t")
+        self.assertEqual(runs.read_base({"terrain": "sub/t.json"}, self.folder, "x")["terrain"], runs.resolved("terrain", plain))
+        for wrong, words in [({"center": [1, 2]}, "terrain.from: is needed"), ({"from": 5}, "terrain.from: 5 is not"),
+                             ({"from": "g.tif", "center": 3}, "terrain.center: 3 is not"), ({"from": "none.tif"}, "none.tif"),
+                             ({"from": "g.tif", "base": {"type": "plane"}}, "/base/type")]:
+            with self.assertRaises(UsageError) as caught:
+                runs.read_base({"terrain": wrong}, self.folder, "x")
+            self.assertIn(words, str(caught.exception))
+
     def test_a_refused_row_is_nan_and_says_why(self):
         """In a campaign and in a chain; the other rows have their values."""
         of = self.of([SIGMA, DRAW], [LARGEST])

@@ -4,6 +4,7 @@
 import json
 import os
 import re
+import subprocess
 import unittest
 
 from case import BASE, BIN, LIMITS, RESOLUTIONS, SIGMAS, StudyTest, read, study
@@ -172,6 +173,15 @@ class Plans(StudyTest):
         self.plan(study(SIGMAS, set={"eval.region": {"shape": "mask", "path": "mask.h5"}}), "--no-check")
         lines = read(self.out("study.mk")).decode().splitlines()
         self.assertEqual(sum(line.startswith("$O/metrics/") and self.path("mask.h5") in line for line in lines), 3)
+
+    def test_the_raster_that_a_terrain_names_is_one(self):
+        for name, words in [("g.h5", ["--set", "grid.half_width_m=30", "--set", "grid.resolution_m=1"]), ("g.tif", ["--from", self.path("g.h5")])]:
+            subprocess.run([os.path.join(BIN, "terrain-gen"), *words, "-o", self.path(name)], check=True)
+        tree = study(SIGMAS)
+        tree["base"]["terrain"] |= {"from": "g.tif", "center": [3, 2]}
+        self.plan(tree, "--no-check")
+        lines = read(self.out("study.mk")).decode().splitlines()
+        self.assertEqual(sum(line.startswith("$O/terrain/") and self.path("g.tif") in line for line in lines), 1)
 
     def test_names_that_make_cannot_handle(self):
         with open(self.path("my mask.h5"), "w", encoding="utf-8") as file:

@@ -2,12 +2,13 @@
 """A study: its cases, and the configuration of each stage in each case."""
 import copy
 import itertools
+import json
 import math
 import os
 from dataclasses import dataclass, field
 
 from landfall import tools
-from landfall.errors import UsageError
+from landfall.errors import ToolError, UsageError
 from landfall.schema import default_at, read_json, shown, type_of
 
 TOOLS = {"terrain": "terrain-gen", "scan": "scan-sim", "regrid": "regrid", "eval": "dem-eval", "hazard": "hazard-map", "draws": "monte-carlo"}
@@ -188,13 +189,32 @@ def config_path(name, stage, folder):
 
 def read_config(given, stage, folder):
     """A stage's configuration, given as an object or by a name (config_path). Throws UsageError, naming the file."""
-    if isinstance(given, dict):
-        return plain_numbers(with_full_paths(given, os.path.abspath(folder)))
-    path = config_path(given, stage, folder)
-    config = read_json(path)
-    if not isinstance(config, dict):
-        raise UsageError(f"{path}: {shown(config)} is of type {type_of(config)}, not object")
-    return plain_numbers(with_full_paths(config, os.path.dirname(os.path.abspath(path))))
+    config = given
+    if not isinstance(given, dict):
+        path = config_path(given, stage, folder)
+        config, folder = read_json(path), os.path.dirname(os.path.abspath(path))
+        if not isinstance(config, dict):
+            raise UsageError(f"{path}: {shown(config)} is of type {type_of(config)}, not object")
+    config = plain_numbers(with_full_paths(config, os.path.abspath(folder)))
+    return imported_terrain(config, folder) if stage == "terrain" and {"from", "center"} & config.keys() else config
+
+
+def imported_terrain(config, folder):
+    """The configuration, with all defaults, of a terrain that names its raster or mesh and its site by "from" and "center", as a chain file does.
+    Throws UsageError with the message of terrain-gen."""
+    source, center = config.get("from"), config.get("center")
+    if not isinstance(source, str) or not source:
+        raise UsageError("terrain.from: " + ("is needed by terrain.center" if source is None else f"{shown(source)} is not the name of a raster or mesh"))
+    words = ["--from", with_full_paths({"path": source}, os.path.abspath(folder))["path"]]
+    if center is not None:
+        if not isinstance(center, list) or len(center) != 2:
+            raise UsageError(f"terrain.center: {shown(center)} is not an array of 2 numbers")
+        words.append(f"--center={center[0]},{center[1]}")
+    rest = {key: value for key, value in config.items() if key not in ("from", "center")}
+    try:
+        return json.loads(tools.run_tool(tools.find("terrain-gen"), "-c", "-", *words, "--print-config", "-q", input=json.dumps(rest)).stdout)
+    except ToolError as error:
+        raise UsageError(str(error)) from error
 
 
 def configuration(study, stage, indices, repeated=True):

@@ -31,6 +31,38 @@ TEST(ImportConfig, SizesGoIntoTheGrid) {
   EXPECT_EQ(source.value["base"], Json({{"type", "dem"}, {"path", "a.tif"}}));
 }
 
+TEST(ImportConfig, TheRestOfTheBaseIsMergedOverTheImport) {
+  JsonSource source{"c.json", {{"base", {{"datum", "none"}, {"center_pixel", {1, 2}}}}}};
+  ImportOptions options;
+  options.from = "a.tif";
+  options.band = "2";
+  apply_import(source, options);
+  EXPECT_EQ(
+      source.value["base"],
+      Json({{"type", "dem"}, {"path", "a.tif"}, {"band", 2}, {"datum", "none"}, {"center_pixel", {1, 2}}}));
+  EXPECT_EQ(refused({{"base", {{"band", 2}}}}, options),
+            "c.json: /base/band: the import gives it too; remove one");
+  EXPECT_EQ(refused({{"base", {{"type", "plane"}}}}, options),
+            "c.json: /base/type: \"plane\": the import makes a base of type \"dem\"; remove this base or the "
+            "import");
+  EXPECT_EQ(refused({{"base", Json::array()}}, options),
+            "c.json: /base: the configuration has a base and the import makes one; remove one");
+}
+
+/// /terrain/from after place_import().
+std::string placed(const std::string& from, const std::string& folder) {
+  Json config = {{"terrain", {{"from", from}}}};
+  place_import(config, folder);
+  return config["terrain"]["from"];
+}
+
+TEST(ImportConfig, ARasterLiesBesideTheFileThatNamesIt) {
+  EXPECT_EQ(placed("a.tif", ""), "a.tif");
+  EXPECT_EQ(placed("a.tif", "chains"), "chains/a.tif");
+  EXPECT_EQ(placed("/data/a.tif", "chains"), "/data/a.tif");
+  EXPECT_EQ(placed("NETCDF:\"a.h5\":z", "chains"), "NETCDF:\"a.h5\":z");
+}
+
 TEST(ImportConfig, AGridThatIsNoneIsRefused) {
   const Json config = {{"grid", 5}};
   EXPECT_EQ(refused(config, sizes("60", "")),
