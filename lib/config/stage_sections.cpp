@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Decisions: D412
+// Decisions: D412, D460
 #include "config/stage_sections.h"
 
 #include <algorithm>
@@ -19,6 +19,8 @@ namespace {
 using Json = nlohmann::json;
 
 constexpr double kTerrainMargin = 10;  // m
+constexpr double kFineSpacing = 0.1;   // m; no terrain needs finer nodes than this because of a footprint
+constexpr double kNodesPerFootprint = 17;
 
 /// Merges as RFC 7396 does, but keeps a null: it removes a key from what the result is merged over.
 void merge_keeping_nulls(Json& base, const Json& changes) {
@@ -78,6 +80,20 @@ bool is_mesh_import(const Json& terrain) {
   return from.is_string() && is_mesh_name(from.get<std::string>());
 }
 
+/// The number nearest to a multiple in decimal: 40.1, not 401 * 0.1 = 40.1000000000000001.
+double rounded(double length_m) { return std::round(length_m * 1e9) / 1e9; }
+
+/// The node spacing of a terrain under bins of this width: coarse bins do not make the ground that a
+/// footprint is judged by coarse (D460).
+std::optional<double> terrain_spacing(const std::optional<double>& resolution_m, const Json& eval) {
+  if (!resolution_m) return std::nullopt;
+  const Json footprint_m =
+      default_at(eval.is_object() ? eval : Json::object(), embedded_schema("eval"), "/footprint_m");
+  if (!footprint_m.is_number()) return resolution_m;  // of a section that is refused later
+  return std::min(*resolution_m,
+                  rounded(std::max(kFineSpacing, footprint_m.get<double>() / kNodesPerFootprint)));
+}
+
 void fill_terrain(Json& terrain, const std::optional<double>& half_width_m,
                   const std::optional<double>& resolution_m) {
   if (!terrain.is_object() || terrain.contains("mesh") || is_mesh_import(terrain)) return;
@@ -115,9 +131,7 @@ void expand_stage_sections(JsonSource& source) {
 }
 
 double terrain_half_width(double half_width_m, double resolution_m) {
-  const double nodes = std::ceil((half_width_m + kTerrainMargin) / resolution_m - 1e-9);
-  // The number nearest to the multiple in decimal: 40.1, not 401 * 0.1 = 40.1000000000000001.
-  return std::round(nodes * resolution_m * 1e9) / 1e9;
+  return rounded(std::ceil((half_width_m + kTerrainMargin) / resolution_m - 1e-9) * resolution_m);
 }
 
 void fill_area(Json& config, bool makes_all) {
@@ -131,7 +145,8 @@ void fill_area(Json& config, bool makes_all) {
   for (const std::string& stage : stage_sections())
     if (!config.contains(stage) && (makes_all || stage == "regrid" || stage == "eval"))
       config[stage] = Json::object();
-  if (config.contains("terrain")) fill_terrain(config["terrain"], half_width_m, resolution_m);
+  if (config.contains("terrain"))
+    fill_terrain(config["terrain"], half_width_m, terrain_spacing(resolution_m, config["eval"]));
   fill(config["regrid"], "half_width_m", half_width_m);
   fill(config["regrid"], "resolution_m", resolution_m);
   fill_region(config["eval"], area, radius_m);

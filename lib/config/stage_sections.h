@@ -21,10 +21,10 @@ namespace landfall {
 void expand_stage_sections(JsonSource& source);
 
 /// Fills in what /area gives and a section leaves out (docs/user/landfall.md): half_width_m and resolution_m
-/// of /regrid and, 10 m wider and rounded up to its nodes, of /terrain/grid; region, and the
-/// region_radius_m (half_width_m if it is not given) of a circle, of /eval and of /hazard. Missing sections
-/// of regrid and eval are made, the others only if `makes_all`. A mesh has no grid. Values of another type
-/// than the schema's are left for it to refuse.
+/// of /regrid and, 10 m wider, rounded up to its nodes and with a spacing of at most max(0.1 m,
+/// footprint/17), of /terrain/grid; region, and the region_radius_m (half_width_m if it is not given) of a
+/// circle, of /eval and of /hazard. Missing sections of regrid and eval are made, the others only if
+/// `makes_all`. A mesh has no grid. Values of another type than the schema's are left for it to refuse.
 void fill_area(nlohmann::json& config, bool makes_all);
 
 /// The half width of a terrain under a map of this half width.

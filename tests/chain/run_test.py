@@ -229,14 +229,28 @@ class Run(ToolTest):
         again = run("landfall", "run", "-c", "preset:paper", "-c", changes, "-o", "x", "--print-config")
         self.assertEqual(json.loads(again.stdout)["scan"]["noise"], {"range_sigma_m": paper["noise"]["range_sigma_m"], "dropout_frac": 0.5})
 
+    def grid(self, area, **sections):
+        """The grid that an area gives the terrain."""
+        return json.loads(self.run_chain("--print-config", chain={"area": area, **sections}).stdout)["terrain"]["grid"]
+
     def test_the_terrain_is_ten_metres_wider_by_whole_nodes(self):
-        for half_width_m, resolution_m, wanted in [(50, 0.05, 60), (5.1, 0.3, 15.3), (30.1, 0.7, 40.6), (0.3, 0.1, 10.3)]:
-            chain = {"area": {"half_width_m": half_width_m, "resolution_m": resolution_m}}
-            grid = json.loads(self.run_chain("--print-config", chain=chain).stdout)["terrain"]["grid"]
-            self.assertEqual(grid, {"half_width_m": wanted, "resolution_m": resolution_m})
-        chain = {"area": {"half_width_m": 5, "resolution_m": 0.1}, "terrain": {"grid": {"resolution_m": 0.4}}}
-        grid = json.loads(self.run_chain("--print-config", chain=chain).stdout)["terrain"]["grid"]
-        self.assertEqual(grid, {"half_width_m": 15.2, "resolution_m": 0.4})
+        for half_width_m, resolution_m, wanted in [(50, 0.05, 60), (5.1, 0.1, 15.1), (30.1, 0.07, 40.11), (0.3, 0.1, 10.3)]:
+            found = self.grid({"half_width_m": half_width_m, "resolution_m": resolution_m})
+            self.assertEqual(found, {"half_width_m": wanted, "resolution_m": resolution_m})
+        found = self.grid({"half_width_m": 5, "resolution_m": 0.1}, terrain={"grid": {"resolution_m": 0.4}})
+        self.assertEqual(found, {"half_width_m": 15.2, "resolution_m": 0.4})
+
+    def test_coarse_bins_leave_the_terrain_fine(self):
+        """Nodes at the bins' spacing would lose the rocks that a footprint must resolve: the spacing is at most max(0.1 m, footprint/17)."""
+        for resolution_m, footprint_m, wanted in [(1, None, 0.1), (0.1, 3.4, 0.1), (1, 3.4, 0.2), (0.15, 3.4, 0.15), (1, 0.5, 0.1), (0.02, 0.5, 0.02),
+                                                  (2, 17, 1), (1, 10, 0.588235294)]:
+            found = self.grid({"half_width_m": 6, "resolution_m": resolution_m}, **({"eval": {"footprint_m": footprint_m}} if footprint_m else {}))
+            self.assertEqual(found["resolution_m"], wanted)
+            self.assertAlmostEqual(found["half_width_m"] / wanted, round(found["half_width_m"] / wanted), 6)
+            self.assertGreaterEqual(found["half_width_m"], 16 - 1e-9)
+        self.assertEqual(json.loads(self.run_chain("--print-config", chain={"area": {"resolution_m": 1}}).stdout)["regrid"], {"resolution_m": 1})
+        result = self.run_chain("--print-config", code=2, chain={"area": {"resolution_m": 1}, "eval": {"footprint_m": -1}})
+        self.assertIn("/eval: /footprint_m: -1", result.stderr)
 
     def test_errors_name_the_section(self):
         for chain, words in [({"scan": {"noise": {"range_sigma": 1}}}, "chain.json: /scan: /noise/range_sigma: unknown key"),
