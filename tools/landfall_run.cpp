@@ -8,7 +8,9 @@
 #include <optional>
 #include <vector>
 
+#include "base/joined.h"
 #include "cli/chain.h"
+#include "cli/chain_record.h"
 #include "cli/meeting_options.h"
 #include "cli/standard_streams.h"
 #include "cli/tool.h"
@@ -38,7 +40,7 @@ Configuration: --print-schema, man landfall-run, docs/user/landfall.md.)";
 constexpr const char* kDescription =
     R"(Runs terrain-gen, scan-sim, regrid, dem-eval and hazard-map from one configuration, whose sections terrain, scan, regrid, eval and hazard are those of the tools. The folder of -o gets terrain.h5, scan.h5, dem.h5, eval.h5, metrics.json, report.html, hazards.h5, sites.json and hazards.html, each with the bytes that the single tool writes, and the tables of requirements and landing sites are printed.
 
-A stage of the folder whose inputs have not changed is not run again; one whose inputs have changed is replaced. A file of such a name that this command did not make is refused without -O. After a failure the finished stages remain.)";
+A stage of the folder whose inputs have not changed is not run again; one whose inputs have changed is replaced, and a line says why. The folder of another chain, with other names of -c and --from and another configuration, is refused without -O, and so is a file of such a name that this command did not make. After a failure the finished stages remain.)";
 
 struct Options {
   std::string from, center;
@@ -46,7 +48,8 @@ struct Options {
   bool require_safe = false;
   bool print_commands = false;
   MeetingRules rules;
-  bool replaces_terrain = false;  ///< --from, and the configuration has a section terrain
+  bool replaces_terrain = false;               ///< --from, and the configuration has a section terrain
+  std::map<std::string, std::string> streams;  ///< JsonSource::streams
 };
 
 void bind(CLI::App& app, Options& o) {
@@ -67,6 +70,7 @@ void bind(CLI::App& app, Options& o) {
 
 /// Sections of --set may be presets too, and --from replaces that of the terrain.
 void complete(JsonSource& source, Options& o) {
+  o.streams = source.streams;
   expand_stage_sections(source);
   if (!o.from.empty()) {
     o.replaces_terrain = source.value.contains("terrain");
@@ -141,9 +145,15 @@ StageResult run_stage(const cli::Session& session, const cli::ChainStage& stage,
   std::vector<std::string> options = shared_options(session.options());
   if (session.options().overwrite || !has_foreign) options.emplace_back("-O");
   if (!stage.requirement.empty()) options.push_back(stage.requirement);
+  const nlohmann::json before = cli::step_of(stage.output);
+  const bool existed = fs::exists(stage.output);
   StageResult result = run_tool(stage, options, sides_are_own && is_judged);
   if (result.kept) result.table = record.table(stage);
   const bool is_done = result.code == ExitCode::done || result.code == ExitCode::requirement_missed;
+  if (is_done && !result.kept && existed) {
+    const std::string reason = cli::replacement_reason(before, cli::step_of(stage.output));
+    if (!reason.empty()) session.conclude(stage.output.string() + " replaced: " + reason, true);
+  }
   if (is_done && (!result.kept || !record.is_own(stage.output))) {
     std::optional<bool> met;
     if (!stage.requirement.empty()) met = result.code == ExitCode::done;
@@ -181,6 +191,41 @@ void require_own(const cli::Session& session, const std::vector<cli::ChainStage>
   }
 }
 
+/// Refuses the folder of another chain unless it may be overwritten; otherwise the folder becomes that of
+/// this chain, once a stage is made or all are found.
+void take_over(cli::Session& session, const Options& o, const fs::path& folder, cli::ChainRecord& record) {
+  cli::ChainIdentity mine =
+      cli::chain_identity({session.options().config_names, o.from, o.streams}, session.config(), folder);
+  const std::optional<cli::ChainIdentity>& known = record.chain();
+  const bool has_outputs = !record.outputs().empty();
+  if (has_outputs && !known)
+    session.conclude(folder.string() +
+                         " has no record of its chain, as folders of version 0.2.0; it now belongs to " +
+                         shown_names(mine, folder),
+                     true);
+  if (has_outputs && known && known->names != mine.names && !session.options().overwrite) {
+    const std::string differences = cli::differences_text(known->config, mine.config);
+    if (!differences.empty())
+      throw UsageError("output " + folder.string() + " holds the results of " + shown_names(*known, folder) +
+                       "; this chain, " + shown_names(mine, folder) + ", differs in " + differences +
+                       "; name another folder, or use -O to replace them");
+  }
+  record.set_chain(std::move(mine));
+}
+
+/// Names the outputs of an earlier run that this chain does not make: they belong to other maps.
+void report_leftovers(const cli::Session& session, const std::vector<cli::ChainStage>& stages,
+                      const fs::path& folder, const cli::ChainRecord& record) {
+  std::vector<std::string> left = record.outputs();
+  for (const cli::ChainStage& stage : stages) {
+    std::erase(left, stage.output.filename());
+    for (const fs::path& side : stage.side_outputs) std::erase(left, side.filename());
+  }
+  if (!left.empty())
+    session.conclude(
+        folder.string() + ": " + joined(left) + " remain from an earlier run; this chain makes none", true);
+}
+
 ExitCode run(cli::Session& session, const Options& o) {
   const cli::ChainRequest request = request_of(session, o);
   const std::vector<cli::ChainStage> stages = cli::chain_stages(session.config(), request);
@@ -191,6 +236,7 @@ ExitCode run(cli::Session& session, const Options& o) {
   if (o.replaces_terrain) session.warn("--from replaces the section terrain of " + session.config_name());
   make_folder(request.folder);
   cli::ChainRecord record(request.folder);
+  take_over(session, o, request.folder, record);
   require_own(session, stages, record);
   ExitCode verdict = ExitCode::done;
   nlohmann::json summary = nlohmann::json::object();
@@ -209,6 +255,8 @@ ExitCode run(cli::Session& session, const Options& o) {
     std::cout << gap << result.table << std::flush;
     gap = "\n";
   }
+  record.save();
+  report_leftovers(session, stages, request.folder, record);
   session.count("stages", summary);
   return verdict;
 }

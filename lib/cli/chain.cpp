@@ -2,16 +2,10 @@
 #include "cli/chain.h"
 
 #include <algorithm>
-#include <fstream>
-#include <iterator>
 #include <utility>
 
-#include "base/file_path.h"
 #include "base/number_text.h"
 #include "cli/meeting_options.h"
-#include "files/landfall_file.h"
-#include "files/provenance.h"
-#include "output/output_path.h"
 
 namespace landfall::cli {
 namespace {
@@ -53,22 +47,6 @@ std::string shell_word(const std::string& word) {
   std::string text = "'";
   for (const char c : word) text += c == '\'' ? "'\\''" : std::string(1, c);
   return text + "'";
-}
-
-/// Identifies the content of a file: its file_id, or the hash of its bytes. Empty if it is an HDF5 file that
-/// no tool of landfall has completed.
-std::string identity(const fs::path& path) {
-  try {
-    if (file_extension(path) == ".h5") return LandfallFileReader(path, kLandfallKinds).file_id();
-    return content_id(path);
-  } catch (const FormatError&) {
-    return "";
-  }
-}
-
-bool is_there(const fs::path& path) {
-  std::error_code unreachable;
-  return fs::exists(fs::symlink_status(path, unreachable));
 }
 
 /// Adds the rules for files that meet to the stages that have such options.
@@ -117,47 +95,6 @@ std::string shell_command(const ChainStage& stage) {
   std::string text = stage.tool;
   for (const std::string& word : stage.arguments) text += " " + shell_word(word);
   return stage.requirement.empty() ? text : text + " " + stage.requirement;
-}
-
-ChainRecord::ChainRecord(fs::path folder) : folder_(std::move(folder)) {
-  std::ifstream file(folder_ / ".landfall-run.json");
-  const std::string text{std::istreambuf_iterator<char>(file), {}};
-  const Json json = Json::parse(text, nullptr, false);
-  if (!json.is_object() || !json.contains("outputs") || !json["outputs"].is_object() ||
-      !json.contains("stages") || !json["stages"].is_object())
-    return;
-  outputs_ = json["outputs"];
-  stages_ = json["stages"];
-}
-
-bool ChainRecord::is_own(const fs::path& output) const {
-  const auto found = outputs_.find(output.filename().string());
-  return found != outputs_.end() && found->is_string() && !found->get_ref<const std::string&>().empty() &&
-         is_there(output) && *found == identity(output);
-}
-
-bool ChainRecord::is_foreign(const fs::path& output) const { return is_there(output) && !is_own(output); }
-
-std::string ChainRecord::table(const ChainStage& stage) const {
-  if (!stages_.contains(stage.tool) || !stages_[stage.tool].is_object()) return "";
-  const Json& table = stages_[stage.tool].value("table", Json());
-  return table.is_string() ? table.get<std::string>() : "";
-}
-
-bool ChainRecord::has_met(const ChainStage& stage) const {
-  if (!stages_.contains(stage.tool) || !stages_[stage.tool].is_object()) return false;
-  return stages_[stage.tool].value("met", Json()) == Json(true);
-}
-
-void ChainRecord::add(const ChainStage& stage, const std::string& table, std::optional<bool> met) {
-  std::vector<fs::path> outputs = stage.side_outputs;
-  outputs.push_back(stage.output);
-  for (const fs::path& output : outputs) outputs_[output.filename().string()] = identity(output);
-  stages_[stage.tool] = {{"table", table}, {"met", met ? Json(*met) : Json()}};
-  OutputPath file(folder_ / ".landfall-run.json", true);
-  write_text(file,
-             Json{{"format", "landfall.run"}, {"outputs", outputs_}, {"stages", stages_}}.dump(2) + "\n");
-  file.commit();
 }
 
 }  // namespace landfall::cli

@@ -4,7 +4,6 @@
 
 #include <filesystem>
 #include <nlohmann/json.hpp>
-#include <optional>
 #include <string>
 #include <vector>
 
@@ -36,32 +35,5 @@ struct ChainStage {
 
 /// The stage as a shell takes it: words in single quotes where they need them.
 [[nodiscard]] std::string shell_command(const ChainStage& stage);
-
-/// The record of what `landfall run` has made in a folder: for each output its file_id, or the hash of its
-/// bytes, so that a file of another origin is never taken for one (the outputs equal those of the single
-/// tools, so that no file says who made it); the table that each stage printed; whether it met its
-/// requirement. It lies in the hidden file .landfall-run.json of the folder.
-class ChainRecord {
- public:
-  /// Empty if there is none, or none that can be read.
-  explicit ChainRecord(std::filesystem::path folder);
-
-  /// Whether this output exists and is not what was recorded.
-  [[nodiscard]] bool is_foreign(const std::filesystem::path& output) const;
-  /// Whether it exists and is what was recorded.
-  [[nodiscard]] bool is_own(const std::filesystem::path& output) const;
-  /// The table that the stage printed; empty if nothing is recorded.
-  [[nodiscard]] std::string table(const ChainStage& stage) const;
-  /// Whether the stage was asked for its requirement and met it.
-  [[nodiscard]] bool has_met(const ChainStage& stage) const;
-  /// Records the outputs of a stage, and writes the file. `met`: empty where the requirement was not asked
-  /// for.
-  void add(const ChainStage& stage, const std::string& table, std::optional<bool> met);
-
- private:
-  std::filesystem::path folder_;
-  nlohmann::json outputs_ = nlohmann::json::object();
-  nlohmann::json stages_ = nlohmann::json::object();
-};
 
 }  // namespace landfall::cli

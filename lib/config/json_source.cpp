@@ -22,6 +22,7 @@
 #include <system_error>
 
 #include "base/error.h"
+#include "base/hash.h"
 #include "base/json_text.h"
 #include "base/shown_text.h"
 #include "config/config_path.h"
@@ -198,7 +199,12 @@ void assign(Json& root, const std::string& assignment, const DefaultAt& default_
 
 JsonSource read_json(const std::string& path) {
   if (path.empty()) return {"config", Json::object()};
-  return parse_json(read_text(path), path == "-" ? "standard input" : path);
+  const std::string text = read_text(path);
+  JsonSource source = parse_json(text, path == "-" ? "standard input" : path);
+  std::error_code unreachable;
+  if (path == "-" || !std::filesystem::is_regular_file(path, unreachable))
+    source.streams[path] = Hash().update(text).hex();
+  return source;
 }
 
 JsonSource parse_json(const std::string& text, const std::string& name) {

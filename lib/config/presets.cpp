@@ -78,6 +78,7 @@ JsonSource read_config(const std::vector<std::string>& names, const std::string&
     const JsonSource next = read_one(names[i], schema);
     note_leftovers(merged, next, next.value, "");
     merged.value.merge_patch(next.value);
+    merged.streams.insert(next.streams.begin(), next.streams.end());
     merged.name += " + " + next.name;
   }
   return merged;

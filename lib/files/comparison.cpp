@@ -22,44 +22,13 @@
 #include "files/field_json.h"
 #include "files/file_description.h"
 #include "files/grid_file.h"
+#include "files/json_leaves.h"
 #include "files/place_json.h"
 
 namespace landfall {
 namespace {
 
 using Json = nlohmann::ordered_json;
-
-/// The values of a configuration or of metrics by their dotted paths. Arrays are values.
-using Leaves = std::vector<std::pair<std::string, Json>>;
-
-void add_leaves(const Json& json, const std::string& path, Leaves& leaves) {
-  if (!json.is_object() || json.empty()) {
-    if (!path.empty()) leaves.emplace_back(path, json);
-    return;
-  }
-  for (const auto& [key, value] : json.items())
-    add_leaves(value, path.empty() ? key : path + "." + key, leaves);
-}
-
-Leaves leaves_of(const Json& json) {
-  Leaves leaves;
-  add_leaves(json, "", leaves);
-  return leaves;
-}
-
-std::optional<Json> find(const Leaves& leaves, const std::string& path) {
-  const auto found = std::ranges::find(leaves, path, &Leaves::value_type::first);
-  return found == leaves.end() ? std::nullopt : std::optional(found->second);
-}
-
-/// The paths of both, those of `a` first.
-std::vector<std::string> paths_of(const Leaves& a, const Leaves& b) {
-  std::vector<std::string> paths;
-  for (const auto& [path, value] : a) paths.push_back(path);
-  for (const auto& [path, value] : b)
-    if (!find(a, path)) paths.push_back(path);
-  return paths;
-}
 
 /// The configurations of all steps by tool; of several steps of one tool those that follow get a number.
 std::vector<std::pair<std::string, Json>> configurations(const Json& description) {
@@ -91,11 +60,8 @@ Json configuration_json(const Json& a, const Json& b) {
       if (std::ranges::find(tools, tool) == tools.end()) tools.push_back(tool);
   Json differing = Json::array();
   for (const std::string& tool : tools) {
-    const Leaves leaves_a = leaves_of(config_of_step(steps_a, tool));
-    const Leaves leaves_b = leaves_of(config_of_step(steps_b, tool));
-    for (const std::string& path : paths_of(leaves_a, leaves_b)) {
-      const std::optional<Json> in_a = find(leaves_a, path);
-      const std::optional<Json> in_b = find(leaves_b, path);
+    for (const auto& [path, in_a, in_b] :
+         value_pairs(config_of_step(steps_a, tool), config_of_step(steps_b, tool))) {
       if (in_a == in_b) continue;
       Json entry = {{"tool", tool}, {"key", path}};
       if (in_a) entry["a"] = *in_a;
@@ -108,15 +74,11 @@ Json configuration_json(const Json& a, const Json& b) {
 
 /// The numbers of two objects side by side; arrays and texts are left out.
 Json numbers_json(const Json& a, const Json& b) {
-  const Leaves leaves_a = leaves_of(a);
-  const Leaves leaves_b = leaves_of(b);
   const auto is_number = [](const std::optional<Json>& value) {
     return value && (value->is_number() || value->is_null());
   };
   Json numbers = Json::array();
-  for (const std::string& path : paths_of(leaves_a, leaves_b)) {
-    const std::optional<Json> in_a = find(leaves_a, path);
-    const std::optional<Json> in_b = find(leaves_b, path);
+  for (const auto& [path, in_a, in_b] : value_pairs(a, b)) {
     if (path == "version" || !(is_number(in_a) || is_number(in_b))) continue;
     const Json value_a = is_number(in_a) ? *in_a : Json();
     const Json value_b = is_number(in_b) ? *in_b : Json();
