@@ -31,7 +31,7 @@ struct RegionMetrics {
   LANDFALL_FIELDS(radius_m, bin_count, shape, half_width_m, center_x_m, center_y_m)
 };
 
-/// What a verdict takes for granted, empty where it is unknown.
+/// The assumptions on which a verdict rests, empty where they are unknown.
 struct AssumptionMetrics {
   std::int64_t footprint_bins = 0;                              ///< Footprint::edge_bins()
   std::optional<double> truth_spacing_m = std::nullopt;         ///< DemLayers::truth_spacing_m

@@ -26,7 +26,7 @@ struct VerdictText {
 /// with a single return": those that are known.
 [[nodiscard]] std::vector<std::string> assumption_texts(const AssumptionMetrics& assumptions);
 
-/// What a verdict lacks that leaves requirements unjudged: "the DEM has no truth", ...
+/// The reason why requirements are not judged: "the DEM has no truth", ...
 [[nodiscard]] std::string missing_text(const Metrics& metrics);
 
 /// "FAIL" if a requirement is missed, else "not judged" if one is not judged (no truth), else "pass".

@@ -134,7 +134,7 @@ class Verdicts(ToolTest):
                 self.assertEqual(set(rows["requirements.relative_elevation.pass"]), {0, 1}, counts)
 
     def test_random_scenes(self):
-        """Both verdicts of every requirement occur, and every method and shape."""
+        """Both verdicts of every requirement occur, requirements that are not judged, and every method and shape."""
         random, seen = np.random.default_rng(20), {name: set() for name in (*PASSES, "method", "shape", "region")}
         for number in range(SCENES):
             terrain, scan, config = random_scene(random)
@@ -142,11 +142,13 @@ class Verdicts(ToolTest):
                 self.scene(terrain, scan)
                 rows = self.check_verdicts(config)
                 for name in PASSES:
-                    seen[name] |= set(rows[name])
+                    seen[name] |= {None if math.isnan(value) else value for value in rows[name]}
                 seen["method"].add(config["regrid"]["method"])
                 seen["shape"].add(config["eval"]["footprint_shape"])
                 seen["region"].add(config["eval"]["region"]["shape"])
-        self.assertEqual({name: len(values) for name, values in seen.items()}, {**dict.fromkeys(PASSES, 2), "method": 6, "shape": 2, "region": 2})
+        judged_or_not = dict.fromkeys((f"requirements.{name}.pass" for name in ("relative_elevation", "relative_horizontal")), 3)
+        self.assertEqual({name: len(values) for name, values in seen.items()},
+                         {**dict.fromkeys(PASSES, 2), **judged_or_not, "method": 6, "shape": 2, "region": 2})
 
 
 def random_scene(random):

@@ -3,13 +3,20 @@
 """Verdicts need bins: a lidar with 1 m of range noise passes nowhere, and is not judged where its footprints have fewer than 5 x 5 bins."""
 import json
 import os
+import sys
 import unittest
 
 import h5py
 import numpy as np
+from matplotlib.text import Text
 
 from harness import SCAN, Chain, ChainTest, columns, read_bytes, run, with_values
+from harness.commands import run_command
 from harness.opencl import no_device
+
+sys.path.insert(0, os.path.join(os.environ["LANDFALL_ROOT"], "python"))
+# pylint: disable=wrong-import-order
+from landfall.plot import plot_draws as draws_figure, plot_eval as eval_figure
 
 PLANE = {"grid": {"half_width_m": 6, "resolution_m": 0.5}, "base": {"type": "plane", "slope_x": 0.05}}
 LIDAR = {key: value for key, value in with_values(SCAN, noise__range_sigma_m=1).items() if key != "navigation_error"}
@@ -216,6 +223,22 @@ class Draws(Noisy):
                 self.assertEqual(read_bytes(self.path("opencl.h5")), read_bytes(self.path("cpu.h5")))
 
 
+class Figures(Noisy):
+    def test_figures_say_what_is_not_judged(self):
+        config = {"draws": 2, "scan": {}, "regrid": grid_of(1), "eval": {"region_radius_m": 3, **WIDE}}
+        self.succeed("monte-carlo", self.scan, "--terrain", self.terrain, "-c", self.config(config), "-o", self.path("draws.h5"))
+        self.succeed("dem-eval", self.dem(1), "--set", "region_radius_m=3", "-o", self.path("eval.h5"))
+        for command, name in (("plot_eval", "eval.h5"), ("plot_draws", "draws.h5")):
+            done = run_command(command, self.path(name), "-o", self.path(command + ".png"), cwd=self.folder)
+            self.assertEqual(done.returncode, 0, done.stderr)
+        figure = draws_figure.draw(draws_figure.Draws(self.path("draws.h5")))
+        texts = [text.get_text() for text in figure.findobj(Text)]
+        self.assertEqual(sum("not judged: the footprint has too few bins" in text for text in texts), 3)
+        self.assertFalse([text for text in texts if "nan" in text])
+        verdict = eval_figure.draw_verdict(eval_figure.Evaluation(self.path("eval.h5")))
+        self.assertIn("not judged, the footprint has too few bins", "".join(text.get_text() for text in verdict.findobj(Text)))
+
+
 class Runs(Noisy):
     def test_landfall_run(self):
         chain = {"terrain": PLANE, "scan": {**LIDAR, "noise": {"range_sigma_m": 1}}, "regrid": grid_of(1), "eval": {"region_radius_m": 3, **WIDE},
@@ -237,7 +260,7 @@ class Runs(Noisy):
 
 
 class Assumptions(Noisy):
-    """What the verdict takes for granted, from the terrain's nodes to metrics.json."""
+    """The assumptions of a verdict, from the terrain's nodes to metrics.json."""
 
     def judged(self, terrain, *options, regrid=()):
         self.succeed("regrid", self.scan, "--terrain", terrain, "--same-frame", "-c", self.config(grid_of(0.2), "g.json"), "-O", "-o", self.path("d.h5"), *regrid)

@@ -347,9 +347,9 @@ class DemEval(ChainTest):
         text = self.succeed("dem-eval", *self.arguments("--metrics-only")).stdout
         self.assertEqual(text, read_bytes(self.chain.metrics).decode())
         metrics = json.loads(text)
-        self.assertEqual(list(metrics), ["format", "version", "pass", "region", "coverage", "accuracy",
+        self.assertEqual(list(metrics), ["format", "version", "pass", "region", "assumptions", "coverage", "accuracy",
                                          "requirements", "statistics", "uncertainty"])
-        self.assertEqual((metrics["format"], metrics["version"]), ("landfall.metrics", 1))
+        self.assertEqual((metrics["format"], metrics["version"]), ("landfall.metrics", 2))
         self.assertEqual(list(metrics["requirements"]), [
             "coverage", "hole_size", "hole_distance", "relative_elevation", "relative_horizontal",
             "absolute_horizontal"])

@@ -235,10 +235,18 @@ def check_uncertainty(case, ledger, ground, bins, expected, pulses):
 
 # eval.h5 and metrics.json
 
+def node_spacing(terrain):
+    """None for a mesh and for planes alone."""
+    bases = terrain.get("base", [])
+    is_plane = all(base["type"] == "plane" for base in (bases if isinstance(bases, list) else [bases]))
+    is_exact = "mesh" in terrain or (is_plane and not terrain.get("features") and not terrain.get("patterns"))
+    return None if is_exact else terrain["grid"]["resolution_m"]
+
+
 def check_evaluation(case, ledger):
     config, dem, found = config_of("eval.h5"), columns("dem.h5"), columns("eval.h5")
     mask = columns("mask.h5")["inside"] if config["region"]["shape"] == "mask" else None
-    made = evaluate.Evaluation(dem, config, mask)
+    made = evaluate.Evaluation(dem, config, mask, node_spacing(config_of("terrain.h5")))
     doubtful, expected = made.doubtful(), made.layers()
     for name in ("in_region", "invalid", "hole_id"):
         ledger.equal(f"eval: {name}", found[name], expected[name])
@@ -278,7 +286,7 @@ def check_metrics(ledger, made, dem, doubtful):
 
 def expected_metrics(made, dem):
     has_sigmas = {"z_true_map", "z_sigma_abs", "z_sigma_rel"} <= set(dem)
-    return {"format": "landfall.metrics", "version": 1, **made.metrics(),
+    return {"format": "landfall.metrics", "version": 2, **made.metrics(),
             "uncertainty": made.uncertainty() if has_sigmas else None}
 
 

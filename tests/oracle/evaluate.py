@@ -73,8 +73,13 @@ class Footprints:
         high = np.minimum(low + 1, np.maximum(count - 1, 0))
         found = off[rows, low] + (rank - low) * (off[rows, high] - off[rows, low])
         absolute, relative = np.full(error.shape, np.nan), np.full(error.shape, np.nan)
-        absolute[region], relative[region] = mean, np.where(count > 0, found, np.nan)
+        absolute[region], relative[region] = mean, np.where(count > 0, found, np.nan) if self.judges_relative else np.nan
         return absolute, relative
+
+    @property
+    def judges_relative(self):
+        """Footprints of fewer than 5 x 5 bins have no relative error (D450)."""
+        return self.radius >= 2
 
 
 def known(values):
@@ -107,8 +112,8 @@ def spread(values):
 
 
 class Evaluation:
-    def __init__(self, dem, config, mask=None):
-        self.dem, self.c, self.limits = dem, config, config["limits"]
+    def __init__(self, dem, config, mask=None, truth_spacing_m=None):
+        self.dem, self.c, self.limits, self.truth_spacing_m = dem, config, config["limits"], truth_spacing_m
         self.s = (dem["x"][-1] - dem["x"][0]) / (len(dem["x"]) - 1)
         self.region = region_of(config, mask, len(dem["x"]) // 2, self.s)
         valid = np.isfinite(dem["z_est"])
@@ -168,7 +173,7 @@ class Evaluation:
 
     def metrics(self):
         """metrics.json without `format`, `version` and `uncertainty`."""
-        return {"region": self.region_metrics(), "coverage": self.coverage(), "accuracy": self.accuracy(),
+        return {"region": self.region_metrics(), "assumptions": self.assumptions(), "coverage": self.coverage(), "accuracy": self.accuracy(),
                 "requirements": self.requirements(), "statistics": self.statistics(), "pass": self.verdict()}
 
     def region_metrics(self):
@@ -177,6 +182,12 @@ class Evaluation:
                 "radius_m": self.c["region_radius_m"] if shape == "circle" else None,
                 "half_width_m": self.c["region"]["half_width_m"] if shape == "square" else None,
                 **{f"center_{axis}_m": 0 if shape == "circle" else None for axis in "xy"}}
+
+    def assumptions(self):
+        counts = self.dem["count"][self.region] if "count" in self.dem else np.zeros(0)
+        counts = counts[counts > 0]
+        return {"footprint_bins": 2 * self.footprints.radius + 1, "truth_spacing_m": self.truth_spacing_m if self.has_truth else None,
+                "median_returns_per_bin": median(counts), "single_return_frac": mean(counts == 1)}
 
     def coverage(self):
         values, counts = np.unique(self.sizes, return_counts=True)
@@ -198,7 +209,7 @@ class Evaluation:
             result["absolute"][axis] = {"p95_m": quantile(abs(absolute), 0.95), "mean_m": mean(absolute),
                                         "max_m": largest(abs(absolute))}
             result["relative"][axis] = {"p95_m": quantile(relative, 0.95), "max_m": largest(relative),
-                                        "violation_count": (relative > self.limit_of(axis)).sum()}
+                                        "violation_count": (relative > self.limit_of(axis)).sum() if self.footprints.judges_relative else None}
         horizontal = known(self.horizontal)
         result["absolute"]["horizontal"] = {
             "p95_m": quantile(horizontal, 0.95),
@@ -211,9 +222,12 @@ class Evaluation:
                   "hole_size": (coverage["largest_hole_bins"], limits["hole_bins"]),
                   "hole_distance": (coverage["max_distance_bins"], limits["distance_bins"])}
         values.update(self.accuracy_requirements())
-        return {name: {"value": value, "limit": limit, "pass": None if value is None else bool(
+        found = {name: {"value": value, "limit": limit, "pass": None if value is None else bool(
             value >= limit if name == "absolute_horizontal" else value <= limit)}
-                for name, (value, limit) in values.items()}
+                 for name, (value, limit) in values.items()}
+        for name in ("relative_elevation", "relative_horizontal") if self.has_truth and not self.footprints.judges_relative else ():
+            found[name] = {"value": None, "limit": 0, "pass": None, "reason": "footprint_bins"}
+        return found
 
     def accuracy_requirements(self):
         limits = {"relative_elevation": 0, "relative_horizontal": 0,
@@ -221,14 +235,15 @@ class Evaluation:
         if not self.has_truth:
             return {name: (None, limit) for name, limit in limits.items()}
         accuracy = self.accuracy()
-        over = {axis: accuracy["relative"][axis]["violation_count"] for axis in "xyz"}
+        over = {axis: accuracy["relative"][axis]["violation_count"] or 0 for axis in "xyz"}
         values = np.array([over["z"], over["x"] + over["y"], accuracy["absolute"]["horizontal"]["within_limit_frac"]])
         if not known(self.horizontal).size:
             values[:] = np.nan  # without values the requirements are missed
         return dict(zip(limits, zip(values, limits.values())))
 
     def verdict(self):
-        return all(entry["pass"] for entry in self.requirements().values()) if self.has_truth else None
+        passes = [entry["pass"] for entry in self.requirements().values()] if self.has_truth else [None]
+        return False if False in passes else None if None in passes else True
 
     def statistics(self):
         result = {"valid_frac": 1 - self.invalid.sum() / self.region.sum()}

@@ -177,7 +177,8 @@ class Sensitivity(unittest.TestCase):
 
     def test_every_number_of_the_metrics(self):
         dem = comparison.columns("dem.h5")
-        expected = comparison.expected_metrics(evaluate.Evaluation(dem, comparison.config_of("eval.h5")), dem)
+        spacing = comparison.node_spacing(comparison.config_of("terrain.h5"))
+        expected = comparison.expected_metrics(evaluate.Evaluation(dem, comparison.config_of("eval.h5"), truth_spacing_m=spacing), dem)
         with open("metrics.json", encoding="utf-8") as file:
             metrics = json.load(file)
         seen = 0

@@ -97,7 +97,8 @@ def analyse(problem, of):
     table = of(problem.design())
     kept = np.isfinite(table).all(axis=1).reshape(-1, problem.size).all(axis=0)  # points that have all numbers in all of their draws
     if np.count_nonzero(kept) < MIN_POINTS:
-        why = of.failures[min(of.failures)] if of.failures else "a metric has no value"
+        empty = [name for name, column in zip(problem.outputs, table.T) if not np.isfinite(column).any()]
+        why = of.failures[min(of.failures)] if of.failures else f"{empty[0]} has no value in any draw" if empty else "a metric has no value"
         raise DataError(f"{problem.path}: only {np.count_nonzero(kept)} of {problem.size} points have all their numbers, {MIN_POINTS} are needed; {why}")
     table = table[np.tile(kept, len(problem.groups) + 2)]
     answer = {"format": "landfall.sensitivity", "version": 1, "title": problem.title, "draws": problem.draw_count(), "points": int(np.count_nonzero(kept)),

@@ -74,7 +74,8 @@ def draw_chance(ax, draws, values, title, quantity):
     image[np.isnan(shown)] = 200 / 255
     maps.draw_image(ax, grid, image, size, gid="chance")
     maps.draw_color_bar(ax, scale, quantity)
-    finish(ax, draws, "0 everywhere" if span[1] == 0 else f"at most {span[1]:.3g}", maps.blocks_note(ax, values.shape))
+    largest = "no value" if np.isnan(span[1]) else "0 everywhere" if span[1] == 0 else f"at most {span[1]:.3g}"
+    finish(ax, draws, largest, maps.blocks_note(ax, values.shape))
 
 
 def finish(ax, draws, *notes):

@@ -234,7 +234,8 @@ def draw_accuracy(evaluation):
         p95 = plots.metres(evaluation.metrics.get(f"accuracy/absolute/{axis}/p95_m"))
         draw_footprint_map(axes[0, column], evaluation, f"abs_{axis}", f"absolute {axis} (mean)\n95 % within {p95}")
         count, largest = (evaluation.metrics.get(f"accuracy/relative/{axis}/{key}") for key in ("violation_count", "max_m"))
-        title = f"relative {axis}\n{plots.counted(count, 'violation')}, largest {plots.metres(largest)}"
+        found = "not judged" if count is None else f"{plots.counted(count, 'violation')}, largest {plots.metres(largest)}"
+        title = f"relative {axis}\n{found}"
         draw_footprint_map(axes[1, column], evaluation, f"rel_{axis}", title)
     return figure
 

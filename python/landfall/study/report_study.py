@@ -26,7 +26,7 @@ from landfall.study.table import metric_label, Results
 # With more cases the page shows the first ones, and their number.
 MAX_CASES = 20_000
 DIGITS = 7
-# Of metrics.json: name, text, factor.
+# Assumptions of metrics.json: name, text, factor.
 ASSUMPTIONS = (("footprint_bins", "footprint of {} bins on an edge", 1), ("truth_spacing_m", "truth nodes every {} m", 1),
                ("median_returns_per_bin", "{} returns per bin (median)", 1), ("single_return_frac", "{} % of the bins with a single return", 100))
 VERDICTS = {1: "pass", 0: "fail", None: "not judged"}
@@ -103,7 +103,7 @@ def report(folder, figures):
 
 
 def assumptions(study):
-    """What the verdicts take for granted, as far as the cases say it: texts with the least and the largest value of all cases."""
+    """The assumptions of the verdicts, as far as the cases say them: texts with the smallest and the largest value of all cases."""
     made = []
     for name, text, factor in ASSUMPTIONS:
         known = [value for value in study.results.columns.get(f"assumptions.{name}", []) if value is not None and not math.isnan(value)]

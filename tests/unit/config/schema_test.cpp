@@ -100,7 +100,8 @@ TEST(Schema, AVariantThatIsNoObjectIsToldItsForm) {
 TEST(Schema, AConfigurationMayNameItsSchemaAndKeepsNoTraceOfIt) {
   for (const char* const name : {"terrain", "scan", "regrid", "eval"}) {
     const Json& schema = embedded_schema(name);
-    EXPECT_TRUE(schema.at("$id").get<std::string>().starts_with(std::string("urn:landfall:schema:") + name + ":"));
+    EXPECT_TRUE(
+        schema.at("$id").get<std::string>().starts_with(std::string("urn:landfall:schema:") + name + ":"));
     const Json named = Json::parse(R"({"$schema": "../schemas/x.schema.json"})");
     EXPECT_EQ(resolve_config({"c", named}, schema), resolve_config({"c", Json::object()}, schema)) << name;
   }
