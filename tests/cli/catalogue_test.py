@@ -88,11 +88,13 @@ def provoke(case):
         with open(name, "w", encoding="utf-8") as file:
             file.write(text)
     name, *arguments = shlex.split(case["run"])
+    limits = case.get("limit")
+    limit = (lambda: set_limits(limits)) if limits else None  # with a function, Python copies its address space for each run
     with open(case.get("stdout", os.devnull), "w", encoding="utf-8") as stdout:
         return subprocess.run([tool(name), *arguments], input=case.get("stdin", ""), stdout=stdout,
                               stderr=subprocess.PIPE, text=True, timeout=30, check=False,
                               env={**os.environ, **case.get("env", {})},
-                              preexec_fn=lambda: set_limits(case.get("limit", {})))
+                              preexec_fn=limit)
 
 
 class Folder:
