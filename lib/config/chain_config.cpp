@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "config/chain_config.h"
 
+#include <map>
+
 #include "config/dem_config.h"
 #include "config/hazard_config.h"
 #include "config/resolved_config.h"
@@ -11,21 +13,25 @@
 namespace landfall {
 namespace {
 
-void check_section(const std::string& stage, const JsonSource& section) {
-  const nlohmann::json resolved = resolved_config(section, stage);
-  if (stage == "terrain") static_cast<void>(terrain_config(resolved, section.name));
-  if (stage == "scan") static_cast<void>(scan_model(resolved, section.name, {}));
-  if (stage == "regrid") static_cast<void>(regrid_config(resolved, section.name));
-  if (stage == "eval") static_cast<void>(evaluation_config(resolved, section.name));
-  if (stage == "hazard") static_cast<void>(hazard_config(resolved, section.name));
+void check_section(const std::string& stage, const nlohmann::json& resolved, const std::string& name) {
+  if (stage == "terrain") static_cast<void>(terrain_config(resolved, name));
+  if (stage == "scan") static_cast<void>(scan_model(resolved, name, {}));
+  if (stage == "regrid") static_cast<void>(regrid_config(resolved, name));
+  if (stage == "eval") static_cast<void>(evaluation_config(resolved, name));
+  if (stage == "hazard") static_cast<void>(hazard_config(resolved, name));
 }
 
 }  // namespace
 
 void check_chain_config(const nlohmann::json& resolved, const std::string& name) {
+  std::map<std::string, nlohmann::json> sections;
   for (const std::string& stage : stage_sections()) {
-    if (!resolved.at(stage).is_null()) check_section(stage, {name + ": /" + stage, resolved.at(stage)});
+    if (resolved.at(stage).is_null()) continue;
+    const JsonSource source{name + ": /" + stage, resolved.at(stage)};
+    sections[stage] = resolved_config(source, stage);
+    check_section(stage, sections[stage], source.name);
   }
+  if (sections.contains("hazard")) check_hazard_map(sections["hazard"], sections["regrid"], name);
 }
 
 }  // namespace landfall

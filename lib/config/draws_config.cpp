@@ -227,6 +227,7 @@ DrawsConfig::DrawsConfig(const Json& resolved, std::string name, const Json& sca
   scan_["draw"] = 0;  // each draw has its own
   stages_ = {completed_scan(scan_), stage("regrid", Json::object()), stage("eval", Json::object()),
              stage("hazard", Json::object()), stage("terrain", Json::object())};
+  if (has_hazards()) check_hazard_map(stages_.hazard, stages_.regrid, name_);
   seed_ = stages_.scan.at("seed");
   for (const std::string& each : stage_sections()) json_[each] = stage_of(stages_, each);
   if (!resolved.at("landing").is_null()) landing_ = landing_of(resolved.at("landing"));

@@ -4,9 +4,11 @@
 #include <string>
 
 #include "config/config_path.h"
+#include "config/dem_config.h"
 #include "config/json_values.h"
 #include "config/own_requirement_config.h"
 #include "config/region_config.h"
+#include "hazards/map_judge.h"
 
 namespace landfall {
 namespace {
@@ -70,6 +72,18 @@ HazardParameters hazard_config(const nlohmann::json& resolved, const std::string
   parameters.own_requirements =
       own_requirements(resolved, name + ": ", {"score.json", result_fields(HazardScore{})});
   return parameters;
+}
+
+void check_hazard_map(const nlohmann::json& hazard, const nlohmann::json& regrid, const std::string& name) {
+  const HazardParameters parameters = hazard_config(hazard, name + ": /hazard");
+  const GridSpec grid = regrid_config(regrid, name + ": /regrid").grid;
+  try {
+    static_cast<void>(MapJudge(parameters, grid));
+  } catch (const UsageError& error) {
+    throw UsageError(name + ": /hazard/" + error.what() +
+                     " (regrid.resolution_m or area.resolution_m; the map has regrid.half_width_m or "
+                     "area.half_width_m); \"hazard\": null maps no hazards");
+  }
 }
 
 }  // namespace landfall

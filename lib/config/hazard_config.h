@@ -14,4 +14,9 @@ namespace landfall {
 [[nodiscard]] HazardParameters hazard_config(const nlohmann::json& resolved,
                                              const std::string& name = "hazard");
 
+/// Checks that the map of a regrid.json holds and resolves the lander of a hazard.json, both resolved, as
+/// hazard-map does with its DEM. Throws UsageError "NAME: /hazard/lander/...", naming the keys of a chain
+/// that change either.
+void check_hazard_map(const nlohmann::json& hazard, const nlohmann::json& regrid, const std::string& name);
+
 }  // namespace landfall

@@ -41,9 +41,7 @@ const Lander& checked(const Lander& lander, double resolution_m) {
   require_positive("leg_radius_m", lander.leg_radius_m);
   require_positive("pad_diameter_m", lander.pad_diameter_m);
   require_positive("body_radius_m", lander.body_radius_m);
-  if (lander.leg_radius_m < 2 * resolution_m - kLanderTolerance)
-    throw UsageError("lander/leg_radius_m: " + number_text(lander.leg_radius_m) + " is less than 2 bins of " +
-                     number_text(resolution_m) + " m");
+  require_bins({"lander/leg_radius_m", lander.leg_radius_m, 2}, resolution_m);
   return lander;
 }
 
@@ -64,6 +62,16 @@ PadOffsets pads(const Lander& lander, double resolution_m, double yaw_rad) {
 }
 
 }  // namespace
+
+void require_bins(const LengthInBins& length, double resolution_m) {
+  if (length.length_m >= length.min_bins * resolution_m - kLanderTolerance) return;
+  const std::string remark = *length.remark == '\0' ? "" : std::string(", ") + length.remark;
+  throw UsageError(std::string(length.key) + ": " + number_text(length.length_m) + " is less than " +
+                   (length.min_bins == 1 ? "1 bin" : std::to_string(length.min_bins) + " bins") + " of " +
+                   number_text(resolution_m) + " m" + remark + "; make it at least " +
+                   number_text(length.min_bins * resolution_m) + " m, or the bins at most " +
+                   number_text(length.length_m / length.min_bins) + " m wide");
+}
 
 LanderStencil::LanderStencil(const Lander& lander, double resolution, double yaw_rad)
     : legs(checked(lander, resolution).legs),

@@ -21,6 +21,17 @@ struct Lander {
   double body_radius_m = 0.85;  ///< of the disc under which the ground must stay below the plane of the pads
 };
 
+/// A length of a hazard configuration that a method needs to resolve in bins.
+struct LengthInBins {
+  const char* key;  ///< "lander/leg_radius_m"
+  double length_m;
+  int min_bins;
+  const char* remark = "";  ///< why, in the message
+};
+
+/// Throws UsageError, naming the key and both remedies with their bounds, unless the length has so many bins.
+void require_bins(const LengthInBins& length, double resolution_m);
+
 /// A bin relative to the bin of the lander's centre.
 struct BinOffset {
   std::int64_t rows = 0;

@@ -55,13 +55,11 @@ Lander lander_for(const HazardParameters& parameters, double resolution_m) {
   Lander lander = parameters.lander;
   if (parameters.method == HazardMethod::contact) return lander;
   const bool is_lmeds = parameters.method == HazardMethod::lmeds;
-  if (lander.body_radius_m < (is_lmeds ? 2 : 1) * resolution_m - kTolerance)
-    throw UsageError("lander/body_radius_m: " + number_text(lander.body_radius_m) + " is less than " +
-                     (is_lmeds ? "2 bins" : "1 bin") + " of " + number_text(resolution_m) +
-                     " m, and the method is " +
-                     (is_lmeds                                   ? "lmeds"
-                      : parameters.method == HazardMethod::plane ? "plane"
-                                                                 : "range_difference"));
+  const char* const remark = is_lmeds ? "and the method is lmeds"
+                             : parameters.method == HazardMethod::plane
+                                 ? "and the method is plane"
+                                 : "and the method is range_difference";
+  require_bins({"lander/body_radius_m", lander.body_radius_m, is_lmeds ? 2 : 1, remark}, resolution_m);
   lander.leg_radius_m = std::max(lander.leg_radius_m, 2 * resolution_m);
   return lander;
 }
@@ -72,10 +70,9 @@ MapJudge::MapJudge(const HazardParameters& parameters, const GridSpec& map)
       lander_(lander_for(parameters, map.resolution_m), map.resolution_m) {
   if (parameters.method != HazardMethod::range_difference) return;
   windows_ = {lander_.body.half_bins(), rock_half_bins(parameters.limits.roughness_m, map.resolution_m)};
-  if (windows_.rock_half_bins >= 1) return;
-  throw UsageError("limits/roughness_m: " + number_text(parameters.limits.roughness_m) +
-                   " is less than 1 bin of " + number_text(map.resolution_m) +
-                   " m: rocks of this height have no window of range_difference");
+  require_bins({"limits/roughness_m", parameters.limits.roughness_m, 1,
+                "and rocks of this height have no window of range_difference"},
+               map.resolution_m);
 }
 
 PlaceMeasures MapJudge::measure(const Grid<double>& z, const BinMask& places,

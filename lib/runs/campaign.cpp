@@ -58,8 +58,10 @@ void require_hazards(const DrawsConfig& config, const DrawSpan& span) {
   if (!config.has_hazards()) return;
   check_draws(config, span, [&](std::int64_t draw) {
     const DrawStages stages = config.stages(draw);
-    const std::string path = config.name() + ": draw " + std::to_string(draw) + ": /hazard";
+    const std::string name = config.name() + ": draw " + std::to_string(draw);
+    const std::string path = name + ": /hazard";
     const Lander lander = hazard_config(stages.hazard, path).lander;
+    check_hazard_map(stages.hazard, stages.regrid, name);
     if (config.landing())
       at_path(path + "/",
               [&] { return LanderStencil(lander, stages.regrid.at("resolution_m").get<double>()); });

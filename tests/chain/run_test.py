@@ -189,14 +189,32 @@ class Run(ToolTest):
         self.assertEqual(read_bytes(self.out("dem.h5")), reference)
 
     def test_a_failure_leaves_the_finished_stages(self):
-        chain = with_values(CHAIN, hazard__lander__leg_radius_m=0.15)  # less than two bins
-        result = self.run_chain(code=2, chain=chain)
-        self.assertIn("hazard-map: ", result.stderr)
+        far = {"shape": "polygon", "vertices": [[90, 0], [99, 0], [90, 9]]}
+        result = self.run_chain(code=1, chain=with_values(CHAIN, hazard__region=far))
+        self.assertIn("nothing to judge", result.stderr)
         self.assertIn("hazards.h5 was not made; the finished stages remain", result.stderr)
         self.assertEqual(sorted(os.listdir(self.path("out"))), sorted({*OUTPUTS, STATE} - {"hazards.h5", "hazards.html", "sites.json"}))
         before = os.stat(self.out("scan.h5")).st_ino
         self.run_chain()
         self.assertEqual(os.stat(self.out("scan.h5")).st_ino, before)
+
+    def test_bins_too_coarse_for_the_lander_are_refused_before_the_work(self):
+        contact = with_values(CHAIN, hazard__lander__leg_radius_m=0.15)
+        plane = with_values(CHAIN, hazard={"method": "plane", "lander": {"body_radius_m": 0.05}})
+        rocks = with_values(CHAIN, hazard={"method": "range_difference", "limits": {"roughness_m": 0.05}})
+        wide = with_values(CHAIN, hazard__lander__body_radius_m=6)
+        for chain, words in [(contact, ["/hazard/lander/leg_radius_m: 0.15 is less than 2 bins of 0.1 m", "at least 0.2 m", "at most 0.075 m"]),
+                             (plane, ["/hazard/lander/body_radius_m: 0.05 is less than 1 bin of 0.1 m", "at least 0.1 m", "at most 0.05 m"]),
+                             (rocks, ["/hazard/limits/roughness_m: 0.05 is less than 1 bin of 0.1 m", "at least 0.1 m", "at most 0.05 m"]),
+                             (wide, ["/hazard/lander/body_radius_m: a lander of 121 bins across", "half_width_m"])]:
+            message = self.run_chain(code=2, chain=chain).stderr
+            for word in ["chain.json: /hazard/", "regrid.resolution_m", "area.resolution_m", '"hazard": null', *words]:
+                self.assertIn(word, message)
+            self.assertFalse(os.path.exists(self.path("out")))
+            sections = {**{key: value for key, value in chain.items() if key != "regrid"}, "draws": 2}
+            message = run("monte-carlo", "-c", self.config(sections, "mc.json"), "-o", self.path("draws.h5")).stderr
+            for word in ["mc.json: /hazard/", "regrid.resolution_m", "area.resolution_m", '"hazard": null', *words]:
+                self.assertIn(word, message)
 
     def test_verdicts_decide_the_exit_code(self):
         self.run_chain()
