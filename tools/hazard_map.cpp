@@ -46,6 +46,7 @@ struct Options {
   bool no_truth = false;
   bool table = false;
   bool require_safe = false;
+  bool allow_unknown = false;
   MeetingRules rules;
 };
 
@@ -72,6 +73,8 @@ void bind(CLI::App& app, Options& o) {
   app.add_flag("--require-safe", o.require_safe,
                "Exit with 3 unless a site has a p_touchdown of at least sites.min_p and the score meets "
                "every requirement of the configuration");
+  app.add_flag("--allow-unknown", o.allow_unknown,
+               "Accept a map on which no place can be judged: all places are unknown, and there is no site");
   cli::bind_meeting_options(app, o.rules);
 }
 
@@ -88,6 +91,7 @@ void check_output(const cli::CommonOptions& common, const Options& o) {
 void check_strips(const cli::CommonOptions& common, const Options& o) {
   if (o.layers.empty()) return;
   check_strip_layers(o.layers);
+  if (o.allow_unknown) throw UsageError("--allow-unknown is for whole maps, and --layers judges strips");
   if (common.output_path.empty()) throw UsageError("--layers chooses the layers of the output and needs -o");
   for (const auto& [option, value] :
        {std::pair("--terrain", o.terrain), std::pair("--score", o.score), std::pair("--report", o.report)})
@@ -193,10 +197,12 @@ ExitCode run(cli::Session& session, const Options& o) {
       cli::read_judged_region(session, {o.map, source.z.spec(), source.crs_wkt, true, o.rules}, provenance);
   input = cli::complete_hazard_input(session, {o.map, o.terrain, o.rules}, source, parameters, provenance);
   input.region = std::move(region);
+  input.takes_unknown = o.allow_unknown;
   std::optional<LandfallFileWriter> file;
   if (output) file.emplace(*output, "hazards", provenance);
   HazardMap map;
   session.with_file_names(o.map, [&] { map = map_hazards(input, parameters, session.phases()); });
+  if (!map.nothing_to_judge.empty()) session.warn(o.map + ": " + map.nothing_to_judge);
   place(session, o.map, map, source.crs_wkt);
   session.phase("write", [&](const ProgressCallback&) {
     if (sites_file) write_text(*sites_file, sites_json(map).dump(2) + "\n");

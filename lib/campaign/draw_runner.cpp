@@ -64,6 +64,7 @@ DrawHazards DrawRunner::judge_hazards(const DemLayers& dem, const SigmaLayers* s
   }
   HazardInput input = fill_map(std::move(layers), parameters, complete);
   input.region = scene_.hazard_region;
+  input.takes_unknown = true;  // a draw whose map is that bad counts: it has no site
   const auto run = [](const std::string& /*name*/, const auto& part) { part({}); };
   const HazardMap map = map_hazards(input, parameters, run);
   if (maps != nullptr) maps->safety->add(map.truth->outcome);

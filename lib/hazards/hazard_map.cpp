@@ -8,6 +8,7 @@
 #include <string>
 #include <utility>
 
+#include "base/error.h"
 #include "base/number_text.h"
 #include "hazards/map_judge.h"
 #include "hazards/safe_probability.h"
@@ -180,8 +181,10 @@ HazardMap map_hazards(HazardInput& input, const HazardParameters& parameters, co
   });
   map.safe = judge_places(map.measures, parameters.limits);
   const PlaceCounts counts = count_places(map.safe, map.region);
-  if (counts.unknown == counts.all())
-    refuse_unknown(map.region, known_places(input.z, map.region), parameters);
+  if (counts.unknown == counts.all()) {
+    map.nothing_to_judge = unknown_reason(map.region, known_places(input.z, map.region), parameters);
+    if (!input.takes_unknown || counts.all() == 0) throw FormatError(map.nothing_to_judge);
+  }
   if (input.z_sigma)
     phase("probability", [&](const ProgressCallback&) { add_probability(map, input, parameters, judge); });
   if (input.z_true)

@@ -48,6 +48,9 @@ struct HazardInput {
   std::int64_t bins_without_sigma = 0;
   std::optional<BinMask> region = std::nullopt;  ///< the places, if the region's shape is mask or polygon
   std::optional<ReturnCentroids> centroids = std::nullopt;  ///< for p_safe
+  /// Whether a map on which no place of the region can be judged is a result: the worst of a campaign or of a
+  /// study. A region without a bin never is.
+  bool takes_unknown = false;
 };
 
 /// A bin of a filled hole that has no true elevation, and the position at which it is taken from the terrain.
@@ -125,6 +128,7 @@ struct HazardMap {
   };
   std::optional<Truth> truth;
   std::vector<LandingSite> sites;  ///< best first
+  std::string nothing_to_judge;    ///< why every place is unknown; empty if one is not
 };
 
 /// The places of the region by their safety.
@@ -141,7 +145,7 @@ struct PlaceCounts {
 /// out of the input, since their memory is needed.
 ///
 /// Throws UsageError "lander/KEY: ..." or "limits/roughness_m: ..." for what the map cannot hold or resolve,
-/// FormatError that says why if every place is unknown.
+/// FormatError that says why if every place is unknown and the input does not take that.
 [[nodiscard]] HazardMap map_hazards(HazardInput& input, const HazardParameters& parameters,
                                     const PhaseRunner& phase);
 

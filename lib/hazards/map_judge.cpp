@@ -118,13 +118,13 @@ std::int64_t known_places(const Grid<double>& z, const BinMask& region) {
   return known;
 }
 
-void refuse_unknown(const BinMask& region, std::int64_t known, const HazardParameters& parameters) {
+std::string unknown_reason(const BinMask& region, std::int64_t known, const HazardParameters& parameters) {
   const std::string where = " " + region_text(parameters);
-  if (count_set(region) == 0) throw FormatError("nothing to judge: no bin of the map lies" + where);
-  if (known == 0) throw FormatError("nothing to judge: no bin" + where + " has an elevation");
-  throw FormatError("nothing to judge: at each place" + where +
-                    " a part of the lander lies on a bin without an elevation or beyond the map's border; " +
-                    "scan more, or fill larger holes (hole_fill_bins)");
+  if (count_set(region) == 0) return "nothing to judge: no bin of the map lies" + where;
+  if (known == 0) return "nothing to judge: no bin" + where + " has an elevation";
+  return "nothing to judge: at each place" + where +
+         " a part of the lander lies on a bin without an elevation or beyond the map's border; scan more, or "
+         "fill larger holes (hole_fill_bins)";
 }
 
 }  // namespace landfall

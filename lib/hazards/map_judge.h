@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <optional>
+#include <string>
 
 #include "base/progress.h"
 #include "hazards/hazard_map.h"
@@ -47,8 +48,8 @@ class MapJudge {
 /// The places of the region that have an elevation.
 [[nodiscard]] std::int64_t known_places(const Grid<double>& z, const BinMask& region);
 
-/// Throws FormatError that says why every place of the region is unknown, `known` of which have an elevation.
-[[noreturn]] void refuse_unknown(const BinMask& region, std::int64_t known,
-                                 const HazardParameters& parameters);
+/// Why every place of the region is unknown, `known` of which have an elevation: "nothing to judge: ...".
+[[nodiscard]] std::string unknown_reason(const BinMask& region, std::int64_t known,
+                                         const HazardParameters& parameters);
 
 }  // namespace landfall

@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "base/available_memory.h"
+#include "base/error.h"
 #include "hazards/hole_filling.h"
 #include "hazards/map_judge.h"
 #include "hazards/site_search.h"
@@ -118,7 +119,7 @@ HazardMap map_strips(const StripSource& source, const HazardParameters& paramete
     known = judge_strips(source, parameters, judge, take, map, progress);
   });
   const PlaceCounts counts = count_places(map.safe, map.region);
-  if (counts.unknown == counts.all()) refuse_unknown(map.region, known, parameters);
+  if (counts.unknown == counts.all()) throw FormatError(unknown_reason(map.region, known, parameters));
   phase("sites", [&](const ProgressCallback&) {
     const JudgedPlaces places{map.safe, map.region, parameters.touchdown_sigma_m};
     for (const FoundSite& found : find_sites(places, parameters.sites, kSiteTile)) {

@@ -353,6 +353,18 @@ class Interface(ChainTest):
         self.refuse_map(1, *self.arguments(*aside, "--sites", self.path("sites.json")),
                         words=[self.chain.dem, "nothing to judge", "hole_fill_bins"])
         self.assertEqual(self.entries(), ["config.json"])
+        files = {name: self.path(name) for name in ("sites.json", "score.json", "h.html")}
+        result = run("hazard-map", *self.arguments(*aside, "--allow-unknown", "--table", "--sites", files["sites.json"], "--score", files["score.json"],
+                                                   "--report", files["h.html"]))
+        self.assertEqual(result.returncode, 0, result.stderr)
+        self.assertRegex(result.stderr, r"^hazard-map: warning: .*nothing to judge: at each place [^\n]*\n")
+        self.assertEqual(json.loads(read_bytes(files["sites.json"]))["sites"], [])
+        score = json.loads(read_bytes(files["score.json"]))
+        self.assertEqual((score["missed_hazard_frac"], score["false_alarm_frac"]), (None, None))
+        self.assertEqual(set(score["counts"].values()), {0, score["counts"]["unknown"]})
+        layers = columns(self.path("h.h5"))
+        self.assertTrue((layers["safe"] == 2).all() and np.isnan(layers["slope"]).all() and np.isnan(layers["roughness"]).all())
+        self.assertEqual(run("hazard-map", *self.arguments(*aside, "--allow-unknown", "--require-safe", "-O")).returncode, 3)
 
     def test_no_safe_place(self):
         nowhere = ["--set", "limits.slope_deg=0.001", "--sites", self.path("sites.json")]

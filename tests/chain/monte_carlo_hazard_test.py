@@ -78,6 +78,18 @@ class Hazards(base.DrawsTest):
         verdict = self.verdict()["hazard"]
         self.assertEqual((verdict["draws_with_site"], verdict["chosen_place_safe"]["passed"]), (0, 0))
 
+    def test_draws_with_nothing_to_judge_count(self):
+        """A draw whose map has no place that can be judged has no site and no score, and the campaign goes on."""
+        config = {**campaign(), "hazard": with_values(HAZARD, region_radius_m=1)}
+        config["vary"] = {**config.get("vary", {}), "scan.noise.dropout_frac": {"type": "list", "values": [0.05, 0.995, 0.05, 0.995]}}
+        config["draws"] = 4
+        rows = self.draws(config)
+        known = sum(np.asarray(values) for name, values in rows.items() if name.startswith("score.counts.") and not name.endswith("unknown"))
+        self.assertEqual(list(known > 0), [True, False, True, False])
+        self.assertTrue((np.asarray(rows["score.counts.unknown"])[1::2] == np.max(known + rows["score.counts.unknown"])).all())
+        self.assertTrue(np.isnan(rows["site.p_touchdown"][1::2]).all() and np.isnan(rows["score.missed_hazard_frac"][1::2]).all())
+        self.assertEqual(self.verdict()["hazard"]["draws_with_site"], int(np.isfinite(rows["site.p_touchdown"]).sum()))
+
     def test_table_and_report(self):
         result = base.run("monte-carlo", *self.arguments(campaign(), "draws.h5", "--table", "--report", self.path("draws.html")))
         self.assertEqual(result.returncode, 0, result.stderr)

@@ -137,6 +137,30 @@ class Results(StudyTest):
         self.assertEqual({second[name] for name in second if name.startswith("site.")}, {""})
         self.assertEqual(second["score.judged_hazard_frac"], "1.0")
 
+    def test_a_case_with_nothing_to_judge_is_a_row(self):
+        """The worst lidar of a study leaves no place that can be judged: its metrics are in the table, its score is empty, and make goes on."""
+        tree = hazard_study({"key": "scan.noise.dropout_frac", "list": [0, 0.99]}, set={"hazard.hole_fill_bins": 0, "hazard.region_radius_m": 1})
+        self.write(tree)
+        self.make("study", "KEEP=hazard")
+        first, second = self.rows()
+        self.assertEqual((first["score.remark"], second["score.remark"]), ("", "nothing to judge"))
+        self.assertGreater(float(second["coverage.invalid_frac"]), 0.5)
+        self.assertEqual({second[name] for name in second if name.startswith("site.")}, {""})
+        for name in ("missed_hazard_frac", "false_alarm_frac", "judged_hazard_frac", "margin_10_percent.missed_hazard_frac"):
+            self.assertEqual(second["score." + name], "", name)
+        self.assertEqual(second["score.unknown_frac"], "1.0")
+        self.assertEqual(second["score.counts.unknown"], str(sum(int(first[name]) for name in first if name.startswith("score.counts."))))
+        self.assertNotEqual(first["score.judged_hazard_frac"], "")
+        with h5py.File(self.out("results.h5")) as file:
+            self.assertEqual(list(file["score.remark"].asstr()), ["", "nothing to judge"])
+        self.assertIn("\n2 done, 0 failed, 0 left, of 2 cases\n", self.make("study-status").stdout)
+        self.assertIn("nothing to judge", read(self.out("report.html")).decode())
+
+    def test_a_region_off_the_map_still_ends_the_study(self):
+        self.write(hazard_study(set={"hazard.region": {"shape": "polygon", "vertices": [[90, 0], [99, 0], [90, 9]]}}))
+        result = self.make("study-results", code=2)
+        self.assertRegex(result.stderr, r"hazard-map: .*nothing to judge: no bin of the map lies in the polygon")
+
     def test_many_scans_and_kept_files_give_the_same_results(self):
         many = {"key": "scan.noise.range_sigma_m", "linspace": [0.01, 0.17, rules.MAX_SHARED + 1]}
         self.write(hazard_study(many, CLEARANCES))

@@ -52,14 +52,15 @@ def flatten(tree, prefix=""):
 
 def read_result(folder, name):
     """The numbers of one file of results: those of a score begin with score., those of the best of its sites with site., those of a
-    campaign with draws."""
+    campaign with draws. The score of a map on which no place could be judged has the text score.remark."""
     if session.kind_of(name) == "verdict":
         return campaign_numbers(_read_json(folder, name))
     if session.kind_of(name) != "score":
         return flatten(_read_json(folder, name))
     score, sites = _read_json(folder, name), _read_json(folder, session.sites_of(name))["sites"]
     best = {key: value for key, value in sites[0].items() if key != "rank"} if sites else {}
-    return {**flatten({**score, **shares_of(score["counts"]), **margins_of(score["roc"])}, "score."), **flatten(best, "site.")}
+    remark = {} if sum(score["counts"].values()) > score["counts"]["unknown"] else {"score.remark": "nothing to judge"}
+    return {**remark, **flatten({**score, **shares_of(score["counts"]), **margins_of(score["roc"])}, "score."), **flatten(best, "site.")}
 
 
 def campaign_numbers(verdict):
@@ -205,7 +206,7 @@ def _write_column(file, name, values, unit):
     elif all(value is None or (isinstance(value, (int, float)) and not isinstance(value, bool)) for value in values):
         data, dtype = [np.nan if value is None else value for value in values], np.float64
     else:
-        data, dtype = [value if isinstance(value, str) else json.dumps(value) for value in values], h5py.string_dtype()
+        data, dtype = ["" if value is None else value if isinstance(value, str) else json.dumps(value) for value in values], h5py.string_dtype()
     dataset = file.create_dataset(name, data=np.array(data, dtype=dtype) if dtype in (np.int64, np.float64) else data,
                                   dtype=dtype, track_times=False)
     dataset.attrs["units"] = unit
