@@ -6,6 +6,9 @@
 #include <algorithm>
 #include <array>
 #include <cerrno>
+#include <csignal>
+#include <cstdio>
+#include <cstdlib>
 #include <cstring>
 #include <filesystem>
 #include <iostream>
@@ -109,6 +112,53 @@ std::vector<std::string> study_command(const std::vector<std::string>& words) {
   return command;
 }
 
+/// Whether make says in a line only that a recipe failed, about which its command has said more.
+bool is_echo_of_failure(const std::string& line) {
+  const bool is_of_make = line.starts_with("make: ") || line.starts_with("make[");
+  const bool names_recipe = line.find(": *** [") != std::string::npos;
+  const bool is_count = line.ends_with("*** Waiting for unfinished jobs....") ||
+                        line.ends_with(" not remade because of errors.");
+  const bool is_lost_plan =
+      line.starts_with("Makefile.studies:") && line.ends_with("study.mk: No such file or directory");
+  return (is_of_make && (names_recipe || is_count)) || is_lost_plan;
+}
+
+/// Passes on what is written to `messages`, less those lines. The end of the other side ends it, no signal.
+void pass_on_messages(int messages) {
+  for (const int each : {SIGINT, SIGTERM, SIGHUP}) std::signal(each, SIG_IGN);
+  std::FILE* const input = fdopen(messages, "r");
+  std::string line;
+  const auto pass_on = [&line] {
+    const std::string text = line.ends_with('\n') ? line.substr(0, line.size() - 1) : line;
+    if (!is_echo_of_failure(text)) std::fwrite(line.data(), 1, line.size(), stderr);
+    line.clear();
+  };
+  for (int c = std::fgetc(input); c != EOF; c = std::fgetc(input)) {
+    line += static_cast<char>(c);
+    if (c == '\n') pass_on();
+  }
+  pass_on();
+}
+
+/// Sends stderr of this process, which make is about to replace, through a child. Stages show their progress
+/// on the original, whose descriptor STUDY_STDERR names in Makefile.studies.
+void filter_messages_of_make() {
+  constexpr int kOriginal = 8;
+  int ends[2];
+  if (pipe(ends) != 0 || dup2(STDERR_FILENO, kOriginal) != kOriginal) return;
+  const pid_t child = fork();
+  if (child == 0) {
+    close(ends[1]);
+    close(kOriginal);
+    pass_on_messages(ends[0]);
+    _exit(0);
+  }
+  if (child > 0) dup2(ends[1], STDERR_FILENO);
+  close(ends[0]);
+  close(ends[1]);
+  setenv("STUDY_STDERR", std::to_string(kOriginal).c_str(), 1);
+}
+
 constexpr const char* kStudyHelp =
     R"(landfall study [status|results|partial|clean] STUDY [ARGUMENTS OF make]
 
@@ -126,7 +176,9 @@ int run_study(const std::vector<std::string>& words) {
     std::cout << kStudyHelp << std::flush;
     return 0;
   }
-  replace_by("make", study_command(words));
+  const std::vector<std::string> command = study_command(words);
+  filter_messages_of_make();
+  replace_by("make", command);
 }
 
 /// "landfall help", and "landfall help scan-sim" as `landfall scan-sim --help`.

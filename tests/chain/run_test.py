@@ -9,7 +9,7 @@ import shutil
 import subprocess
 import unittest
 
-from harness import EVAL, HAZARD, SCAN, TERRAIN, ToolTest, config_of, read_bytes, run, tool, with_values
+from harness import EVAL, HAZARD, REGRID, SCAN, TERRAIN, ToolTest, config_of, read_bytes, run, tool, with_values
 
 SIGMA = {"navigation_sigma": {"position_m": [0.02, 0.03, 0.05], "velocity_mps": [0.1, 0.05, 0.1], "rpy_rad": [1e-4, 2e-4, 3e-4],
                               "rpy_rate_radps": [1e-3, 5e-4, 1e-3]}}
@@ -63,6 +63,21 @@ class Landfall(ToolTest):
         result = run("landfall", "study", "status", "noise", cwd=self.folder)
         self.assertEqual(result.returncode, 0, result.stderr)
         self.refuse(2, "landfall", "study", "nowhere.json", words=["nowhere.json: no such file"])
+
+    def test_a_study_that_fails_shows_its_own_message_alone(self):
+        tiny = {"base": {"terrain": {"grid": {"half_width_m": 6, "resolution_m": 0.1}}, "scan": SCAN, "regrid": REGRID, "eval": {"region_radius_m": 4}}}
+        for tree, words in [({"base": tiny["base"], "axis": []}, r"/axis: unknown key"), ({"base": {"scan": {"noise": {"range_sigma": 1}}}}, "range_sigma"),
+                            ({"base": {**tiny["base"], "hazard": {"region": {"shape": "mask", "path": "no.h5"}}}}, r"FAILED \(exit 1\): score of ")]:
+            study = self.config(tree, "tiny.json")
+            result = run("landfall", "study", study, "-j2", cwd=self.folder)
+            self.assertNotEqual(result.returncode, 0)
+            self.assertRegex(result.stderr, words)
+            self.assertNotIn("make", result.stderr)
+            self.assertNotIn("Makefile", result.stderr)
+        study = self.config({**tiny, "set": {"eval.region": {"shape": "mask", "path": self.config("x", "mask.h5")}}}, "lost.json")
+        self.assertNotIn("make", run("landfall", "study", study, cwd=self.folder).stderr)
+        os.remove(self.path("mask.h5"))
+        self.assertIn("No rule to make target", run("landfall", "study", study, cwd=self.folder).stderr)  # nobody else says so
 
 
 class Run(ToolTest):
