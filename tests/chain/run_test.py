@@ -264,7 +264,7 @@ class Run(ToolTest):
 
     def grid(self, area, **sections):
         """The grid that an area gives the terrain."""
-        return json.loads(self.run_chain("--print-config", chain={"area": area, **sections}).stdout)["terrain"]["grid"]
+        return json.loads(self.run_chain("--print-config", chain={"area": area, "hazard": None, **sections}).stdout)["terrain"]["grid"]
 
     def test_the_terrain_is_ten_metres_wider_by_whole_nodes(self):
         for half_width_m, resolution_m, wanted in [(50, 0.05, 60), (5.1, 0.1, 15.1), (30.1, 0.07, 40.11), (0.3, 0.1, 10.3)]:
@@ -281,7 +281,7 @@ class Run(ToolTest):
             self.assertEqual(found["resolution_m"], wanted)
             self.assertAlmostEqual(found["half_width_m"] / wanted, round(found["half_width_m"] / wanted), 6)
             self.assertGreaterEqual(found["half_width_m"], 16 - 1e-9)
-        self.assertEqual(json.loads(self.run_chain("--print-config", chain={"area": {"resolution_m": 1}}).stdout)["regrid"], {"resolution_m": 1})
+        self.assertEqual(json.loads(self.run_chain("--print-config", chain={"area": {"resolution_m": 1}, "hazard": None}).stdout)["regrid"], {"resolution_m": 1})
         result = self.run_chain("--print-config", code=2, chain={"area": {"resolution_m": 1}, "eval": {"footprint_m": -1}})
         self.assertIn("/eval: /footprint_m: -1", result.stderr)
 

@@ -138,7 +138,7 @@ class Results(StudyTest):
         self.assertEqual(second["score.judged_hazard_frac"], "1.0")
 
     def test_a_case_with_nothing_to_judge_is_a_row(self):
-        """The worst lidar of a study leaves no place that can be judged: its metrics are in the table, its score is empty, and make goes on."""
+        """The worst lidar of a study leaves no place that can be judged: its metrics are in the table, its score is empty, and make continues."""
         tree = hazard_study({"key": "scan.noise.dropout_frac", "list": [0, 0.99]}, set={"hazard.hole_fill_bins": 0, "hazard.region_radius_m": 1})
         self.write(tree)
         self.make("study", "KEEP=hazard")
