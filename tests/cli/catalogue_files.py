@@ -8,7 +8,7 @@ import struct
 import h5py
 import numpy as np
 
-from harness import EVAL, REGRID, SCAN, TERRAIN, clouds, run
+from harness import EVAL, REGRID, SCAN, TERRAIN, as_of_0_2_0, clouds, run
 from harness.opencl import build_faulty_opencl
 
 TETRAHEDRON = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 1 4 3\n"
@@ -112,6 +112,7 @@ def make_campaigns():
     def too_many(file):
         file["state/invalid"][7] = 2
     edited("part_edited.h5", "part_a.h5", too_many)
+    edited("part_old.h5", "part_a.h5", as_of_0_2_0)
     edited("part_no_seed.h5", "part_a.h5", removed("draws/seed"))
     edited("part_no_first.h5", "part_a.h5", lambda file: file["draws"].attrs.pop("first_draw"))
 

@@ -225,6 +225,13 @@ class ChainTest(ToolTest):
         cls.addClassCleanup(cls.chain.remove)
 
 
+def as_of_0_2_0(file):
+    """A draws.h5 as version 0.2.0 wrote it: draw i has the seed of the campaign plus i, and there are no numbers of draws."""
+    file.attrs["format_version"] = "1.0"
+    file["draws/seed"][...] += np.arange(len(file["draws/seed"])) + file["draws"].attrs["first_draw"]
+    del file["draws/draw"]
+
+
 class CampaignTest(ChainTest):
     """Tests of draws over the Chain's scan, which has a row for every pixel that hit."""
     CHANGES = {"noise__dropout_frac": 0, "noise__dead_pixel_frac": 0}
