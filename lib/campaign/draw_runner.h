@@ -48,7 +48,7 @@ struct LandingParameters {
 /// The landing of a draw.
 struct LandingSetup {
   LandingParameters parameters;
-  RandomSeed seed;
+  RandomSeed seed = {};
   std::array<double, 2> velocity_error_mps{};  ///< x, y
 };
 

@@ -25,7 +25,7 @@ struct ComponentContext {
   /// Empty if the configuration is only checked: components that are defined by a file are then replaced by
   /// any valid one, and nothing is drawn.
   TableLoader load_table;
-  RandomSeed seed;
+  RandomSeed seed = {};
   double scan_time_s = 2;
   double pulse_interval_s = 5e-5;
 };

@@ -46,7 +46,7 @@ struct RandomNavigationParameters {
 class RandomNavigationError : public NavigationError {
  public:
   struct Draw {
-    RandomSeed seed;
+    RandomSeed seed = {};
     double duration_s = 2;  ///< length of the grid of times; afterwards the errors keep their last value
   };
 

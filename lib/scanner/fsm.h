@@ -26,7 +26,7 @@ struct FsmParameters {
   std::vector<EncoderHarmonic> encoder_harmonics{};
   MechanismTimingParameters timing{};
   bool tof_lag = false;  ///< the line of sight uses the mirror's tilts at the time of the echo
-  RandomSeed seed;       ///< of the encoder's noise
+  RandomSeed seed = {};  ///< of the encoder's noise
 };
 
 /// A fast steering mirror: one flat mirror on two axes (scanner/mirror_frame.h).

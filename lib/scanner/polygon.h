@@ -24,7 +24,7 @@ struct PolygonParameters {
   bool facet_tilt_known = false;    ///< a calibrated scanner: the lander knows the tilts
   /// The harmonics of the encoders of the drum (its whole turn) and of the frame.
   std::vector<EncoderHarmonic> encoder_harmonics{};
-  RandomSeed seed;  ///< of the tilts
+  RandomSeed seed = {};  ///< of the tilts
 };
 
 /// A polygon mirror with N facets that turns about an axis across the plane of incidence, and a slow second

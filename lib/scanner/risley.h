@@ -23,7 +23,7 @@ struct RisleyParameters {
   std::variant<RisleyRotation, RisleyBranch> drive{};
   /// One sigma of each prism's angle about the commanded one, which the lander believes; >= 0.
   double encoder_sigma_rad = 0;
-  RandomSeed seed;
+  RandomSeed seed = {};
 };
 
 /// Two rotating wedge prisms. Every ray is traced through their four faces.

@@ -109,7 +109,7 @@ struct TerrainModel {
   std::vector<Feature> features;
   std::vector<FeaturePattern> patterns;
   std::optional<AlbedoModel> albedo{};
-  RandomSeed seed;
+  RandomSeed seed = {};
   friend bool operator==(const TerrainModel&, const TerrainModel&) = default;
 };
 

@@ -39,7 +39,7 @@ struct PatternSite {
   double east_m = 0;
   double south_m = 0;
   double north_m = 0;
-  RandomSeed seed;
+  RandomSeed seed = {};
   std::uint64_t pattern = 0;  ///< number of the pattern: patterns with one seed are independent
 
   [[nodiscard]] double area_m2() const { return (east_m - west_m) * (north_m - south_m); }

@@ -24,7 +24,7 @@ struct MapFrame {
   std::string crs_wkt;         ///< WKT 1 where that can express the CRS, as LAS needs it, else WKT 2
   bool is_geographic = false;  ///< x is longitude, y latitude
   std::string unit = "m";      ///< of x and y: m, ft, 0.5 m, degree, or the angle's name
-  MapPoint center;             ///< of the site
+  MapPoint center = {};        ///< of the site
   double metres_per_unit = 1;  ///< of x and y; of a geographic one along the equator
   double center_height = 0;    ///< of the site
   double metres_per_height = 1;

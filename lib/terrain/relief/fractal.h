@@ -12,7 +12,7 @@ namespace landfall {
 
 /// Identifies the draw of a fractal: layers of one seed are independent of each other.
 struct FractalDraw {
-  RandomSeed seed;
+  RandomSeed seed = {};
   std::uint64_t layer = 0;
 };
 

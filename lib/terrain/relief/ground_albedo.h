@@ -16,7 +16,7 @@ namespace landfall {
 /// The grid of a terrain and its seed.
 struct GroundSite {
   GridSpec grid;
-  RandomSeed seed;
+  RandomSeed seed = {};
   std::int64_t max_nodes = 0;  ///< grids with more have a LargeFractal (StripSize::max_nodes)
 };
 

@@ -43,7 +43,7 @@ TEST(DrawTable, FindsMetrics) {
 
 TEST(DrawTable, SixPassedTellsUnjudgedDraws) {
   constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
-  DrawTable table{0, {1, 2, 3, 4}, {}, {}, {1, 0, -1, 0}};
+  DrawTable table{0, {1, 1, 1, 1}, {0, 1, 2, 3}, {}, {}, {1, 0, -1, 0}};
   for (const auto& words : dictionary::kRequirements)
     table.metrics.push_back({"requirements." + std::string(words.name) + ".pass", {1, 1, 1, 1}});
   table.metrics[0].values = {1, 0, 1, 1};
