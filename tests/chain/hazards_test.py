@@ -306,7 +306,7 @@ class Memory(ToolTest):
     def test_a_draw(self):
         self.succeed("terrain-gen", "-o", self.path("t.h5"), "-c", self.config(TERRAIN))
         self.succeed("scan-sim", "-c", self.config({**SCAN, "noise": {}}), "--terrain", self.path("t.h5"), "-o", self.path("s.h5"))
-        draws = {"draws": 2, "regrid": {"half_width_m": 2500, "resolution_m": 0.5}}
+        draws = {"draws": 2, "regrid": {"half_width_m": 2500, "resolution_m": 0.5}, "eval": {"footprint_m": 2.5}}
         self.refuse_in(1 << 29, "monte-carlo", self.path("s.h5"), "--terrain", self.path("t.h5"), "-c", self.config(draws), "-o", self.path("m.h5"),
                        words=["config.json: gridding a draw to 10,001 x 10,001 bins needs 2.5 GB of memory", "half_width_m"])
 

@@ -85,6 +85,7 @@ CASES = [
     ("a key with a NUL byte", TRACE, "nul.json", '{"seed\\u0000": 1}'),
     ("a seed that is not the campaign's", MERGE, "a.h5", value_at("draws/seed", 0, 99)),
     ("a seed that does not follow the one before", MERGE, "a.h5", value_at("draws/seed", 1, 99)),
+    ("a number of a draw that does not follow the one before", MERGE, "a.h5", value_at("draws/draw", 1, 99)),
     ("a draw that passes 7 times", MERGE, "a.h5", value_at("draws/pass", 1, 7)),
     ("a requirement that passes 5 times", MERGE, "a.h5", value_at("draws/requirements.coverage.pass", 1, 5)),
     ("a site that is true_safe 3 times", MERGE, "a.h5", value_at("draws/site.true_safe", 1, 3)),

@@ -76,6 +76,11 @@ class Judgement(LandingTest):
             self.assertEqual(verdict["safe"]["passed"], rows["landing.safe"].sum())
         self.assertEqual(rows["landing.safe"].dtype, np.int8)
 
+    def test_seeds_share_no_touchdown(self):
+        rows = [self.landings(campaign(scan={**STILL, "seed": seed}))[0] for seed in (1, 2)]
+        for name in ("landing.x_m", "landing.y_m", "landing.yaw_deg", "blind.x_m", "blind.y_m"):
+            self.assertEqual(len({*rows[0][name], *rows[1][name]}), 8, name)
+
     def test_over_a_traced_scan(self):
         """Landings of redrawn errors."""
         config = {key: value for key, value in campaign(scan={}, vary={"scan.navigation_error.position_m.0": {"type": "normal", "sigma": 0.5}}).items()

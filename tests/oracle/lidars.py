@@ -16,7 +16,8 @@ class Lidars(Mechanisms):
                   "laser": {"pulse_rate_hz": self.one_of([800, 1000, 1250.5]), "scan_time_s": DURATION_S},
                   "mount": {"position_m": self.between(-0.5, 0.5, 3), "rpy_deg": [180 + self.between(-1, 1),
                                                                                   self.between(-1, 1), self.between(-20, 20)]},
-                  "pointing_error": self.pointing(), "seed": self.whole(0, 2**53 - 1), "draw": self.whole(0, 2**31 - 1)}
+                  "pointing_error": self.pointing(), "seed": self.whole(0, 2**53 - 1)}
+        config["draw"] = config["seed"] >> 22  # any of 2^31
         config["trajectory"] = self.trajectory(dealt["trajectory"])
         config["navigation_error"] = self.navigation(dealt["navigation"], config["trajectory"])
         if dealt["scanner"] == "risley reflecting":

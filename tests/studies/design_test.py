@@ -214,7 +214,7 @@ class Sequential(DesignTest):
         """At the same draw with the same decision, for limits that few, half and most of the draws meet."""
         file = design_file(terrains=[{}], race={"p0": 0.6, "p1": 0.3})
         decisions = set()
-        for limit in (0.0158, 0.0168, 0.018):
+        for limit in (0.0145, 0.0165, 0.018):
             file["base"]["eval"]["limits"] = {"relative_elevation_m": limit}
             problem = design_problem.Problem(self.write(file))
             search = design_search.Design(problem, self.path("out"))
