@@ -8,6 +8,7 @@
 
 #include "base/error.h"
 #include "base/file_path.h"
+#include "base/hash.h"
 #include "base/joined.h"
 #include "base/shown_text.h"
 #include "config/path_names.h"
@@ -98,7 +99,7 @@ ChainIdentity chain_identity(const ChainNames& names, const Json& config, const 
   ChainIdentity chain;
   for (const std::string& name : names.config_names) {
     const auto stream = names.streams.find(name);
-    chain.names.push_back(stream != names.streams.end() ? kContent + stream->second
+    chain.names.push_back(stream != names.streams.end() ? kContent + Hash().update(stream->second).hex()
                           : name.starts_with(kPreset)   ? name
                                                         : from_folder(name, folder).string());
   }

@@ -15,22 +15,14 @@
 #include "base/trimmed.h"
 #include "config/plain_number.h"
 #include "config/schema.h"
+#include "config/stage_sections.h"
 #include "config/terrain_config.h"
 #include "terrain/mesh/mesh_name.h"
 
 namespace landfall {
 namespace {
 
-namespace fs = std::filesystem;
 using Json = nlohmann::json;
-
-/// Whether /terrain of a configuration with stage sections names a raster or mesh.
-bool is_import(const Json& config) {
-  if (!config.is_object() || !config.contains("terrain")) return false;
-  const Json& terrain = config["terrain"];
-  return terrain.is_object() && terrain.contains("from") && terrain["from"].is_string() &&
-         terrain["from"] != "";
-}
 
 /// 60 becomes an integer and 60.0 a float, as in a JSON file: the hash depends on it.
 Json number_of(const std::string& text, const char* option) {
@@ -179,16 +171,6 @@ Json import_section(const std::string& from, const std::string& center) {
   Json section = {{"from", from}};
   if (!center.empty()) section["center"] = pair_of(center, "--center");
   return section;
-}
-
-void place_import(Json& config, const fs::path& folder) {
-  if (!is_import(config)) return;
-  Json& from = config["terrain"]["from"];
-  const auto name = from.get<std::string>();
-  const fs::path placed = folder / name;
-  std::error_code unreachable;
-  const bool is_gdal_name = name.find(':') != std::string::npos && !fs::exists(placed, unreachable);
-  if (!is_gdal_name) from = placed.string();
 }
 
 void import_terrain(JsonSource& config, const SiteFitter& fit) {

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include <filesystem>
 #include <functional>
 #include <string>
 
@@ -52,10 +51,6 @@ void complete_import(JsonSource& source, const ImportOptions& options, const Sit
 
 /// The section terrain that --from and --center, "X,Y" or empty, stand for. Throws as apply_import() does.
 [[nodiscard]] nlohmann::json import_section(const std::string& from, const std::string& center);
-
-/// Joins /terrain/from to the folder of the file that it is read from. Absolute paths and names that are no
-/// file there but one of GDAL's (NETCDF:"f.h5":z) stay.
-void place_import(nlohmann::json& config, const std::filesystem::path& folder);
 
 /// Replaces from and center of the section /terrain by the base, or mesh, and the grid that terrain-gen
 /// --from and --center give, merged with the rest of the section. Values of another type than the schema's

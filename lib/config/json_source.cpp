@@ -22,7 +22,6 @@
 #include <system_error>
 
 #include "base/error.h"
-#include "base/hash.h"
 #include "base/json_text.h"
 #include "base/shown_text.h"
 #include "config/config_path.h"
@@ -202,8 +201,7 @@ JsonSource read_json(const std::string& path) {
   const std::string text = read_text(path);
   JsonSource source = parse_json(text, path == "-" ? "standard input" : path);
   std::error_code unreachable;
-  if (path == "-" || !std::filesystem::is_regular_file(path, unreachable))
-    source.streams[path] = Hash().update(text).hex();
+  if (path == "-" || !std::filesystem::is_regular_file(path, unreachable)) source.streams[path] = text;
   return source;
 }
 

@@ -16,8 +16,8 @@ struct JsonSource {
   /// Remarks on keys, by their JSON pointers, of objects whose "type" a later one of several merged
   /// configurations has changed: the new type may not know them.
   std::map<std::string, std::string> leftovers = {};
-  /// Hashes of the texts that came from standard input or a pipe, which nobody can read again, by their names
-  /// on the command line.
+  /// Texts that came from standard input or a pipe, which nobody can read again, by their names on the
+  /// command line.
   std::map<std::string, std::string> streams = {};
 };
 

@@ -8,7 +8,6 @@
 #include "base/joined.h"
 #include "base/shown_text.h"
 #include "config/embedded_presets.h"
-#include "config/import_config.h"
 #include "config/schema.h"
 #include "config/stage_sections.h"
 

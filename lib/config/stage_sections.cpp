@@ -4,7 +4,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 #include <optional>
+#include <system_error>
 
 #include "base/error.h"
 #include "base/shown_text.h"
@@ -128,6 +130,24 @@ void expand_stage_sections(JsonSource& source) {
   if (!source.value.is_object()) return;
   for (const std::string& stage : stage_sections())
     if (source.value.contains(stage)) expand(source.value[stage], stage, source.name + ": /" + stage);
+}
+
+bool is_import(const Json& config) {
+  if (!config.is_object() || !config.contains("terrain")) return false;
+  const Json& terrain = config["terrain"];
+  return terrain.is_object() && terrain.contains("from") && terrain["from"].is_string() &&
+         terrain["from"] != "";
+}
+
+void place_import(Json& config, const std::filesystem::path& folder) {
+  if (!is_import(config)) return;
+  Json& from = config["terrain"]["from"];
+  const auto name = from.get<std::string>();
+  const std::filesystem::path placed = folder / name;
+  std::error_code unreachable;
+  const bool is_gdal_name =
+      name.find(':') != std::string::npos && !std::filesystem::exists(placed, unreachable);
+  if (!is_gdal_name) from = placed.string();
 }
 
 double terrain_half_width(double half_width_m, double resolution_m) {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <filesystem>
 #include <string>
 #include <vector>
 
@@ -26,6 +27,13 @@ void expand_stage_sections(JsonSource& source);
 /// circle, of /eval and of /hazard. Missing sections of regrid and eval are made, the others only if
 /// `makes_all`. A mesh has no grid. Values of another type than the schema's are left for it to refuse.
 void fill_area(nlohmann::json& config, bool makes_all);
+
+/// Whether /terrain of a configuration with stage sections names a raster or mesh.
+[[nodiscard]] bool is_import(const nlohmann::json& config);
+
+/// Joins /terrain/from to the folder of the file that it is read from. Absolute paths and names that are no
+/// file there but one of GDAL's (NETCDF:"f.h5":z) stay.
+void place_import(nlohmann::json& config, const std::filesystem::path& folder);
 
 /// The half width of a terrain under a map of this half width.
 [[nodiscard]] double terrain_half_width(double half_width_m, double resolution_m);

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include "config/stage_sections.h"
 #include "refusal.h"
 
 namespace landfall {
