@@ -113,7 +113,7 @@ class Options(ImportTest):
                 (["--horizontal-scale", "2"], ["horizontal_scale_m", "CRS"]),
                 (["--center", "1,2", "--center-pixel", "1,2"], ["--center"]),
                 (["--set", 'base={"type":"plane"}'], ["--set base", "--from"]),
-                (["-c", self.config({"base": {"type": "plane"}})], ["config.json", "/base", "--from"])]:
+                (["-c", self.config({"base": {"type": "plane"}})], ["config.json", "/base", "import"])]:
             self.refuse(2, "terrain-gen", "--from", path, "-o", output, *options, words=words, output=output)
         self.refuse(2, "terrain-gen", "--center", "1,2", "-o", output, words=["--center", "--from"])
         self.refuse(1, "terrain-gen", "--from", self.path("none.tif"), "-o", output, words=["none.tif"])

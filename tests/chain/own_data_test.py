@@ -645,7 +645,7 @@ class Rasters(Imports):
         at = json.loads(self.succeed("landfall-info", self.out, "--at", "1,2", "--json").stdout)
         self.assertIn(repr(float(z_true)), json.dumps(at))
         self.assertIn("\nz_true, m              651        0 ", self.succeed("landfall-info", "--compare", self.out, self.out).stdout)
-        self.succeed("dem-eval", self.out, "--metrics", self.path("m.json"), "--set", "region_radius_m=4", "--set", "footprint_m=1")
+        self.succeed("dem-eval", self.out, "--metrics", self.path("m.json"), "--set", "region_radius_m=4", "--set", "footprint_m=2.5")
         with open(self.path("m.json"), encoding="utf-8") as file:
             metrics = json.load(file)
         self.assertIs(metrics["pass"], False)

@@ -140,8 +140,8 @@ class Install(unittest.TestCase):
                        "find_package(landfall ${WANTED} REQUIRED)\nget_target_property(x landfall::lidar TYPE)\n")
         configure = ["cmake", "-S", source, "-DCMAKE_PREFIX_PATH=" + self.prefix,
                      "-DCMAKE_CXX_COMPILER=" + os.environ["LANDFALL_CXX"]]
-        self.succeed(*configure, "-B", self.path("b1"), "-DWANTED=0.2")
-        for wanted in ["0.1", "0.3", "1.0"]:
+        self.succeed(*configure, "-B", self.path("b1"), "-DWANTED=0.3")
+        for wanted in ["0.2", "0.4", "1.0"]:
             result = execute(*configure, "-B", self.path("b" + wanted), "-DWANTED=" + wanted)
             self.assertNotEqual(result.returncode, 0, wanted)
             self.assertIn(f'compatible with requested version "{wanted}"', " ".join(result.stderr.split()))

@@ -151,7 +151,8 @@ function withoutStage(name) { return name.slice(name.indexOf(".") + 1); }
 function scatterChart(metric, {name, values}) {
   const [xFactor, xScale] = shortScale(values), [yFactor, yScale] = shortScale(metric.values.map((y) => (y ?? 0) * metric.factor));
   const limit = metric.limit === null ? null : metric.limit * yFactor;
-  const points = values.map((x, i) => ({x: x * xFactor, y: metric.values[i] === null ? null : metric.values[i] * metric.factor * yFactor, outcome: OUTCOMES[metric.pass[i]] ?? UNJUDGED}))
+  const points = values.map((x, i) => ({x: x * xFactor, y: metric.values[i] === null ? null : metric.values[i] * metric.factor * yFactor,
+                                        outcome: OUTCOMES[metric.pass[i]] ?? UNJUDGED}))
       .filter(({x, y}) => x !== null && y !== null);
   const ys = points.map(({y}) => y), xs = points.map(({x}) => x);
   const near = limit !== null && Math.abs(limit) <= 3 * Math.max(...ys.map(Math.abs));
@@ -171,7 +172,8 @@ function scatterChart(metric, {name, values}) {
 function fillCauses(section) {
   const metrics = scatterMetrics();
   if (report.varied.length === 0 || metrics.length === 0) {
-    section.append(htmlElement("p", {}, report.varied.length === 0 ? "No key is varied: the draws differ in their random numbers only." : "No metric differs between the draws."));
+    const why = report.varied.length === 0 ? "No key is varied: the draws differ in their random numbers only." : "No metric differs between the draws.";
+    section.append(htmlElement("p", {}, why));
     return;
   }
   const figures = htmlElement("div", {class: "figures"});
