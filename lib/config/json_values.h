@@ -31,7 +31,7 @@ inline Eigen::Vector3d vector3(const nlohmann::json& value) {
   return {value.at(0).get<double>(), value.at(1).get<double>(), value.at(2).get<double>()};
 }
 
-/// Of a resolved configuration of a terrain or of a scan.
+/// The random numbers of a resolved configuration of a terrain or of a scan.
 inline RandomSeed random_seed(const nlohmann::json& config) {
   return {config.at("seed").get<std::uint64_t>(), config.at("draw").get<std::uint32_t>()};
 }

@@ -49,7 +49,7 @@ class Layout(ChainTest):
                 found = attributes(file)
                 self.assertEqual(found["Conventions"], "CF-1.8")
                 self.assertEqual(found["format_name"], f"landfall.{kind}")
-                self.assertRegex(found["format_version"], r"^1\.\d+$")
+                self.assertRegex(found["format_version"], r"^[12]\.\d+$")
                 self.assertRegex(found["file_id"], r"^[0-9a-f]{32}$")
                 self.assertEqual(found["complete"], 1)
                 self.assertRegex(found["source"], rf"^landfall {name} \d+\.\d+\.\d+ \(git .+\)$")

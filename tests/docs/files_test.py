@@ -90,7 +90,7 @@ def leaves(tree, path=""):
 
 def entry_of(name, kind, units):
     """The entry of a dataset, or of the group of columns that a page describes together; the names of these tell their units."""
-    if name.startswith("/draws/") and name not in ("/draws/seed", "/draws/pair", "/draws/pass"):
+    if name.startswith("/draws/") and name not in ("/draws/seed", "/draws/draw", "/draws/pair", "/draws/pass"):
         first = name.removeprefix("/draws/").split(".")[0]
         if first in ("landing", "blind"):
             return {name: (kind, units if name.endswith(".safe") else "of its name")}
