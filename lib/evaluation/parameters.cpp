@@ -41,6 +41,10 @@ Footprint footprint_of(const EvaluationParameters& parameters, double resolution
              : Footprint::disc(static_cast<std::int64_t>(half * half));
 }
 
+std::string square_text(std::int64_t edge_bins) {
+  return std::to_string(edge_bins) + " x " + std::to_string(edge_bins);
+}
+
 double coarsest_judged_posting_m(const EvaluationParameters& parameters) {
   return parameters.footprint_m / static_cast<double>(kMinFootprintBins - 1);
 }
@@ -48,10 +52,9 @@ double coarsest_judged_posting_m(const EvaluationParameters& parameters) {
 std::optional<std::string> why_not_judged(const EvaluationParameters& parameters, double resolution_m) {
   const std::int64_t bins = footprint_of(parameters, resolution_m).edge_bins();
   if (judges_relative_errors(bins)) return std::nullopt;
-  const auto square = [](std::int64_t edge) { return std::to_string(edge) + " x " + std::to_string(edge); };
-  return "a footprint of " + number_text(parameters.footprint_m) + " m has " + square(bins) + " bins of " +
-         number_text(resolution_m) + " m, and relative errors are judged from " + square(kMinFootprintBins) +
-         " bins on; the coarsest posting that can be judged is " +
+  return "a footprint of " + number_text(parameters.footprint_m) + " m has " + square_text(bins) +
+         " bins of " + number_text(resolution_m) + " m, and relative errors are judged from " +
+         square_text(kMinFootprintBins) + " bins on; the coarsest posting that can be judged is " +
          number_text(coarsest_judged_posting_m(parameters)) + " m";
 }
 

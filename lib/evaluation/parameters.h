@@ -65,6 +65,9 @@ inline constexpr std::int64_t kMinFootprintBins = 5;
   return footprint_bins >= kMinFootprintBins;
 }
 
+/// "5 x 5".
+[[nodiscard]] std::string square_text(std::int64_t edge_bins);
+
 /// The coarsest posting at which the relative errors of a footprint are judged.
 [[nodiscard]] double coarsest_judged_posting_m(const EvaluationParameters& parameters);
 

@@ -52,19 +52,17 @@ std::string absolute_horizontal(const Metrics& m, double limit_m) {
          centimetres(h.p95_m.value_or(0));
 }
 
-std::string square(std::int64_t edge) { return std::to_string(edge) + " x " + std::to_string(edge); }
-
 /// In place of a value.
 std::string no_value(const Metrics& m, const Requirement& requirement) {
   if (!m.accuracy) return "no truth to compare with";
-  if (requirement.reason) return "footprint of " + square(m.accuracy->footprint_bins) + " bins";
+  if (requirement.reason) return "footprint of " + square_text(m.accuracy->footprint_bins) + " bins";
   return requirement.pass ? "no footprint to judge" : "no true positions to compare with";
 }
 
 }  // namespace
 
 std::vector<std::string> assumption_texts(const AssumptionMetrics& a) {
-  std::vector<std::string> texts = {"footprint of " + square(a.footprint_bins) + " bins"};
+  std::vector<std::string> texts = {"footprint of " + square_text(a.footprint_bins) + " bins"};
   if (a.truth_spacing_m) texts.push_back("truth nodes every " + short_number(*a.truth_spacing_m) + " m");
   if (a.median_returns_per_bin)
     texts.push_back(short_number(*a.median_returns_per_bin) + " returns per bin (median)");
@@ -77,7 +75,7 @@ std::string missing_text(const Metrics& m) {
   if (!m.accuracy) return "the DEM has no truth";
   std::string text;
   if (m.requirements.relative_elevation.reason)
-    text = "the footprint has fewer than " + square(kMinFootprintBins) + " bins";
+    text = "the footprint has fewer than " + square_text(kMinFootprintBins) + " bins";
   if (!m.requirements.absolute_horizontal.pass)
     text += std::string(text.empty() ? "" : ", and ") + "the DEM has no true positions";
   return text;
