@@ -7,7 +7,6 @@
 #include <utility>
 #include <vector>
 
-#include "base/number_text.h"
 #include "cli/hazard_input.h"
 #include "cli/judged_region.h"
 #include "cli/meeting_options.h"
@@ -114,16 +113,6 @@ void check(const cli::CommonOptions& common, const Options& o) {
   check_strips(common, o);
 }
 
-/// Pads meet what lies between the nodes of a coarse truth.
-void warn_of_spacing(cli::Session& session, const std::string& name, const HazardSource& source,
-                     const HazardParameters& parameters) {
-  const double pad_m = parameters.lander.pad_diameter_m;
-  if (source.truth_spacing_m && !source.is_imported && *source.truth_spacing_m > pad_m * (1 + 1e-9))
-    session.warn(name + ": the truth has nodes every " + short_number(*source.truth_spacing_m) +
-                 " m, farther apart than a pad is wide (" + short_number(pad_m) +
-                 " m): it lacks what a pad would meet; make the terrain finer (grid.resolution_m)");
-}
-
 /// Gives the sites their positions on the map of the site.
 void place(cli::Session& session, const std::string& name, HazardMap& map, const std::string& crs_wkt) {
   if (const auto why = no_map_positions(crs_wkt))
@@ -190,7 +179,8 @@ ExitCode run(cli::Session& session, const Options& o) {
   HazardInput input;
   session.phase("read", [&](const ProgressCallback&) { source = read_hazard_source(o.map, !o.no_truth); });
   provenance.add_input(source.kind, source.file_id, source.chain);
-  warn_of_spacing(session, o.map, source, parameters);
+  cli::warn_of_spacing(session, o.map, source.truth_spacing_m, source.is_imported,
+                       {parameters.lander.pad_diameter_m, "farther apart than a pad is wide", "a pad"});
   if (score_file && !source.z_true)
     throw FormatError(o.map + ": has no true elevations (z_true), which --score needs");
   std::optional<BinMask> region =

@@ -58,8 +58,8 @@ std::optional<ChainIdentity> chain_of(const Json& json) {
   return chain;
 }
 
-/// A path as seen from the folder, whatever links lead to both. Names that are no file, as NETCDF:"f.h5":z,
-/// stay.
+/// The path relative to the folder, after all links are followed. A name that is not a file, such as
+/// NETCDF:"f.h5":z, stays.
 fs::path from_folder(const fs::path& path, const fs::path& folder) {
   std::error_code failure;
   if (!fs::exists(path, failure)) return path;

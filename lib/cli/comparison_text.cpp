@@ -3,6 +3,7 @@
 
 #include <utility>
 
+#include "base/joined.h"
 #include "base/number_text.h"
 #include "base/shown_text.h"
 #include "cli/print.h"
@@ -128,10 +129,11 @@ std::string draw_lines(const Comparison& json) {
   std::string text = "\n" + value_text(draws["common"]) + " draws in common, of " + value_text(draws["a"]) +
                      " in A and " + value_text(draws["b"]) + " in B: same seed and number\n";
   if (!json.contains("pairs")) return text + "no outcome is compared in pairs\n";
-  std::string keys;
-  for (const Comparison& key : json["differing_keys"])
-    keys += (keys.empty() ? "" : ", ") + key.get<std::string>();
-  if (!keys.empty()) text += "their values of " + keys + " differ\n";
+  if (!json["differing_keys"].empty())
+    text +=
+        "their values of " +
+        joined(json["differing_keys"], ", ", [](const Comparison& key) { return key.get<std::string>(); }) +
+        " differ\n";
   return text + pair_lines(json["pairs"]);
 }
 

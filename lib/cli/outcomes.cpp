@@ -98,16 +98,20 @@ void report_dem(Session& session, const BinnedReturns& returns, const GridSpec& 
   for (const std::string& warning : returns.warnings) session.warn(warning);
 }
 
+void warn_of_spacing(Session& session, const std::string& dem, std::optional<double> spacing_m,
+                     bool is_imported, const SpacingLimit& limit) {
+  if (!spacing_m || is_imported || *spacing_m <= limit.spacing_m * (1 + 1e-9)) return;
+  session.warn(dem + ": the truth has nodes every " + short_number(*spacing_m) + " m, " + limit.excess +
+               " (" + short_number(limit.spacing_m) + " m): it lacks what " + limit.object +
+               " would meet; make the terrain finer (grid.resolution_m)");
+}
+
 void warn_of_assumptions(Session& session, const std::string& dem, const Metrics& metrics,
                          const EvaluationParameters& parameters, double resolution_m, bool is_imported) {
   if (const auto why = why_not_judged(parameters, resolution_m); why && metrics.accuracy)
     session.warn(dem + ": " + *why);
-  const double limit_m = parameters.footprint_m / 5;
-  if (const auto spacing_m = metrics.assumptions->truth_spacing_m;
-      spacing_m && !is_imported && *spacing_m > limit_m * (1 + 1e-9))
-    session.warn(dem + ": the truth has nodes every " + short_number(*spacing_m) +
-                 " m, more than a fifth of the footprint (" + short_number(limit_m) +
-                 " m): it lacks what a lander would meet; make the terrain finer (grid.resolution_m)");
+  warn_of_spacing(session, dem, metrics.assumptions->truth_spacing_m, is_imported,
+                  {parameters.footprint_m / 5, "more than a fifth of the footprint", "a lander"});
 }
 
 ExitCode report_evaluation(Session& session, const std::string& dem, const Evaluation& evaluation,

@@ -31,6 +31,17 @@ void report_draw_device(Session& session, const DeviceUse& use);
 /// Also passes on the warnings about the sigmas.
 void report_dem(Session& session, const BinnedReturns& returns, const GridSpec& grid);
 
+/// The distance that the nodes of a truth may have.
+struct SpacingLimit {
+  double spacing_m;
+  const char* excess;  ///< "farther apart than a pad is wide"
+  const char* object;  ///< "a pad": meets what lies between the nodes
+};
+
+/// Warns of a truth whose nodes are farther apart, unless it is that of an import.
+void warn_of_spacing(Session& session, const std::string& dem, std::optional<double> spacing_m,
+                     bool is_imported, const SpacingLimit& limit);
+
 /// Warns where relative errors are not judged (why_not_judged()), and where the truth's nodes are farther
 /// apart than a fifth of the footprint, unless the truth is that of an import.
 void warn_of_assumptions(Session& session, const std::string& dem, const Metrics& metrics,
