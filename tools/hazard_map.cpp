@@ -124,6 +124,11 @@ void place(cli::Session& session, const std::string& name, HazardMap& map, const
 ExitCode conclude(cli::Session& session, const Options& o, const HazardMap& map,
                   const HazardParameters& parameters) {
   const OwnVerdicts own = own_verdicts(map, parameters);
+  const double tenth_m = parameters.lander.body_radius_m / 5;
+  if (const double bin_m = map.safe.spec().resolution_m; map.p_safe && bin_m > tenth_m)
+    session.warn(o.map + ": bins of " + number_text(bin_m) +
+                 " m are coarser than a tenth of the body's diameter, " + short_number(tenth_m) +
+                 " m: p_safe is less sure");
   if (session.options().shows_table(o.table)) std::cout << cli::hazard_table(map) << cli::own_table(own);
   std::optional<double> required;
   if (o.require_safe) required = parameters.sites.min_p;

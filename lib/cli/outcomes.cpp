@@ -150,11 +150,16 @@ ExitCode report_hazards(Session& session, const std::string& name, const HazardM
   if (min_p && !map.p_safe && !map.sites.empty())
     session.warn(name + ": --require-safe: " + map.no_probability +
                  "; p_touchdown counts safe places as certain");
+  const bool cannot_tell = min_p && map.p_safe && static_cast<double>(map.p_cap) < *min_p;
   const auto is_enough = [&](const LandingSite& site) { return site.p_touchdown >= *min_p; };
   const bool lacks_site = min_p && std::ranges::none_of(map.sites, is_enough);
   const bool refused = lacks_site || (min_p && !all_pass(own));
   std::string text = name + ": ";
-  if (lacks_site) text += "no site has a p_touchdown of " + number_text(*min_p) + ": ";
+  if (cannot_tell)
+    text += "this map carries no p_safe above " + short_number(static_cast<double>(map.p_cap)) +
+            ", and sites.min_p is " + number_text(*min_p) + " (smaller bins carry more): ";
+  else if (lacks_site)
+    text += "no site has a p_touchdown of " + number_text(*min_p) + ": ";
   if (!all_pass(own)) text += "missed: " + missed_requirements(own) + "; ";
   session.conclude(text + hazard_summary(map), refused);
   return refused ? ExitCode::requirement_missed : ExitCode::done;

@@ -102,20 +102,30 @@ std::string map_lines(const std::vector<LandingSite>& sites) {
   return text;
 }
 
+std::string touchdown_text(const LandingSite& site) {
+  return (is_touchdown_capped(site) ? "at least " : "") +
+         print("%.4f", static_cast<double>(site.p_touchdown));
+}
+
 std::string site_lines(const HazardMap& map) {
   if (map.sites.empty()) return "\nno site: no safe place within reach\n";
   std::string text = "\nsite     x, m     y, m    cost p_touchdown  slope  roughness  to hazard" +
                      std::string(map.truth ? "  truth\n" : "\n") + print("%49s %10s %10s\n", "deg", "m", "m");
   int rank = 0;
+  std::string capped;
   for (const LandingSite& site : map.sites) {
-    const std::string p = map.p_safe ? print("%.4f", static_cast<double>(site.p_touchdown)) : "-";
     text += print("%4d %8.2f %8.2f %7.4f %11s %6.2f %10.3f", ++rank, site.x_m, site.y_m,
-                  static_cast<double>(site.cost), p.c_str(), site.slope_deg, site.roughness_m);
+                  static_cast<double>(site.cost),
+                  map.p_safe ? print("%.4f", static_cast<double>(site.p_touchdown)).c_str() : "-",
+                  site.slope_deg, site.roughness_m);
     text += site.distance_to_hazard_m ? print(" %10.2f", static_cast<double>(*site.distance_to_hazard_m))
                                       : print(" %10s", "-");
     text += map.truth ? print("  %s\n", truth_text(site.truth)) : "\n";
+    if (is_touchdown_capped(site)) capped += (capped.empty() ? "" : ", ") + std::to_string(rank);
   }
   if (!map.p_safe) text += map.no_probability + "\n";
+  if (!capped.empty())
+    text += "at least so much, since the map carries no larger p_safe: site " + capped + "\n";
   return text + map_lines(map.sites);
 }
 
@@ -216,8 +226,7 @@ std::string hazard_summary(const HazardMap& map) {
   if (map.sites.empty()) return text + "no safe place within reach";
   const LandingSite& best = map.sites.front();
   return text + "best site (" + short_number(best.x_m) + ", " + short_number(best.y_m) + ") m, " +
-         (map.p_safe ? "p_touchdown " + print("%.4f", static_cast<double>(best.p_touchdown))
-                     : map.no_probability);
+         (map.p_safe ? "p_touchdown " + touchdown_text(best) : map.no_probability);
 }
 
 std::string draws_table(const VerdictJson& verdict) {

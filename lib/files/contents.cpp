@@ -17,8 +17,8 @@ namespace landfall {
 namespace {
 
 constexpr std::array kSiteOrder = {
-    "rank", "x",           "y",      "easting", "northing",  "latitude",           "longitude", "z",
-    "cost", "p_touchdown", "p_safe", "slope",   "roughness", "distance_to_hazard", "true_safe"};
+    "rank", "x",           "y",      "easting",  "northing", "latitude",  "longitude",          "z",
+    "cost", "p_touchdown", "p_safe", "p_capped", "slope",    "roughness", "distance_to_hazard", "true_safe"};
 
 constexpr auto kColumnOrder =
     std::apply([](const auto&... column) { return std::array{column.name...}; }, kPointColumns);

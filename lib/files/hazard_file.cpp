@@ -121,6 +121,8 @@ void write_sites(const LandfallFileWriter& file, const HazardMap& map) {
   const auto cost = site_column(sites, [](const LandingSite& s) { return s.cost; });
   const auto p_touchdown = site_column(sites, [](const LandingSite& s) { return s.p_touchdown; });
   const auto p_safe = site_column(sites, [](const LandingSite& s) { return or_nan(s.p_safe); });
+  const auto p_capped =
+      site_column(sites, [](const LandingSite& s) { return static_cast<std::int8_t>(s.p_capped ? 1 : 0); });
   const auto slope = site_column(sites, [](const LandingSite& s) { return s.slope_deg; });
   const auto roughness = site_column(sites, [](const LandingSite& s) { return s.roughness_m; });
   const auto distance =
@@ -159,6 +161,9 @@ void write_sites(const LandfallFileWriter& file, const HazardMap& map) {
   if (map.p_safe) {
     columns.push_back({"p_safe", float32, "1", "probability that the place is safe"});
     rows.emplace_back(std::span(p_safe));
+    columns.push_back(
+        {"p_capped", int8, "1", "whether the evidence allows no larger p_safe: it is at least so large"});
+    rows.emplace_back(std::span(p_capped));
   }
   if (map.truth) {
     columns.push_back({"true_safe", int8, "1", "whether the place is safe on the true ground", kSafetyValues,
@@ -204,7 +209,8 @@ Json site_json(const LandingSite& site) {
                    {"slope_deg", site.slope_deg},
                    {"roughness_m", site.roughness_m},
                    {"distance_to_hazard_m", or_null(site.distance_to_hazard_m)},
-                   {"true_safe", true_safe(site.truth)}});
+                   {"true_safe", true_safe(site.truth)},
+                   {"p_capped", site.p_safe ? Json(site.p_capped) : Json()}});
   return json;
 }
 

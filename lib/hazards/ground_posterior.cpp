@@ -3,7 +3,6 @@
 #include "hazards/ground_posterior.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <limits>
 #include <utility>
@@ -23,9 +22,6 @@ constexpr double kFillReachM = 3.2;
 /// Bins further from a measured one than interpolation reaches are unknown. They get values from windows so
 /// many times as wide, because the filters also reach them from bins that are known.
 constexpr std::int64_t kFarther = 4;
-constexpr double kDepartureShare = 0.35;
-constexpr std::array<float, 2> kSharpening = {1.3F, 1.04F};
-constexpr float kOvershootNoise = 0.3F, kOvershootRange = 0.05F, kDepartureNoise = 0.2F;
 /// A variance that no float loses: sigma may be 0.
 constexpr float kMinVariance = 1e-18F;
 
@@ -118,54 +114,65 @@ void move_to_centers(Grid<double>& z, const Grid<float>& seen, const ReturnCentr
   });
 }
 
-/// The least and the largest value in the 3 x 3 bins about each bin of a row, clipped at the border.
-struct Extremes {
-  std::vector<double> low, high;
+/// 1 sigma of the relief of the next finer scale than the finest one, whose variances are given with those of
+/// the next coarser scale: by the same factor less, and not more. Without a coarser scale, the same.
+Grid<float> extrapolated(const Grid<float>& finest_m2, const Grid<float>& coarser_m2) {
+  auto sigma = Grid<float>::unset(finest_m2.spec());
+  const bool has_coarser = coarser_m2.spec().size() > 0;
+  for (std::size_t i = 0; i < sigma.spec().size(); ++i) {
+    const float finest = finest_m2.values()[i];
+    const float coarser = has_coarser ? std::max(coarser_m2.values()[i], kMinVariance) : finest;
+    sigma.values()[i] = std::sqrt(finest * std::min(finest / std::max(coarser, kMinVariance), 1.0F));
+  }
+  return sigma;
+}
+
+/// The differences of a bin from the bins around it that have a value.
+struct Differences {
+  double curvature = 0;  ///< from the mean of the four beside it; 0 if one of them has no value
+  double like = 0;       ///< size of the second smallest of the eight
 };
 
-Extremes extremes_of(const Grid<double>& map, std::int64_t row) {
+Differences differences(const Grid<double>& map, BinIndex bin) {
   const GridSpec& spec = map.spec();
-  const auto cols = static_cast<std::size_t>(spec.cols);
-  Extremes column{std::vector<double>(cols), std::vector<double>(cols)};
-  std::ranges::copy(map.row(row), column.low.begin());
-  std::ranges::copy(map.row(row), column.high.begin());
-  for (const std::int64_t other : {row - 1, row + 1}) {
-    if (other < 0 || other >= spec.rows) continue;
-    const auto values = map.row(other);
-    for (std::size_t c = 0; c < cols; ++c) {
-      column.low[c] = std::min(column.low[c], values[c]);
-      column.high[c] = std::max(column.high[c], values[c]);
+  double least = std::numeric_limits<double>::infinity();
+  Differences result{0, least};
+  int beside = 0;
+  for (std::int64_t row = std::max<std::int64_t>(bin.row - 1, 0); row < std::min(bin.row + 2, spec.rows);
+       ++row)
+    for (std::int64_t col = std::max<std::int64_t>(bin.col - 1, 0); col < std::min(bin.col + 2, spec.cols);
+         ++col) {
+      const double off = map.at(bin) - map.at({row, col});
+      if ((row == bin.row && col == bin.col) || std::isnan(off)) continue;
+      if (row == bin.row || col == bin.col) {
+        result.curvature += off / 4;
+        ++beside;
+      }
+      result.like = std::min(result.like, std::max(least, std::abs(off)));
+      least = std::min(least, std::abs(off));
     }
-  }
-  Extremes result = column;
-  for (std::size_t c = 0; c < cols; ++c)
-    for (std::size_t near = c == 0 ? 0 : c - 1; near <= std::min(c + 1, cols - 1); ++near) {
-      result.low[c] = std::min(result.low[c], column.low[near]);
-      result.high[c] = std::max(result.high[c], column.high[near]);
-    }
+  if (beside < 4) result.curvature = 0;
   return result;
 }
 
 }  // namespace
 
-GroundPosterior::GroundPosterior(const Grid<double>& z, const SigmaParts& sigma, std::uint64_t seed,
+GroundPosterior::GroundPosterior(const Grid<double>& z, const Grid<float>& noise_m, std::uint64_t seed,
                                  std::optional<ReturnCentroids> centroids)
-    : seed_(seed), mean_(z), noise_(z.spec()) {
+    : seed_(seed), mean_(z) {
   const GridSpec& spec = z.spec();
   Grid<float> seen(spec);
   Grid<float> variance(spec);
   for (std::size_t i = 0; i < spec.size(); ++i) {
-    const float noise = sigma.noise_m.values()[i];
+    const float noise = noise_m.values()[i];
     if (std::isnan(noise) || std::isnan(z.values()[i])) continue;
     seen.values()[i] = 1;
-    noise_.values()[i] = noise;
     variance.values()[i] = std::max(noise * noise, kMinVariance);
   }
   const BinMask unknown = interpolate(mean_, seen);
   if (centroids) move_to_centers(mean_, seen, *centroids);
   centroids.reset();  // makes room
   std::vector<Grid<float>> details;
-  const Grid<double> filled = mean_;
   while (static_cast<std::int64_t>(details.size()) < scale_count(spec.resolution_m)) {
     Grid<double> smooth = low_pass(mean_, std::int64_t{1} << details.size());
     auto detail = Grid<float>::unset(spec);
@@ -174,14 +181,13 @@ GroundPosterior::GroundPosterior(const Grid<double>& z, const SigmaParts& sigma,
     details.push_back(std::move(detail));
     mean_ = std::move(smooth);
   }
-  add_details(std::move(details), seen, variance, sigma.relief_m);
-  set_bounds(filled, sigma);
+  add_details(std::move(details), seen, variance);
   for (std::size_t i = 0; i < spec.size(); ++i)
     if (unknown.values()[i] != 0) mean_.values()[i] = std::numeric_limits<double>::quiet_NaN();
 }
 
 void GroundPosterior::add_details(std::vector<Grid<float>> details, const Grid<float>& seen,
-                                  const Grid<float>& variance, Grid<float> relief_m) {
+                                  const Grid<float>& variance) {
   const GridSpec& spec = mean_.spec();
   const NoiseGains gains = noise_gains(static_cast<std::int64_t>(details.size()));
   // The noise behind a detail of scale 0 is that of its bin; of scale 1 that of 5 x 5 bins; beyond, of more.
@@ -198,7 +204,6 @@ void GroundPosterior::add_details(std::vector<Grid<float>> details, const Grid<f
         std::sqrt(noise_of(behind.back().first.values()[i], behind.back().second.values()[i]));
   spread_.resize(details.size());
   Grid<float> coarser;
-  Grid<float> finest(spec);  // relief of the two finest scales
   for (std::size_t j = details.size(); j-- > 0;) {
     const auto& [share, sum] = behind[std::min<std::size_t>(j, behind.size() - 1)];
     const auto power = static_cast<float>(gains.detail[j] * gains.detail[j]);
@@ -207,45 +212,16 @@ void GroundPosterior::add_details(std::vector<Grid<float>> details, const Grid<f
       noise.values()[i] = power * noise_of(share.values()[i], sum.values()[i]);
     ScaleRelief found = relief_of({details[j], noise, share, std::int64_t{1} << j},
                                   coarser.spec().size() > 0 ? &coarser : nullptr);
-    const float sharp = j < kSharpening.size() ? kSharpening.at(j) : 1;
     for (std::size_t i = 0; i < spec.size(); ++i) {
-      mean_.values()[i] += static_cast<double>(sharp * found.gain.values()[i] * details[j].values()[i]);
+      mean_.values()[i] += static_cast<double>(found.gain.values()[i] * details[j].values()[i]);
       float& spread = found.spread_m2.values()[i];
-      spread = sharp * std::sqrt(spread / power);
-      if (j < 2) finest.values()[i] += found.relief_m2.values()[i];
+      spread = std::sqrt(spread / power);
     }
+    if (j == 0) departure_ = extrapolated(found.relief_m2, coarser);
     spread_[j] = std::move(found.spread_m2);
     details[j] = Grid<float>();
     coarser = std::move(found.relief_m2);
   }
-  departure_ = std::move(relief_m);
-  for (std::size_t i = 0; i < spec.size(); ++i) {
-    float& value = departure_.values()[i];
-    value = seen.values()[i] > 0
-                ? std::sqrt(std::min(static_cast<float>(kDepartureShare) * value * value, finest.values()[i]))
-                : 0;
-  }
-}
-
-void GroundPosterior::set_bounds(const Grid<double>& z, const SigmaParts& sigma) {
-  const GridSpec& spec = z.spec();
-  low_ = Grid<float>::unset(spec);
-  high_ = Grid<float>::unset(spec);
-  by_rows(spec, [&](std::int64_t row) {
-    const Extremes around = extremes_of(z, row);
-    for (std::int64_t col = 0; col < spec.cols; ++col) {
-      const auto c = static_cast<std::size_t>(col);
-      const BinIndex bin{row, col};
-      const float noise = sigma.noise_m.at(bin);
-      const bool is_seen = !std::isnan(noise);
-      const double mean = mean_.at(bin);
-      const double beyond = static_cast<double>(kOvershootNoise * noise) +
-                            static_cast<double>(kOvershootRange) * (around.high[c] - around.low[c]);
-      constexpr float kNone = std::numeric_limits<float>::infinity();
-      low_.at(bin) = is_seen ? static_cast<float>(around.low[c] - beyond - mean) : -kNone;
-      high_.at(bin) = is_seen ? static_cast<float>(around.high[c] + beyond - mean) : kNone;
-    }
-  });
 }
 
 Grid<double> GroundPosterior::draw(std::uint64_t number) const {
@@ -282,20 +258,11 @@ Grid<double> GroundPosterior::draw(std::uint64_t number) const {
   by_rows(spec, [&](std::int64_t row) {
     std::vector<double> values(static_cast<std::size_t>(spec.cols));
     normals(1, row, values);
-    const Extremes around = extremes_of(smooth, row);
-    for (std::size_t c = 0; c < values.size(); ++c) {
-      const double mean = mean_.row(row)[c];
-      const auto bounded = [&](double value) {
-        return std::clamp(value, mean + static_cast<double>(low_.row(row)[c]),
-                          mean + static_cast<double>(high_.row(row)[c]));
-      };
-      const double within = static_cast<double>(kDepartureNoise * noise_.row(row)[c]);
-      const double departed =
-          bounded(smooth.row(row)[c] + static_cast<double>(departure_.row(row)[c]) * values[c]);
-      ground.row(row)[c] = std::isnan(mean) ? mean
-                           : noise_.row(row)[c] > 0 || departure_.row(row)[c] > 0
-                               ? std::clamp(departed, around.low[c] - within, around.high[c] + within)
-                               : departed;
+    for (std::int64_t col = 0; col < spec.cols; ++col) {
+      const Differences off = differences(smooth, {row, col});
+      const double departure = std::min(static_cast<double>(departure_.at({row, col})), off.like);
+      ground.at({row, col}) =
+          smooth.at({row, col}) + off.curvature / 6 + departure * values[static_cast<std::size_t>(col)];
     }
   });
   return ground;
@@ -306,9 +273,9 @@ std::int64_t GroundPosterior::reach_bins(double resolution_m) {
   const std::int64_t coarsest = std::int64_t{1} << (scales - 1);
   const std::int64_t fill_reach = kBlurReach * (2 * fill_step(resolution_m) - 1);
   // Interpolated, moved by a slope, filtered, compared at the coarsest scale, whose relief bounds that of
-  // each finer one.
+  // each finer one, and made points of bins.
   return fill_reach + kLowPassReach * (2 * coarsest - 1) + relief_reach_bins(coarsest, resolution_m) +
-         kBlurReach * coarsest + 3;
+         kBlurReach * coarsest + 2;
 }
 
 }  // namespace landfall

@@ -68,9 +68,13 @@ void add_probability(HazardMap& map, HazardInput& input, const HazardParameters&
   const bool knows_noise = input.z_sigma_noise.has_value();
   const bool knows_centroids = input.centroids.has_value();
   const auto measure = [&](const Grid<double>& z, const BinMask& places) { return judge.measure(z, places); };
-  map.p_safe = safe_probability({input.z, take_sigma(input, judge.lander()), map.measures, map.region,
-                                 parameters.seed, std::exchange(input.centroids, std::nullopt)},
-                                judge.lander(), parameters.limits, judge.slope_base_m(), measure);
+  SafeProbability found =
+      safe_probability({input.z, take_sigma(input, judge.lander()), map.measures, map.region, parameters.seed,
+                        std::exchange(input.centroids, std::nullopt)},
+                       judge.lander(), parameters.limits, judge.slope_base_m(), measure);
+  map.p_safe = std::move(found.p);
+  map.p_capped = std::move(found.capped);
+  map.p_cap = found.cap;
   const double reach_m =
       static_cast<double>(safe_probability_reach(judge.lander())) * input.z.spec().resolution_m;
   map.p_safe_origin =
@@ -92,7 +96,10 @@ std::vector<LandingSite> describe(const std::vector<BinIndex>& bins, const Hazar
     site.z_m = z.at(bin);
     site.cost = map.cost.at(bin);
     site.p_touchdown = map.p_touchdown.at(bin);
-    if (map.p_safe && !std::isnan(map.p_safe->at(bin))) site.p_safe = map.p_safe->at(bin);
+    if (map.p_safe && !std::isnan(map.p_safe->at(bin))) {
+      site.p_safe = map.p_safe->at(bin);
+      site.p_capped = map.p_capped.at(bin) != 0;
+    }
     site.slope_deg = map.measures.slope_deg.at(bin);
     site.roughness_m = map.measures.roughness_m.at(bin);
     const float distance = map.distance_to_hazard.at(bin);
@@ -146,6 +153,11 @@ HazardInput fill_map(MapLayers layers, const HazardParameters& parameters, const
   if (input.z_sigma) complete_sigma(input, measured, parameters.z_sigma_m);
   if (input.z_sigma) input.centroids = std::move(layers.centroids);
   return input;
+}
+
+bool is_touchdown_capped(const LandingSite& site) {
+  constexpr float kRounding = 1e-6F;
+  return site.p_capped && site.p_touchdown >= site.p_safe.value_or(1) - kRounding;
 }
 
 std::string region_text(const HazardParameters& parameters) {

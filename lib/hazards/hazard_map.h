@@ -98,11 +98,15 @@ struct LandingSite {
   float cost = 0;
   float p_touchdown = 0;
   std::optional<float> p_safe;
+  bool p_capped = false;  ///< p_safe is as large as the evidence allows: the probability is at least p_safe
   double slope_deg = 0, roughness_m = 0;
   std::optional<float> distance_to_hazard_m;  ///< none without a place that is not safe
   Safety truth = Safety::unknown;
   MapPosition map = {};  ///< who has the CRS of the file sets it
 };
+
+/// Whether p_touchdown too is as large as the evidence allows: all about the site is at that bound.
+[[nodiscard]] bool is_touchdown_capped(const LandingSite& site);
 
 /// Text in place of a probability if HazardMap::p_safe is not given: of a map without 1-sigmas, and of one
 /// whose 1-sigmas were left out.
@@ -114,7 +118,9 @@ struct HazardMap {
   PlaceMeasures measures;
   Grid<std::int8_t> safe;
   std::optional<Grid<float>> p_safe;  ///< safe_probability(); none without z_sigma
-  std::string p_safe_origin;          ///< how it was made, in words
+  BinMask p_capped;                   ///< only with p_safe, as p_cap
+  float p_cap = 0;
+  std::string p_safe_origin;  ///< how it was made, in words
   std::string no_probability = kNoProbability;
   Grid<float> p_touchdown;
   Grid<float> cost;

@@ -249,6 +249,8 @@ ScaleRelief relief_of(const ScaleDetails& scale, const Grid<float>* coarser) {
         gain_square += found[k] * g * g;
         relief += found[k] * ratio;
       }
+      // Beyond the last class the energy tells itself.
+      if (const float excess = energy.at(bin) - 1; excess > kRatios.back()) relief = std::max(relief, excess);
       const float detail = scale.detail_m.at(bin);
       result.gain.at(bin) = gain;
       result.spread_m2.at(bin) = gain * noise + std::max(gain_square - gain * gain, 0.0F) * detail * detail;

@@ -14,18 +14,17 @@
 #include "hazards/reach.h"
 #include "raster/by_rows.h"
 #include "raster/window_extremes.h"
+#include "raster/window_mean.h"
 
 namespace landfall {
 namespace {
 
-constexpr double kCertain = 8;  // sigma
-constexpr float kDoubt = 5e-4F;
-/// Degrees of freedom of a variance over the grounds, pooled over 3 x 3 places, which are not independent.
-constexpr double kFreedomOfGrounds = 2.5 * (kSafeGrounds - 1);
-/// After so many grounds a place is clear where both t, of 5 degrees of freedom, are beyond kClear: one more
-/// ground would be on the other side of a limit with a probability of 0.00025.
+constexpr double kStudentFreedom = 5;
+/// Sigmas beyond which nothing is open: neither the map's own, nor those of the first grounds, where one more
+/// ground would be on the other side of a limit with a probability of kDoubt.
+constexpr double kCertain = 8;
 constexpr std::uint64_t kFirstGrounds = 3;
-constexpr double kClear = 8;
+constexpr float kDoubt = 2.46e-4F;  // T(-kCertain)
 constexpr double kMinPooled = 1e-12;
 
 /// The largest sigma of the bins about a place; infinite where one was not measured.
@@ -40,7 +39,7 @@ Grid<double> largest_sigma(const SigmaParts& sigma, std::int64_t half_bins) {
   return window_max(total, half_bins);
 }
 
-/// P where it is certain, and the places where it is not.
+/// P where nothing is open, and the places where it is.
 struct Sorted {
   Grid<float> p;
   BinMask open;
@@ -60,9 +59,9 @@ Sorted sort_places(const MapEvidence& map, const HazardLimits& limits, double sl
       const double rough = map.measured.roughness_m.at(place) - limits.roughness_m;
       const double steep = (map.measured.slope_deg.at(place) - limits.slope_deg) / kDegrees * slope_base_m;
       if (rough > doubt || steep > doubt)
-        sorted.p.at(place) = 0;
+        sorted.p.at(place) = kDoubt;
       else if (rough < -doubt && steep < -doubt)
-        sorted.p.at(place) = 1;
+        sorted.p.at(place) = 1 - kDoubt;
       else
         sorted.open.at(place) = 1;
     }
@@ -87,22 +86,24 @@ class Moments {
       }
     });
   }
-  /// Student's t of the distance of one more ground to the limit. `grounds` is how many each place was judged
-  /// on, 0 for none. NaN where a value was.
-  [[nodiscard]] double room(double limit, BinIndex place, const Grid<std::int8_t>& grounds) const {
+  /// Student's t of the distance of one more ground to the limit, of the variance of the places within
+  /// half_bins. `grounds` is how many each place was judged on, 0 for none. NaN where a value was.
+  [[nodiscard]] double room(double limit, BinIndex place, const Grid<std::int8_t>& grounds,
+                            std::int64_t half_bins) const {
     const double distance = limit - static_cast<double>(mean_.at(place));
-    return distance / std::sqrt(pooled_variance(place, grounds) * (1 + 1.0 / grounds.at(place)));
+    return distance / std::sqrt(pooled_variance(place, grounds, half_bins) * (1 + 1.0 / grounds.at(place)));
   }
 
  private:
-  [[nodiscard]] double pooled_variance(BinIndex place, const Grid<std::int8_t>& grounds) const {
+  [[nodiscard]] double pooled_variance(BinIndex place, const Grid<std::int8_t>& grounds,
+                                       std::int64_t half_bins) const {
     const GridSpec& spec = squares_.spec();
     double sum = 0;
     int freedom = 0;
-    for (std::int64_t row = std::max<std::int64_t>(place.row - 1, 0);
-         row <= std::min(place.row + 1, spec.rows - 1); ++row)
-      for (std::int64_t col = std::max<std::int64_t>(place.col - 1, 0);
-           col <= std::min(place.col + 1, spec.cols - 1); ++col) {
+    for (std::int64_t row = std::max<std::int64_t>(place.row - half_bins, 0);
+         row <= std::min(place.row + half_bins, spec.rows - 1); ++row)
+      for (std::int64_t col = std::max<std::int64_t>(place.col - half_bins, 0);
+           col <= std::min(place.col + half_bins, spec.cols - 1); ++col) {
         const auto square = static_cast<double>(squares_.at({row, col}));
         const int count = grounds.at({row, col});
         if (count < 2 || std::isnan(square)) continue;
@@ -115,25 +116,60 @@ class Moments {
   Grid<float> mean_, squares_;
 };
 
-/// Student's distribution, within 0.0005 (Abramowitz and Stegun, 26.7.8).
-double student(double t, double freedom) {
-  const double z = t * (1 - 1 / (4 * freedom)) / std::sqrt(1 + t * t / (2 * freedom));
-  return 0.5 * portable::erfc(-z / std::numbers::sqrt2);
+/// Student's distribution of 5 degrees of freedom (Abramowitz and Stegun, 26.7.3).
+double student(double t) {
+  const double angle = portable::atan(t / std::sqrt(kStudentFreedom));
+  const double cosine = portable::cos(angle);
+  return 0.5 + (angle + portable::sin(angle) * cosine * (1 + 2 * cosine * cosine / 3)) / std::numbers::pi;
 }
 
 std::int64_t lander_half_bins(const LanderStencil& lander) {
   return std::max(Reach::of_contact(lander).bins(), lander.body.half_bins());
 }
 
+/// The least doubt that the bins under the lander leave (see the header).
+float least_doubt(std::int64_t known_bins) {
+  return std::max(kDoubt,
+                  1 / static_cast<float>(std::int64_t{kSafeGrounds} * std::max<std::int64_t>(known_bins, 1)));
+}
+
+/// Bounds P by the evidence of each place.
+SafeProbability capped(Grid<float> p, const BinMask& known, const LanderStencil& lander) {
+  const GridSpec& spec = p.spec();
+  const std::int64_t all = lander.body.bin_count();
+  Grid<std::int32_t> counts;
+  if (count_set(known) < static_cast<std::int64_t>(spec.size())) {
+    auto values = Grid<double>::unset(spec);
+    for (std::size_t i = 0; i < spec.size(); ++i)
+      values.values()[i] = known.values()[i] != 0 ? 0 : std::numeric_limits<double>::quiet_NaN();
+    counts = window_means(values, lander.body).count;
+  }
+  SafeProbability result{std::move(p), BinMask(spec)};
+  for (std::size_t i = 0; i < spec.size(); ++i) {
+    float& value = result.p.values()[i];
+    const float cap = 1 - least_doubt(counts.spec().size() > 0 ? counts.values()[i] : all);
+    if (std::isnan(value)) continue;
+    result.cap = std::max(result.cap, cap);
+    result.capped.values()[i] = value >= cap ? 1 : 0;
+    value = std::clamp(value, kDoubt, cap);
+  }
+  return result;
+}
+
 }  // namespace
 
-Grid<float> safe_probability(MapEvidence map, const LanderStencil& lander, const HazardLimits& limits,
-                             double slope_base_m, const MeasurePlaces& measure) {
+SafeProbability safe_probability(MapEvidence map, const LanderStencil& lander, const HazardLimits& limits,
+                                 double slope_base_m, const MeasurePlaces& measure) {
   const GridSpec& spec = map.z.spec();
   Sorted sorted = sort_places(map, limits, slope_base_m, lander_half_bins(lander));
-  if (count_set(sorted.open) == 0) return std::move(sorted.p);
-  const GroundPosterior posterior(map.z, map.sigma, map.seed, std::exchange(map.centroids, std::nullopt));
+  BinMask known(spec);
+  for (std::size_t i = 0; i < spec.size(); ++i)
+    known.values()[i] = std::isnan(map.sigma.noise_m.values()[i]) ? 0 : 1;
+  if (count_set(sorted.open) == 0) return capped(std::move(sorted.p), known, lander);
+  const GroundPosterior posterior(map.z, map.sigma.noise_m, map.seed,
+                                  std::exchange(map.centroids, std::nullopt));
   map.sigma = {};  // makes room
+  const std::int64_t pooled = lander.pad.half_bins() + 1;
   Moments slope(spec);
   Moments roughness(spec);
   Grid<std::int8_t> grounds(spec);
@@ -154,25 +190,25 @@ Grid<float> safe_probability(MapEvidence map, const LanderStencil& lander, const
     if (k != kFirstGrounds) continue;
     BinMask clear(spec);
     each_open([&](BinIndex place) {
-      const double steep = slope.room(limits.slope_deg, place, grounds);
-      const double rough = roughness.room(limits.roughness_m, place, grounds);
-      const bool is_safe = steep > kClear && rough > kClear;
-      clear.at(place) = is_safe || steep < -kClear || rough < -kClear ? 1 : 0;
+      const double steep = slope.room(limits.slope_deg, place, grounds, pooled);
+      const double rough = roughness.room(limits.roughness_m, place, grounds, pooled);
+      const bool is_safe = steep > kCertain && rough > kCertain;
+      clear.at(place) = is_safe || steep < -kCertain || rough < -kCertain ? 1 : 0;
       if (clear.at(place) != 0) sorted.p.at(place) = is_safe ? 1 - kDoubt : kDoubt;
     });
     each_open([&](BinIndex place) { sorted.open.at(place) = clear.at(place) != 0 ? 0 : 1; });
   }
   each_open([&](BinIndex place) {
-    const double p = student(slope.room(limits.slope_deg, place, grounds), kFreedomOfGrounds) *
-                     student(roughness.room(limits.roughness_m, place, grounds), kFreedomOfGrounds);
-    sorted.p.at(place) = std::isnan(p) ? std::numeric_limits<float>::quiet_NaN()
-                                       : std::clamp(static_cast<float>(p), kDoubt, 1 - kDoubt);
+    sorted.p.at(place) =
+        static_cast<float>(student(slope.room(limits.slope_deg, place, grounds, pooled)) *
+                           student(roughness.room(limits.roughness_m, place, grounds, pooled)));
   });
-  return std::move(sorted.p);
+  return capped(std::move(sorted.p), known, lander);
 }
 
 std::int64_t safe_probability_reach(const LanderStencil& lander) {
-  return GroundPosterior::reach_bins(lander.resolution_m) + lander_half_bins(lander) + 1;
+  return GroundPosterior::reach_bins(lander.resolution_m) + lander_half_bins(lander) +
+         lander.pad.half_bins() + 1;
 }
 
 }  // namespace landfall

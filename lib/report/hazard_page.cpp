@@ -251,8 +251,10 @@ std::string assumptions_text(const HazardReport& content) {
 
 std::string place_text(const LandingSite& site, bool has_probability) {
   return "(" + short_number(site.x_m) + ", " + short_number(site.y_m) + ") m" +
-         (has_probability ? " has a p_touchdown of " + probability_text(static_cast<double>(site.p_touchdown))
-                          : std::string("; ") + kNoProbability);
+         (has_probability
+              ? " has a p_touchdown of " + std::string(is_touchdown_capped(site) ? "at least " : "") +
+                    probability_text(static_cast<double>(site.p_touchdown))
+              : std::string("; ") + kNoProbability);
 }
 
 /// Whether --require-safe accepts the map.

@@ -163,9 +163,28 @@ class Maps(ChainTest):
             for site in listed["sites"]:
                 row, col = (np.searchsorted(layers[axis], site[axis + "_m"] - 1e-9) for axis in "yx")
                 self.assertEqual(np.float32(site["p_safe"]), p[row, col])
+                self.assertTrue(p[row, col] > 0.99 or not site["p_capped"])
             known = (safe != oracle.UNKNOWN) & (layers["safe_true"] != oracle.UNKNOWN)
             self.assertAlmostEqual(score["brier"], np.mean((p[known].astype(float) - (layers["safe_true"][known] == 1)) ** 2), places=12)
             self.assertEqual(sum(score["reliability"]["count"]), known.sum())
+
+    def test_no_probability_is_larger_than_its_evidence(self):
+        """A level map of bins of 0.2 m: eight grounds of the 37 bins under a body of 0.7 m."""
+        self.succeed("terrain-gen", "-o", self.path("t.h5"), "--set", 'grid={"half_width_m": 8, "resolution_m": 0.2}')
+        arguments = ["hazard-map", self.path("t.h5"), "-o", self.path("h.h5"), "-O", "--set", "z_sigma_m=0.001", "--set", "lander.body_radius_m=0.7",
+                     "--set", "region_radius_m=4", "--set", "touchdown_sigma_m=0", "--sites", self.path("s.json")]
+        result = run(*arguments, "--table")
+        self.assertEqual(result.returncode, 0)
+        self.check_message("hazard-map", result.stderr, ["bins of 0.2 m are coarser than a tenth of the body's diameter, 0.14 m: p_safe is less sure"])
+        self.assertIn("at least so much, since the map carries no larger p_safe: site 1, 2", result.stdout)
+        np.testing.assert_allclose(columns(self.path("h.h5"))["p_safe"][np.isfinite(columns(self.path("h.h5"))["p_safe"])], 1 - 1 / (8 * 37), rtol=1e-6)
+        sites = json.loads(read_bytes(self.path("s.json")))["sites"]
+        self.assertEqual({site["p_capped"] for site in sites}, {True})
+        with h5py.File(self.path("h.h5")) as file:
+            self.assertEqual(set(file["sites/p_capped"][()]), {1})
+        result = run(*arguments, "--require-safe", "--set", "sites.min_p=0.999")
+        self.assertEqual(result.returncode, 3)
+        self.assertIn("this map carries no p_safe above 0.9966, and sites.min_p is 0.999 (smaller bins carry more): 100 % safe", result.stderr)
 
     def test_truth_is_ignored_on_request(self):
         layers, listed = self.hazards(self.chain.dem, CONFIG, "--no-truth")

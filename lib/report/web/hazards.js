@@ -73,12 +73,19 @@ function probability(value) {
   return [value === null ? "\u2013" : formatNumber(value, 0.0001), value];
 }
 
+/** Where the evidence carries no larger probability. */
+function atLeast(value, isCapped) {
+  const [text, number] = probability(value);
+  return [isCapped ? `at least ${text}` : text, number];
+}
+
 function siteTable(sites) {
   const hasTruth = report.score !== null, hasP = layerNamed("p_safe") !== null;
   /** @type {[string, (site: any) => any[]][]} */
   const all = [["no.", ({rank}) => [String(rank), rank]], ["x (m)", ({x_m}) => [formatNumber(x_m, 0.01), x_m]],
                ["y (m)", ({y_m}) => [formatNumber(y_m, 0.01), y_m]], ["cost", ({cost}) => probability(cost)],
-               ["p_touchdown", ({p_touchdown}) => probability(p_touchdown)], ["p_safe", ({p_safe}) => probability(p_safe)],
+               ["p_touchdown", ({p_touchdown: p, p_safe, p_capped}) => atLeast(p, p_capped && p >= p_safe - 1e-6)],
+               ["p_safe", ({p_safe, p_capped}) => atLeast(p_safe, p_capped)],
                ["slope (deg)", ({slope_deg}) => [formatNumber(slope_deg, 0.01), slope_deg]],
                ["roughness (cm)", ({roughness_m}) => [formatNumber(100 * roughness_m, 0.1), roughness_m]],
                ["hazard at (m)", ({distance_to_hazard_m: d}) => [formatNumber(d, 0.01), d ?? 1e300]]];

@@ -158,7 +158,8 @@ def draw_sites(ax, hazards):
         ax.plot(*place, linestyle="none", zorder=5 + (count - row) / count, gid="site", **style)
         ax.text(*place, str(rank), fontsize=maps.NOTE_PT, ha="center", va="center_baseline", zorder=5 + (count - row) / count)
         if row < MAX_LISTED:
-            touchdown = "" if hazards.layers["p_safe"] is None else f", p_touchdown {sites['p_touchdown'][row]:.4f}"
+            least = "at least " if "p_capped" in sites and sites["p_capped"][row] and sites["p_touchdown"][row] >= sites["p_safe"][row] - 1e-6 else ""
+            touchdown = "" if hazards.layers["p_safe"] is None else f", p_touchdown {least}{sites['p_touchdown'][row]:.4f}"
             text = f"cost {sites['cost'][row]:.4f}{touchdown}" + (", true hazard" if wrong else "")
             handles.append(Line2D([], [], linestyle="none", label=f"{rank}: {text}", **{**style, "markersize": 8}))
     if count > MAX_LISTED:

@@ -31,11 +31,11 @@ TEST(SitesJson, AMemberForEachNumber) {
   EXPECT_EQ(
       sites.at(0).dump(),
       R"({"rank":1,"x_m":1.5,"y_m":-2.0,"z_m":0.25,"cost":0.5,"p_touchdown":0.75,"p_safe":null,"slope_deg":3.0,)"
-      R"("roughness_m":-0.5,"distance_to_hazard_m":null,"true_safe":null})");
+      R"("roughness_m":-0.5,"distance_to_hazard_m":null,"true_safe":null,"p_capped":null})");
   EXPECT_EQ(
       sites.at(1).dump(),
       R"({"rank":2,"x_m":1.5,"y_m":-2.0,"z_m":0.25,"cost":0.5,"p_touchdown":0.75,"p_safe":0.125,"slope_deg":3.0,)"
-      R"("roughness_m":-0.5,"distance_to_hazard_m":4.0,"true_safe":true})");
+      R"("roughness_m":-0.5,"distance_to_hazard_m":4.0,"true_safe":true,"p_capped":false})");
   EXPECT_EQ(sites.at(2).at("true_safe"), false);
 }
 

@@ -390,7 +390,8 @@ TEST(MapHazards, ABinWithoutSigmaIsNotMeasured) {
   EXPECT_EQ(map.safe.at({20, 20}), 0);
   EXPECT_GT(map.p_safe.value().at({20, 20}), 0.99F);
   EXPECT_LT(map.p_safe.value().at({20, 20}), 1);
-  EXPECT_EQ(map.p_safe.value().at({30, 30}), 1);
+  EXPECT_EQ(map.p_safe.value().at({30, 30}), map.p_cap);
+  EXPECT_EQ(map.p_capped.at({30, 30}), 1);
   EXPECT_NE(map.p_safe_origin.find("seed 1; a place depends on the bins within"), std::string::npos);
 }
 

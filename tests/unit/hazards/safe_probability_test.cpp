@@ -18,6 +18,8 @@ namespace landfall {
 namespace {
 
 constexpr double kDegrees = 180 / std::numbers::pi;
+constexpr float kLeast = 2.46e-4F;            // T(-8)
+constexpr float kMost = 1 - 1 / (8 * 29.0F);  // of a body of 29 bins
 
 /// Rocks, half ellipsoids of many sizes, on ground with waves of all lengths.
 Grid<double> rocky(const GridSpec& spec, std::uint64_t seed) {
@@ -56,9 +58,11 @@ struct Judged {
 Judged judge(const Grid<double>& z, SigmaParts sigma, const HazardLimits& limits, const BinMask& region) {
   const LanderStencil lander({}, z.spec().resolution_m);
   Judged judged{measure_contact(z, lander, region), {}};
-  judged.p = safe_probability(
-      {z, std::move(sigma), judged.measured, region}, lander, limits, 0.85,
-      [&](const Grid<double>& map, const BinMask& places) { return measure_contact(map, lander, places); });
+  judged.p = safe_probability({z, std::move(sigma), judged.measured, region}, lander, limits, 0.85,
+                              [&](const Grid<double>& map, const BinMask& places) {
+                                return measure_contact(map, lander, places);
+                              })
+                 .p;
   return judged;
 }
 
@@ -163,6 +167,96 @@ TEST(SafeProbability, ABinThatWasNotMeasuredCounts) {
   EXPECT_TRUE(std::isnan(judged.p.at({5, 100})));  // outside the region
 }
 
+// The probability of a place by another way, that of US patent 9141113: the least-squares plane of the bins
+// under the lander and the largest of their heights above it, each normal about what the map shows. Its parts
+// are of one bin and of one plane, so that it agrees only where one of them decides.
+class SecondReading {
+ public:
+  SecondReading(const Grid<double>& z, double sigma)
+      : z_(z), sigma_(sigma), lander_({}, z.spec().resolution_m) {}
+
+  [[nodiscard]] double at(BinIndex place, const HazardLimits& limits) const {
+    double count = 0;
+    double square = 0;
+    double sum = 0;
+    double rise_x = 0;
+    double rise_y = 0;
+    const auto each = [&](const auto& work) {
+      const Footprint& body = lander_.body;
+      for (std::int64_t r = -body.half_bins(); r <= body.half_bins(); ++r)
+        for (std::int64_t c = -body.half_width(r); c <= body.half_width(r); ++c)
+          work(static_cast<double>(r), static_cast<double>(c), z_.at({place.row + r, place.col + c}));
+    };
+    each([&](double r, double c, double z) {
+      ++count;
+      square += c * c;
+      sum += z;
+      rise_x += c * z;
+      rise_y += r * z;
+    });
+    const double s = z_.spec().resolution_m;
+    const double slope = std::hypot(rise_x, rise_y) / square / s;
+    const double slope_sigma = sigma_ / std::sqrt(square) / s;
+    double height = -1;
+    each([&](double r, double c, double z) {
+      height = std::max(height, z - sum / count - (rise_x * c + rise_y * r) / square);
+    });
+    const auto normal = [](double t) { return 0.5 * std::erfc(-t / std::numbers::sqrt2); };
+    return normal((std::tan(limits.slope_deg / kDegrees) - slope) / slope_sigma) *
+           normal((limits.roughness_m - height) / sigma_);
+  }
+
+ private:
+  const Grid<double>& z_;
+  double sigma_;
+  LanderStencil lander_;
+};
+
+TEST(SafeProbability, AgreesWithASecondReadingWhereOnePlaneOrOneBinDecides) {
+  const GridSpec spec = GridSpec::centered(5, 0.05);
+  const BinMask region = circular_region(spec, 3);
+  constexpr double kSigma = 0.01;
+  struct Ground {
+    const char* name;
+    double slope_deg;              ///< along x
+    double bend_m;                 ///< height of a wave of 8 m
+    double rock_m;                 ///< height of a rock 0.8 m wide at the origin
+    int least_safe, least_unsafe;  ///< places on which both are sure
+  };
+  for (const Ground& ground :
+       {Ground{"gentle plane", 8, 0, 0, 10000, 0}, Ground{"steep plane", 12, 0, 0, 0, 10000},
+        Ground{"smooth slopes", 3, 0.25, 0, 2000, 300}, Ground{"one rock", 0, 0, 0.5, 7000, 300},
+        Ground{"one stone", 0, 0, 0.1, 10000, 0}}) {
+    SCOPED_TRACE(ground.name);
+    Grid<double> z(spec);
+    for (std::int64_t row = 0; row < spec.rows; ++row)
+      for (std::int64_t col = 0; col < spec.cols; ++col) {
+        const double u = std::hypot(spec.x(col), spec.y(row)) / 0.4;
+        z.at({row, col}) = std::tan(ground.slope_deg / kDegrees) * spec.x(col) +
+                           ground.bend_m * std::sin(2 * std::numbers::pi * spec.x(col) / 8) +
+                           (u < 1 ? ground.rock_m * std::sqrt(1 - u * u) : 0);
+      }
+    add_noise(z, kSigma, 41);
+    const Grid<float> p = judge(z, noise_of(spec, kSigma), {}, region).p;
+    const SecondReading second(z, kSigma);
+    int safe = 0;
+    int unsafe = 0;
+    int apart = 0;
+    for (std::int64_t row = 0; row < spec.rows; ++row)
+      for (std::int64_t col = 0; col < spec.cols; ++col) {
+        if (region.at({row, col}) == 0) continue;
+        const double one = p.at({row, col});
+        const double other = second.at({row, col}, {});
+        safe += one > 0.99 && other > 0.99 ? 1 : 0;
+        unsafe += one < 0.01 && other < 0.01 ? 1 : 0;
+        apart += (one > 0.99 && other < 0.01) ? 1 : 0;
+      }
+    EXPECT_GE(safe, ground.least_safe);
+    EXPECT_GE(unsafe, ground.least_unsafe);
+    EXPECT_EQ(apart, 0);
+  }
+}
+
 // The measures of a place exactly 8 sigma from a limit do not decide: those of the grounds do.
 TEST(SafeProbability, APlaceAtEightSigmaIsOpen) {
   const GridSpec spec{0.1, -5, -5, 11, 11};
@@ -179,28 +273,49 @@ TEST(SafeProbability, APlaceAtEightSigmaIsOpen) {
     const PlaceMeasures measured{Grid<double>(spec, c.slope_deg), Grid<double>(spec, c.roughness_m)};
     const PlaceMeasures then{Grid<double>(spec, c.is_safe ? c.limits.slope_deg + 1 : -1),
                              Grid<double>(spec, 0)};
-    const Grid<float> p =
+    const SafeProbability found =
         safe_probability({Grid<double>(spec), noise_of(spec, 0.125), measured, region}, lander, c.limits, 1,
                          [&](const Grid<double>& /*map*/, const BinMask& /*places*/) { return then; });
-    for (const float value : p.values()) EXPECT_EQ(value, c.is_safe ? 5e-4F : 1 - 5e-4F);
+    for (const float value : found.p.values()) EXPECT_EQ(value, c.is_safe ? kLeast : kMost);
   }
 }
 
-// Without noise a place beside its limit is certain.
+// Without noise a place beside its limit leaves no doubt but that of a hazard that no ground shows.
 TEST(SafeProbability, WithoutNoiseTheMapDecides) {
   const GridSpec spec{0.1, -5, -5, 11, 11};
   const BinMask region(spec, 1);
   const LanderStencil lander({.leg_radius_m = 0.3, .body_radius_m = 0.3}, 0.1);
   for (const double above : {-1e-6, 1e-6}) {
     const PlaceMeasures measured{Grid<double>(spec, 9), Grid<double>(spec, 0.25 + above)};
-    const Grid<float> p =
+    const SafeProbability found =
         safe_probability({Grid<double>(spec), noise_of(spec, 0), measured, region}, lander, {10, 0.25}, 0.3,
                          [&](const Grid<double>& map, const BinMask& /*places*/) {
                            ADD_FAILURE() << "measured again";
                            return PlaceMeasures{Grid<double>(map.spec()), Grid<double>(map.spec())};
                          });
-    for (const float value : p.values()) EXPECT_EQ(value, above > 0 ? 0 : 1);
+    for (const float value : found.p.values()) EXPECT_EQ(value, above > 0 ? kLeast : kMost);
+    for (const std::int8_t value : found.capped.values()) EXPECT_EQ(value, above > 0 ? 0 : 1);
+    EXPECT_EQ(found.cap, kMost);
   }
+}
+
+// The fewer bins under the body have a sigma, the less is P at most.
+TEST(SafeProbability, IsNoMoreCertainThanTheBinsUnderTheBody) {
+  const GridSpec spec{0.1, -5, -5, 11, 11};
+  const BinMask region(spec, 1);
+  const LanderStencil lander({.leg_radius_m = 0.3, .body_radius_m = 0.3}, 0.1);
+  SigmaParts parts = noise_of(spec, 0.001);
+  for (std::int64_t row = 0; row < 4; ++row)
+    for (std::int64_t col = 0; col < spec.cols; ++col)
+      parts.noise_m.at({row, col}) = std::numeric_limits<float>::quiet_NaN();
+  const PlaceMeasures level{Grid<double>(spec), Grid<double>(spec)};
+  const SafeProbability found =
+      safe_probability({Grid<double>(spec), parts, level, region}, lander, {}, 0.3,
+                       [&](const Grid<double>& /*map*/, const BinMask& /*places*/) { return level; });
+  EXPECT_EQ(found.cap, kMost);
+  EXPECT_EQ(found.p.at({7, 5}), kMost);                // 29 bins
+  EXPECT_EQ(found.p.at({5, 5}), 1 - 1 / (8 * 23.0F));  // 23 of them
+  EXPECT_EQ(found.capped.at({5, 5}), 1);
 }
 
 // Eight values of each place, whose distances to the limit are given: Student's distribution by hand.
@@ -212,7 +327,7 @@ TEST(SafeProbability, IsThePredictiveDistributionOfOneMoreGround) {
   std::size_t call = 0;
   std::vector<BinMask> masks;
   const PlaceMeasures measured{Grid<double>(spec, 9.5), Grid<double>(spec, 0.1)};
-  const Grid<float> p = safe_probability(
+  const SafeProbability result = safe_probability(
       {Grid<double>(spec), noise_of(spec, 0.1), measured, region}, lander, {10, 0.3}, 0.3,
       [&](const Grid<double>& map, const BinMask& places) {
         masks.push_back(places);
@@ -221,9 +336,9 @@ TEST(SafeProbability, IsThePredictiveDistributionOfOneMoreGround) {
         return found;
       });
   ASSERT_EQ(call, slopes.size());
-  // mean 9.7, s = 0.44721, t = 0.63246, T(t; 17.5) = 0.7324; roughness leaves no doubt.
-  EXPECT_NEAR(p.at({5, 5}), 0.7324, 0.002);
-  EXPECT_EQ(p.at({0, 0}), 5e-4F);
+  // mean 9.7, s = 0.44721, t = 0.63246, T(t; 5) = 0.72256; roughness leaves no doubt.
+  EXPECT_NEAR(result.p.at({5, 5}), 0.72256, 1e-5);
+  EXPECT_EQ(result.p.at({0, 0}), kLeast);
   EXPECT_EQ(masks[2].at({0, 0}), 1);
   EXPECT_EQ(masks[3].at({0, 0}), 0);
   EXPECT_EQ(masks[3].at({5, 5}), 1);
