@@ -8,11 +8,14 @@
 #include <array>
 #include <cctype>
 #include <cmath>
+#include <cstdlib>
 #include <memory>
 #include <numbers>
 #include <string_view>
 
+#include "base/error.h"
 #include "base/lower_case.h"
+#include "base/shown_text.h"
 
 namespace landfall {
 namespace {
@@ -78,14 +81,18 @@ class Udunits {
   Udunits() {
     ut_set_error_message_handler(ut_ignore);
     system_.reset(ut_read_xml(nullptr));
-    if (!system_) return;
+    const char* const path = std::getenv("UDUNITS2_XML_PATH");
+    if (!system_)
+      throw FormatError("UDUNITS cannot read its database of units: " +
+                        (path != nullptr ? "unset UDUNITS2_XML_PATH=" + abbreviated(path) + ", or correct it"
+                                         : std::string("install libudunits2-data")));
     metre_ = unit("meter");
     radian_ = unit("radian");
     second_ = unit("second");
   }
 
   [[nodiscard]] SpelledUnit read(const std::string& text) const {
-    const Handle parsed = system_ ? unit(text.c_str()) : Handle();
+    const Handle parsed = unit(text.c_str());
     if (!parsed) return {};
     return {.metres = factor(parsed, metre_),
             .radians = factor(parsed, radian_),

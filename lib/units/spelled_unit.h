@@ -17,7 +17,8 @@ struct SpelledUnit {
 
 /// Reads a unit in any spelling of UDUNITS ("m", "metres", "1000 m", "km", "arcsec"), in other capitals where
 /// these leave no doubt ("KM"), the names of feet that surveyors use ("ftUS"), and the names of a vertical
-/// datum after a length ("m above MSL"). Not known where the text is something else.
+/// datum after a length ("m above MSL"). Not known where the text is something else. Throws FormatError where
+/// UDUNITS cannot read its units.
 [[nodiscard]] SpelledUnit spelled_unit(const std::string& text);
 
 /// True for texts that stand for no unit: "", "1", "none", "unknown", "N/A".

@@ -319,6 +319,8 @@ def make_las():
     patched("no_points", 107, "<I", 0)
     patched("no_scale", 131, "<d", 0)
     for name, record in (("packed_record", ("laszip encoded", 22204, b"x")), ("bad_keys", ("LASF_Projection", 34735, bytes(8))),
+                         *((name, ("LASF_Projection", 34735, struct.pack("<12H", 1, 1, 0, 2, 1024, 0, 1, 1, 3072, 0, 1, code)))
+                           for name, code in (("unknown_code", 29999), ("heights_code", 5703))),
                          ("bad_wkt", ("LASF_Projection", 2112, b"PROJCS["))):
         write_bytes(name + ".las", clouds.las(points, records=[clouds.las_vlr(*record)]))
     write_bytes("more_points.las", good + bytes(20))

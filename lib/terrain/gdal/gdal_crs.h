@@ -7,10 +7,12 @@
 
 #include "base/error.h"
 #include "terrain/gdal/gdal_errors.h"
+#include "terrain/gdal/known_crs.h"
 
 namespace landfall {
 
-/// The frame of a file that is exported. Throws FormatError unless the text is one; an empty text gives none.
+/// The frame of a file that is exported. Throws FormatError unless the text is one, and without PROJ's
+/// database, which GDAL needs to write it; an empty text gives none.
 inline OGRSpatialReference crs_to_export(const std::string& wkt) {
   OGRSpatialReference crs;
   if (wkt.empty()) return crs;
@@ -18,6 +20,7 @@ inline OGRSpatialReference crs_to_export(const std::string& wkt) {
   if (crs.importFromWkt(wkt.c_str()) != OGRERR_NONE)
     throw FormatError("/crs: its attribute crs_wkt is not a coordinate reference system" +
                       (errors.any() ? ": " + errors.reason() : std::string()));
+  require_crs_database("/crs");
   crs.SetAxisMappingStrategy(OAMS_TRADITIONAL_GIS_ORDER);
   return crs;
 }

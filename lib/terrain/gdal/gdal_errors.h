@@ -10,8 +10,8 @@
 
 namespace landfall {
 
-/// While it exists, captures GDAL's first error of this thread instead of printing it, and the first warning
-/// that GDAL continues without data that it could not read.
+/// While it exists, captures GDAL's first error of this thread instead of printing it, the first warning that
+/// GDAL continues without data that it could not read, and whether it looked for a CRS in vain.
 class GdalErrors {
  public:
   GdalErrors() { CPLPushErrorHandlerEx(&GdalErrors::keep, this); }
@@ -24,11 +24,14 @@ class GdalErrors {
   void clear() { first_.clear(); }
   /// The warning that data could not be read as stored; empty without one. clear() keeps it.
   [[nodiscard]] const std::string& loss() const { return loss_; }
+  /// PROJ's database lacks the code of a CRS. clear() keeps it.
+  [[nodiscard]] bool unknown_crs() const { return unknown_crs_; }
 
  private:
   static void CPL_STDCALL keep(CPLErr level, CPLErrorNum /*number*/, const char* message) {
     auto& self = *static_cast<GdalErrors*>(CPLGetErrorHandlerUserData());
     if (level >= CE_Failure && !self.any()) self.first_ = line(message);
+    if (std::strstr(message, "proj_create_from_database") != nullptr) self.unknown_crs_ = true;
     if (level == CE_Warning && self.loss_.empty() && is_loss(message)) self.loss_ = line(message);
   }
   /// libtiff continues after a tag that it could not read, guesses the sizes of strips that a file does not
@@ -48,6 +51,7 @@ class GdalErrors {
   }
   std::string first_;
   std::string loss_;
+  bool unknown_crs_ = false;
 };
 
 }  // namespace landfall

@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "terrain/gdal/gdal_errors.h"
+#include "terrain/gdal/known_crs.h"
 #include "terrain/gdal/map_projection.h"
 #include "terrain/gdal/site_crs.h"
 #include "terrain/site_wkt.h"
@@ -108,6 +109,7 @@ MapFrame in_site_map(const OGRSpatialReference& site) {
 
 std::optional<MapFrame> map_frame_of(const std::string& site_wkt) {
   const GdalErrors errors;  // silences GDAL: a text from a file may be anything
+  require_crs_database("site frame");
   OGRSpatialReference site;
   if (site.importFromWkt(site_wkt.c_str()) != OGRERR_NONE) return std::nullopt;
   site.SetAxisMappingStrategy(OAMS_TRADITIONAL_GIS_ORDER);

@@ -17,6 +17,7 @@
 #include "base/error.h"
 #include "base/file_path.h"
 #include "terrain/gdal/classic_netcdf.h"
+#include "terrain/gdal/known_crs.h"
 #include "terrain/gdal/point_crs.h"
 #include "terrain/gdal/raster_files.h"
 #include "terrain/gdal/registry.h"
@@ -226,6 +227,9 @@ OpenRaster open_raster(const DemBase& dem, RasterLinks links, const GdalErrors& 
   const RasterSize size{dataset->GetRasterYSize(), dataset->GetRasterXSize()};
   OpenRaster raster{std::move(checks), std::move(guard), std::move(dataset), band, size};
   require_usable(raster, dem);
+  const OGRSpatialReference* const own_crs = raster.dataset->GetSpatialRef();
+  if (dem.crs.empty() && (own_crs != nullptr || errors.unknown_crs()))
+    require_known_crs(own_crs, dem.path, errors, "give the CRS");
   if (!dem.crs.empty())
     raster.given_crs = std::make_unique<OGRSpatialReference>(crs_of_text(dem.crs, dem.path + ": crs"));
   return raster;

@@ -15,6 +15,7 @@
 #include "base/number_text.h"
 #include "base/shown_text.h"
 #include "terrain/gdal/gdal_errors.h"
+#include "terrain/gdal/known_crs.h"
 #include "terrain/gdal/open_raster.h"
 #include "terrain/gdal/registry.h"
 #include "terrain/gdal/site_relation.h"
@@ -99,6 +100,7 @@ OGRSpatialReference crs_of_keys(const PointCrs& points, const std::string& name)
   constexpr const char* kPath = "/vsimem/landfall_point_keys.tif";
   std::string bytes = KeyTiff(points).bytes();
   VSIFCloseL(VSIFileFromMemBuffer(kPath, reinterpret_cast<GByte*>(bytes.data()), bytes.size(), FALSE));
+  const GdalErrors errors;
   OGRSpatialReference crs;
   {
     const StrictReading with_vertical_crs;
@@ -108,6 +110,7 @@ OGRSpatialReference crs_of_keys(const PointCrs& points, const std::string& name)
     if (dataset != nullptr && dataset->GetSpatialRef() != nullptr) crs = *dataset->GetSpatialRef();
   }
   VSIUnlink(kPath);
+  require_known_crs(&crs, name, errors, "give the CRS");
   if (crs.IsEmpty() != 0)
     throw FormatError(name + ": the GeoTIFF keys of its CRS cannot be read: give the CRS with --crs");
   return crs;
@@ -139,6 +142,7 @@ OGRSpatialReference crs_of_wkt(const std::string& wkt, const std::string& name) 
   OGRSpatialReference crs;
   if (crs.importFromWkt(wkt.c_str()) != OGRERR_NONE)
     throw FormatError(name + ": its CRS is not WKT that can be read: give the CRS with --crs");
+  require_known_crs(&crs, name, errors, "give the CRS");
   return crs;
 }
 
@@ -158,6 +162,7 @@ std::string other_crs_of_file(PointCrs file, const OGRSpatialReference& crs, con
 }  // namespace
 
 OGRSpatialReference crs_of_text(const std::string& text, const std::string& name) {
+  require_crs_database(name);
   const GdalErrors errors;
   OGRSpatialReference crs;
   const char* const options[] = {"ALLOW_NETWORK_ACCESS=NO", "ALLOW_FILE_ACCESS=NO", nullptr};
@@ -165,6 +170,8 @@ OGRSpatialReference crs_of_text(const std::string& text, const std::string& name
     throw UsageError(name + ": '" + shown_word(text) +
                      "' is not a CRS: give EPSG:NUMBER, a PROJ text or WKT" +
                      (errors.any() ? " (" + errors.reason() + ")" : ""));
+  if (is_vertical_only(crs))
+    throw UsageError(name + ": '" + shown_word(text) + "' is a CRS of heights alone: give that of x and y");
   crs.SetAxisMappingStrategy(OAMS_TRADITIONAL_GIS_ORDER);
   return crs;
 }
@@ -172,6 +179,7 @@ OGRSpatialReference crs_of_text(const std::string& text, const std::string& name
 ReadCrs read_point_crs(const PointCrs& points, const std::string& name) {
   prepare_gdal_to_read(name, Unguarded::withheld);
   const GdalErrors errors;
+  require_crs_database(name);
   ReadCrs read;
   if (!points.option.empty())
     read.crs = crs_of_text(points.option, "--crs");

@@ -16,6 +16,7 @@
 #include "base/joined.h"
 #include "terrain/gdal/gdal_crs.h"
 #include "terrain/gdal/gdal_errors.h"
+#include "terrain/gdal/known_crs.h"
 #include "terrain/gdal/registry.h"
 
 namespace landfall {
@@ -90,7 +91,9 @@ class Reader {
   }
 
   void set_transformation(const OGRSpatialReference* crs) {
-    if (request_.same_frame || crs == nullptr || crs->IsLocal() != 0 || is_json_without_crs()) return;
+    if (request_.same_frame) return;
+    require_known_crs(crs, request_.path, errors_, "assign it one that is, or give --same-frame");
+    if (crs == nullptr || crs->IsLocal() != 0 || is_json_without_crs()) return;
     file_.crs_name = crs->GetName() != nullptr ? crs->GetName() : "unnamed";
     const std::string its = "its coordinates are those of a map (" + file_.crs_name + ")";
     site_ = crs_to_export(request_.site_wkt);

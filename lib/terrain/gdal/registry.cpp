@@ -4,6 +4,7 @@
 #include <cpl_conv.h>
 #include <cpl_error.h>
 #include <gdal_priv.h>
+#include <ogr_srs_api.h>
 
 #include <algorithm>
 #include <mutex>
@@ -80,6 +81,7 @@ Drivers& drivers() {
   static auto* const drivers = [] {
     CPLSetErrorHandler(CPLQuietErrorHandler);  // for threads that GDAL starts itself
     GDALSetCacheMax64(kBlockCacheBytes);
+    OSRSetPROJEnableNetwork(FALSE);  // whatever PROJ_NETWORK says: no other machine is called
     return new Drivers;
   }();
   return *drivers;

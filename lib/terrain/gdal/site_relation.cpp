@@ -11,14 +11,16 @@
 #include <string_view>
 #include <vector>
 
-#include "terrain/gdal/gdal_errors.h"
 #include "base/lower_case.h"
+#include "terrain/gdal/gdal_errors.h"
+#include "terrain/gdal/known_crs.h"
 #include "terrain/gdal/map_projection.h"
 
 namespace landfall {
 namespace {
 
 OGRSpatialReference horizontal(const std::string& wkt) {
+  require_crs_database("site frame");
   OGRSpatialReference crs;
   if (crs.importFromWkt(wkt.c_str()) != OGRERR_NONE) crs.Clear();
   crs.StripVertical();

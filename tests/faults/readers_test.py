@@ -1,0 +1,63 @@
+#!/usr/bin/python3
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Readers whose libraries do not find their data: the same result, or one message that names the variable."""
+import os
+import struct
+import sys
+import unittest
+
+sys.dont_write_bytecode = True
+# pylint: disable=wrong-import-position
+import surroundings
+from harness import ToolTest, clouds, read_bytes
+
+
+class Libraries(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.workshop = surroundings.ReaderWorkshop(os.environ["LANDFALL_BIN"])
+        cls.addClassCleanup(cls.workshop.remove)
+
+    def test_no_number_changes(self):
+        refused = {}
+        for judge in surroundings.try_libraries(self.workshop):
+            self.assertEqual(judge.broken, [])
+            variable = judge.fault.split()[0]
+            refused[variable] = refused.get(variable, 0) + judge.counts["refused"]
+            for message in judge.messages:
+                self.assertIn(f"unset {variable}=", message)
+        # Each of the variables is looked at by some reader; the others need no file of GDAL_DATA.
+        self.assertEqual({name for name, count in refused.items() if count},
+                         {"PROJ_LIB", "PROJ_DATA", "PROJ_AUX_DB", "UDUNITS2_XML_PATH"})
+
+
+class UnknownCodes(ToolTest):
+    """A code that PROJ's database lacks, as that of an older EPSG: GDAL takes a local CRS in metres."""
+    CODES = {1: "the code of its CRS is not in PROJ's database", 29999: "the code of its CRS is not in PROJ's database",
+             5703: "its CRS, NAVD88 height, is one of heights alone"}
+
+    def check(self, content, name, tool, *arguments):
+        key = struct.pack("<HHHH", 3072, 0, 1, surroundings.FEET)
+        self.assertEqual(content.count(key), 1)
+        path = self.path(name)
+        for code, fault in self.CODES.items():
+            with open(path, "wb") as file:
+                file.write(content.replace(key, key[:6] + struct.pack("<H", code)))
+            self.refuse(1, tool, *arguments, path, "-o", self.path("out.h5"), output=self.path("out.h5"),
+                        words=[f"{path}: {fault}: give the CRS (--crs)"])
+            self.succeed(tool, *arguments, path, "-O", "-o", self.path("other.h5"), "--crs", f"EPSG:{surroundings.FEET}", "--vertical-scale", 1)
+
+    def test_points(self):
+        keys = struct.pack("<12H", 1, 1, 0, 2, 1024, 0, 1, 1, 3072, 0, 1, surroundings.FEET)
+        self.check(clouds.las(clouds.las_points(60), offset=(*surroundings.FEET_AT, 0.0),
+                              records=[clouds.las_vlr("LASF_Projection", 34735, keys)]), "a.las", "landfall-import", "--keep-noise")
+
+    def test_rasters(self):
+        surroundings.raster(self.path("feet.tif"), f"EPSG:{surroundings.FEET}")
+        content = read_bytes(self.path("feet.tif"))
+        self.check(content, "a.tif", "landfall-import")
+        self.check(content, "b.tif", "terrain-gen", "--datum", "none", "--from")
+
+
+if __name__ == "__main__":
+    unittest.main()
