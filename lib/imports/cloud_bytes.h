@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace landfall {
@@ -34,6 +35,21 @@ class CloudBytes {
   int descriptor_;
   std::uint64_t size_;
 };
+
+[[nodiscard]] inline std::string_view text_of(const std::vector<std::byte>& bytes) {
+  return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
+}
+
+/// The first bytes of a file: 256 KiB, or twice as many again and again, up to 64 MiB, until they hold a
+/// whole header: comments have any length.
+template <class HoldsHeader>
+[[nodiscard]] std::vector<std::byte> beginning_of(const CloudBytes& file, const HoldsHeader& holds_header) {
+  constexpr std::size_t kMost = std::size_t{1} << 26U;
+  for (std::size_t size = std::size_t{1} << 18U;; size *= 2) {
+    std::vector<std::byte> bytes = file.up_to(0, size);
+    if (size >= kMost || bytes.size() == file.size() || holds_header(text_of(bytes))) return bytes;
+  }
+}
 
 /// The little-endian number at an offset, which must lie within the bytes.
 template <class T>

@@ -70,9 +70,8 @@ Format text_format(std::string_view begin, bool is_all, Format promised) {
 }
 
 Format format_of(const CloudBytes& file, Format promised) {
-  const std::vector<std::byte> bytes = file.up_to(0, kTextHead);
-  const std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
-  const std::string_view begin = without_byte_order_mark(text);
+  const std::vector<std::byte> bytes = beginning_of_text(file);
+  const std::string_view begin = without_byte_order_mark(text_of(bytes));
   if (begin.starts_with("LASF")) return Format::las;
   if (begin.starts_with("ASTM-E57")) return Format::e57;
   if (is_ply(begin)) return Format::ply;

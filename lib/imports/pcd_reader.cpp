@@ -17,7 +17,6 @@
 namespace landfall {
 namespace {
 
-constexpr std::size_t kMaxPcdHeader = 1U << 16U;
 constexpr std::uint64_t kMaxField = 1U << 16U;
 
 struct PcdHeader {
@@ -66,8 +65,11 @@ void take_line(const CloudBytes& file, const std::vector<std::string>& words, Pc
 }
 
 PcdHeader read_pcd_header(const CloudBytes& file) {
-  const std::vector<std::byte> bytes = file.up_to(0, kMaxPcdHeader);
-  const std::string text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+  const std::vector<std::byte> bytes = beginning_of(file, [](std::string_view text) {
+    const std::size_t data = text.find("\nDATA");
+    return data != std::string_view::npos && text.find('\n', data + 1) != std::string_view::npos;
+  });
+  const std::string text(text_of(bytes));
   PcdHeader pcd;
   while (pcd.data.empty()) {
     const std::size_t end = text.find('\n', pcd.end);

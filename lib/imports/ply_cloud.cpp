@@ -13,7 +13,7 @@
 namespace landfall {
 namespace {
 
-constexpr std::size_t kMaxPlyHeader = 1U << 18U;
+constexpr std::int64_t kMaxRows = std::int64_t{1} << 62U;
 
 std::uint64_t row_bytes(const CloudBytes& file, const PlyElement& element) {
   std::uint64_t bytes = 0;
@@ -52,39 +52,99 @@ std::uint64_t after_lines(const CloudBytes& file, std::uint64_t at, std::uint64_
   return at;
 }
 
-/// The bytes of the elements behind the vertices; with lists, whose lengths stand in the rows, the least
-/// ones.
-struct Following {
-  std::uint64_t bytes = 0;
-  bool is_exact = true;
+[[noreturn]] void refuse_count(const CloudBytes& file, const PlyElement& element) {
+  file.fail("declares " + std::to_string(element.count) + " elements " + shown_word(element.name) +
+            ", more than it has: it is truncated, or its header is wrong");
+}
+
+/// Numbers of a file that are read from front to back.
+class ForwardBytes {
+ public:
+  explicit ForwardBytes(const CloudBytes& file) : file_(file) {}
+  /// No bytes where the file ends before.
+  [[nodiscard]] const std::byte* at(std::uint64_t offset, std::size_t size) {
+    if (offset < begin_ || offset + size > begin_ + block_.size()) {
+      begin_ = offset;
+      block_ = file_.up_to(offset, std::size_t{1} << 20U);
+    }
+    return block_.size() < size ? nullptr : block_.data() + (offset - begin_);
+  }
+
+ private:
+  const CloudBytes& file_;
+  std::uint64_t begin_ = 0;
+  std::vector<std::byte> block_;
 };
 
-Following elements_behind(const CloudBytes& file, const PlyHeader& header, const PlyElement& vertex) {
-  Following following;
+/// The end of an element with lists, whose lengths stand in its rows.
+std::uint64_t end_of_lists(const CloudBytes& file, const PlyElement& element, std::uint64_t at,
+                           bool is_big_endian) {
+  ForwardBytes bytes(file);
+  for (std::int64_t row = 0; row < element.count; ++row) {
+    for (const PlyProperty& property : element.properties) {
+      double count = 1;
+      if (property.length) {
+        const std::byte* const length = bytes.at(at, size_of(*property.length));
+        count = length != nullptr ? stored_number(*property.length, length, is_big_endian) : -1;
+        at += size_of(*property.length);
+      }
+      if (!(count >= 0) || at > file.size()) refuse_count(file, element);
+      at += static_cast<std::uint64_t>(count) * size_of(property.type);
+    }
+    if (at > file.size()) refuse_count(file, element);
+  }
+  return at;
+}
+
+/// The end of the elements behind the vertices.
+std::uint64_t end_of_elements(const CloudBytes& file, const PlyHeader& header, const PlyElement& vertex,
+                              std::uint64_t at) {
+  const bool is_big_endian = header.encoding == PlyEncoding::big_endian;
   for (const PlyElement* element = &vertex + 1; element < header.elements.data() + header.elements.size();
        ++element) {
-    std::uint64_t row = 0;
-    for (const PlyProperty& property : element->properties) {
-      row += size_of(property.length.value_or(property.type));
-      if (property.length && element->count > 0) following.is_exact = false;
+    const bool has_lists = std::ranges::any_of(
+        element->properties, [](const PlyProperty& property) { return property.length.has_value(); });
+    if (has_lists) {
+      at = end_of_lists(file, *element, at, is_big_endian);
+      continue;
     }
-    const auto count = static_cast<std::uint64_t>(element->count);
-    if (row > 0 && count > file.size() / row)
-      file.fail("declares " + std::to_string(count) + " elements " + shown_word(element->name) +
-                ", more than it has: it is truncated, or its header is wrong");
-    following.bytes += row * count;
+    const std::uint64_t row = row_bytes(file, *element);
+    if (row > 0 && static_cast<std::uint64_t>(element->count) > (file.size() - at) / row)
+      refuse_count(file, *element);
+    at += row * static_cast<std::uint64_t>(element->count);
   }
-  return following;
+  return at;
 }
 
 /// Judges what lies behind the vertices of a binary file.
-std::string rest_of(const CloudBytes& file, const RowLayout& rows, const Following& following) {
+std::string rest_of(const CloudBytes& file, const RowLayout& rows, const PlyHeader& header,
+                    const PlyElement& vertex) {
   require_rows(file, rows);
-  const std::uint64_t behind = file.size() - rows.begin - rows.count * rows.row_size;
-  if (following.bytes > behind)
-    file.fail("declares elements behind its vertices of at least " + std::to_string(following.bytes) +
-              " bytes, but has " + std::to_string(behind) + ": it is truncated, or its header is wrong");
-  return following.is_exact ? judge_rest(file, rows, behind - following.bytes) : "";
+  const std::uint64_t end = end_of_elements(file, header, vertex, rows.begin + rows.count * rows.row_size);
+  return judge_rest(file, rows, file.size() - end);
+}
+
+/// A text has one line for each row of each element.
+void require_lines(const CloudBytes& file, const PlyHeader& header) {
+  std::int64_t declared = 0;
+  for (const PlyElement& element : header.elements) declared += std::min(element.count, kMaxRows - declared);
+  std::int64_t lines = 0;
+  bool is_blank_so_far = true;
+  for (std::uint64_t at = header.end; at < file.size();) {
+    const std::vector<std::byte> bytes = file.up_to(at, std::size_t{1} << 20U);
+    for (const char c : text_of(bytes)) {
+      if (c == '\n' || c == '\r')
+        is_blank_so_far = true;
+      else if (is_blank_so_far && !is_blank(c)) {
+        is_blank_so_far = false;
+        ++lines;
+      }
+    }
+    at += bytes.size();
+  }
+  if (lines != declared)
+    file.fail("declares " + std::to_string(declared) + " rows of vertices and other elements, but has " +
+              std::to_string(lines) + ": it is truncated, or its header is wrong");
 }
 
 const PlyElement& vertex_of(const CloudBytes& file, const PlyHeader& header) {
@@ -108,8 +168,11 @@ std::string ignored_elements(const PlyHeader& header) {
 }  // namespace
 
 std::unique_ptr<CloudReader> open_ply_cloud(std::unique_ptr<CloudBytes> file, const ColumnChoice& choice) {
-  const std::vector<std::byte> bytes = file->up_to(0, kMaxPlyHeader);
-  const std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+  const std::vector<std::byte> bytes = beginning_of(*file, [](std::string_view text) {
+    const std::size_t end = text.find("end_header");
+    return end != std::string_view::npos && text.find_first_of("\r\n", end) != std::string_view::npos;
+  });
+  const std::string_view text = text_of(bytes);
   const PlyHeader header = read_ply_header(text, file->name());
   const PlyElement& vertex = vertex_of(*file, header);
   std::vector<std::string> names;
@@ -124,6 +187,7 @@ std::unique_ptr<CloudReader> open_ply_cloud(std::unique_ptr<CloudBytes> file, co
                  .is_big_endian = header.encoding == PlyEncoding::big_endian,
                  .columns = {}};
   if (header.encoding == PlyEncoding::text) {
+    if (has_elements_behind(header, vertex)) require_lines(*file, header);
     const std::uint64_t lines = skipped_rows(*file, header, vertex, true);
     const auto before = static_cast<std::size_t>(std::ranges::count(text.substr(0, header.end), '\n'));
     const TextRows in_text{.begin = after_lines(*file, header.end, lines),
@@ -139,7 +203,7 @@ std::unique_ptr<CloudReader> open_ply_cloud(std::unique_ptr<CloudBytes> file, co
     rows.columns.push_back({property.name, property.type, offset});
     offset += size_of(property.type);
   }
-  info.notes.push_back(rest_of(*file, rows, elements_behind(*file, header, vertex)));
+  info.notes.push_back(rest_of(*file, rows, header, vertex));
   std::erase(info.notes, "");
   return read_rows(std::move(file), std::move(rows), std::move(info));
 }

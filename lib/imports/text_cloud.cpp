@@ -194,14 +194,18 @@ std::optional<std::int64_t> count_of_pts(const TextHead& head) {
 }  // namespace
 
 std::unique_ptr<CloudReader> open_text_cloud(std::unique_ptr<CloudBytes> file, const ColumnChoice& choice) {
-  std::vector<std::byte> bytes = file->up_to(0, kTextHead);
-  const std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+  std::vector<std::byte> bytes = beginning_of_text(*file);
+  const std::string_view text = text_of(bytes);
   if (const std::string foreign = foreign_content(text); !foreign.empty()) file->fail(foreign);
   if (text.find('\0') != std::string_view::npos)
     file->fail("is not a point cloud in a format that is read: LAS, PLY, PCD, PTX, QFIT, CSV or XYZ");
   const std::size_t mark = text.size() - without_byte_order_mark(text).size();
   std::fill_n(bytes.begin(), mark, std::byte{' '});  // offsets stay those of the file
-  const TextHead head = text_head(text, bytes.size() == file->size());
+  const bool is_all = bytes.size() == file->size();
+  const TextHead head = text_head(text, is_all);
+  if (!is_all && head.lines.size() < 2)
+    file->fail("has no row of points in its first " + std::to_string(bytes.size() >> 20U) +
+               " MiB: shorten its comments or its header");
   if (head.lines.empty()) file->fail("has no points");
   TextRows rows;
   rows.count = count_of_pts(head);

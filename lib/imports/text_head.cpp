@@ -10,6 +10,7 @@ namespace {
 
 /// Lines that are looked at to tell what a text is.
 constexpr std::size_t kProbed = 20;
+constexpr std::size_t kMaxComments = 1U << 16U;
 
 std::size_t cell_count(std::string_view line) { return cells_of(line, form_of(line).separator).size(); }
 
@@ -23,6 +24,13 @@ bool holds_numbers_only(std::string_view line) {
 
 }  // namespace
 
+std::vector<std::byte> beginning_of_text(const CloudBytes& file) {
+  constexpr std::size_t kLines = 3;  // the number of the points of a .pts, a header and a row
+  return beginning_of(file, [](std::string_view text) {
+    return text.find('\0') != std::string_view::npos || text_head(text, false).lines.size() >= kLines;
+  });
+}
+
 TextHead text_head(std::string_view text, bool is_all) {
   TextHead head;
   const char end_of_line = text.find('\n') == std::string_view::npos ? '\r' : '\n';
@@ -31,7 +39,8 @@ TextHead text_head(std::string_view text, bool is_all) {
     if (end == std::string_view::npos && !is_all && !head.lines.empty()) break;
     const std::size_t length = std::min(end, text.size()) - head.end;
     const std::string_view line = text.substr(head.end, length);
-    if (const auto comment = comment_of(line); comment && head.lines.empty())
+    const auto comment = comment_of(line);
+    if (comment && head.lines.empty() && head.comments.size() < kMaxComments)
       head.comments.push_back(*comment);
     else if (!comment && !trimmed(line).empty())
       head.lines.push_back({line, head.end, number});

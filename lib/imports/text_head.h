@@ -7,6 +7,7 @@
 #include <string_view>
 #include <vector>
 
+#include "imports/cloud_bytes.h"
 #include "imports/text_cells.h"
 
 namespace landfall {
@@ -20,12 +21,13 @@ struct HeadLine {
 
 /// The complete lines at the beginning of a file, without empty ones.
 struct TextHead {
-  std::vector<std::string_view> comments;  ///< those before the first other line
+  std::vector<std::string_view> comments;  ///< the first 65,536 of those before the first other line
   std::vector<HeadLine> lines;             ///< the others
   std::size_t end = 0;                     ///< offset behind them
 };
 
-inline constexpr std::size_t kTextHead = std::size_t{1} << 18U;
+/// The beginning of a text with its comments, its header and a row, unless that takes more than 64 MiB.
+[[nodiscard]] std::vector<std::byte> beginning_of_text(const CloudBytes& file);
 
 /// `is_all`: the text is the whole file, so that its last line is complete.
 [[nodiscard]] TextHead text_head(std::string_view text, bool is_all);

@@ -12,10 +12,6 @@ constexpr std::size_t kBlock = 1U << 23U;
 constexpr std::size_t kPiece = 1U << 18U;
 constexpr std::size_t kHead = 1U << 18U;
 
-std::string_view as_text(const std::vector<std::byte>& bytes) {
-  return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
-}
-
 }  // namespace
 
 /// The rows of a piece of text, or the first line that is none.
@@ -35,7 +31,7 @@ TextReader::TextReader(std::unique_ptr<CloudBytes> file, const TextRows& rows, C
   std::ranges::sort(wanted_);
   if (rows.count && *rows.count == 0) file_->fail("has no points");
   const std::vector<std::byte> head = file_->up_to(rows.begin, kHead);
-  const std::string_view text = as_text(head);
+  const std::string_view text = text_of(head);
   if (text.find('\n') == std::string_view::npos && text.find('\r') != std::string_view::npos)
     line_end_ = '\r';
   if (info_.has(CloudField::t)) info_.time_base = time_base_of(text);
@@ -90,7 +86,7 @@ bool TextReader::is_done() const { return rows_.may_continue && rows_.count && p
 
 void TextReader::read_block(CloudBatch& batch) {
   block_ = file_->up_to(at_, kBlock);
-  std::string_view text = as_text(block_);
+  std::string_view text = text_of(block_);
   if (at_ + text.size() < file_->size()) {
     const std::size_t last = text.rfind(line_end_);
     if (last == std::string_view::npos) file_->fail("line " + std::to_string(line_) + " has more than 8 MiB");

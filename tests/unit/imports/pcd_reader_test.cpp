@@ -73,6 +73,7 @@ TEST(PcdReader, ReadsItsThreeForms) {
   expect_both_points(pcd_header("ascii") + "1.5 9 9 9 0.1 0 0 -1 7\n2.5 9 9 9 0.2 0 0 -2 65535\n");
   expect_both_points(pcd_header("binary") + pcd_rows());
   expect_both_points(pcd_header("binary", "") + pcd_rows());  // WIDTH x HEIGHT
+  expect_both_points("# " + std::string(1'000'000, 'c') + "\n" + pcd_header("binary") + pcd_rows());
   expect_both_points(pcd_compressed(lzf_literals(pcd_columns()), 64));
 }
 

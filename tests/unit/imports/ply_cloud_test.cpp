@@ -9,6 +9,7 @@ namespace {
 
 using testing::ElementsAre;
 using testing::HasSubstr;
+using testing::Not;
 
 /// A camera of two values, two vertices, one face.
 std::string ply_header(const std::string& form) {
@@ -47,14 +48,29 @@ TEST(PlyCloud, ReadsTheVerticesOfItsThreeForms) {
   }
 }
 
-// The length of a list is in its row, so that bytes behind it are not counted.
+// The length of a list is in its row.
 TEST(PlyCloud, AccountsForTheBytesBehindTheVertices) {
   const auto with = [](std::string bytes, const std::string& from, const std::string& to) {
     return bytes.replace(bytes.find(from), from.size(), to);
   };
   const std::string good = binary(false);
-  EXPECT_THAT(cloud_refusal("a.ply", with(good, "face 1", "face 14")),
-              HasSubstr("behind its vertices of at least 14 bytes, but has 13"));
+  for (const bool is_big_endian : {false, true}) {
+    const std::string bytes = binary(is_big_endian);
+    EXPECT_THAT(cloud_refusal("a.ply", with(bytes, "face 1", "face 2")),
+                HasSubstr("declares 2 elements face, more than it has"));
+    EXPECT_THAT(cloud_refusal("a.ply", bytes.substr(0, bytes.size() - 1)),
+                HasSubstr("1 elements face, more"));
+    EXPECT_THAT(cloud_refusal("a.ply", bytes + std::string(30, 'x')),
+                HasSubstr("declares 2 points, but the bytes of 2 more follow"));
+    EXPECT_THAT(cloud_refusal("a.ply", with(bytes, "vertex 2", "vertex 1")), Not("accepted"));
+    const std::string negative = with(bytes, "list uchar", "list char");
+    EXPECT_THAT(cloud_refusal("a.ply", with(negative, "\3", "\xff")), HasSubstr("1 elements face, more"));
+  }
+  for (const char* const count : {"face 0", "face 2"})
+    EXPECT_THAT(cloud_refusal("a.ply", with(kText, "face 1", count)), Not("accepted"));
+  EXPECT_THAT(cloud_refusal("a.ply", with(kText, "vertex 2", "vertex 1")),
+              HasSubstr("declares 3 rows of vertices and other elements, but has 4"));
+  EXPECT_THAT(read_cloud("a.ply", kText + "\n \r\n").batches.size(), 1U);
   EXPECT_THAT(cloud_refusal("a.ply", with(good, "face 1", "face 9000000000000000000")),
               HasSubstr("declares 9000000000000000000 elements face, more than it has"));
   const std::string plain = with(good, "list uchar int vertex_indices", "uchar a");
@@ -66,6 +82,14 @@ TEST(PlyCloud, AccountsForTheBytesBehindTheVertices) {
               ElementsAre(HasSubstr("are ignored"), HasSubstr("has 2 bytes that belong to nothing")));
   const std::string no_face = with(kText, "face 1", "face 0");
   EXPECT_THAT(cloud_refusal("a.ply", no_face), HasSubstr("declares 2 points, but has more"));
+}
+
+TEST(PlyCloud, ReadsLongComments) {
+  const std::string comment = "comment " + std::string(1'000'000, 'c') + "\n";
+  for (std::string bytes : {kText, binary(false)}) {
+    bytes.insert(bytes.find("element"), comment);
+    EXPECT_THAT(read_cloud("a.ply", bytes)[CloudField::x], ElementsAre(0.1, 1.1));
+  }
 }
 
 TEST(PlyCloud, RefusesWhatDoesNotFit) {
@@ -84,7 +108,9 @@ TEST(PlyCloud, RefusesWhatDoesNotFit) {
   EXPECT_THAT(refusal(with(good, "camera 1", "camera 9000000000000000000")),
               HasSubstr("is shorter than its elements before the vertices"));
   EXPECT_THAT(refusal(good.substr(0, good.find("element vertex"))), HasSubstr("ends within the header"));
-  EXPECT_THAT(refusal(with(kText, "camera 1", "camera 9")), HasSubstr("ends before its vertices"));
+  EXPECT_THAT(refusal(with(kText, "camera 1", "camera 9")), HasSubstr("declares 12 rows"));
+  EXPECT_THAT(refusal(with(with(kText, "camera 1", "camera 9"), "face 1", "face 0")),
+              HasSubstr("ends before its vertices"));
   EXPECT_THAT(refusal(with(kText, "1.1 2.5", "1.1 b")), HasSubstr("line 16: 'b' is not a number"));
 }
 

@@ -145,6 +145,27 @@ TEST(TextCloud, ReadsBlockAfterBlock) {
   EXPECT_THAT(cloud_refusal("a.csv", text + "1,2\n"), HasSubstr("line 420002: has 2 cells, not 3"));
 }
 
+// Comments and headers have any length; 256 KiB are read at first.
+TEST(TextCloud, ReadsLongCommentsAndHeaders) {
+  std::string comments;
+  for (int i = 0; i < 100'000; ++i) comments += "# comment\n";
+  for (const std::string& before : {comments, "# " + std::string(3'000'000, 'c') + "\n"}) {
+    const WholeCloud cloud = read_cloud("a.csv", before + "x,y,z\n1,2,3\n4,5,6\n");
+    EXPECT_THAT(cloud[CloudField::x], ElementsAre(1, 4));
+  }
+  EXPECT_THAT(cloud_refusal("a.csv", comments + "x,y,z\n1,2,3\n4,b,6\n"), HasSubstr("line 100003: 'b'"));
+  EXPECT_THAT(cloud_refusal("a.csv", comments), HasSubstr("has no points"));
+  std::string names = "x,y,z";
+  std::string row = "1,2,3";
+  for (int i = 0; i < 60'000; ++i) {
+    names += ",c" + std::to_string(i);
+    row += ",0";
+  }
+  EXPECT_THAT(read_cloud("a.csv", names + "\n" + row + "\n")[CloudField::z], ElementsAre(3));
+  EXPECT_THAT(cloud_refusal("a.csv", "# " + std::string(std::size_t{1} << 26U, 'c') + "\nx,y,z\n1,2,3\n"),
+              HasSubstr("has no row of points in its first 64 MiB: shorten its comments or its header"));
+}
+
 TEST(TextCloud, RefusesWhatIsNotPoints) {
   const auto refusal = [](const std::string& text) { return cloud_refusal("a.csv", text); };
   EXPECT_THAT(refusal(""), HasSubstr("is empty"));
