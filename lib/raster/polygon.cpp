@@ -16,6 +16,7 @@ namespace landfall {
 namespace {
 
 constexpr double kBorder_m = 1e-9;
+constexpr double kFarthest_m = 1e9;
 
 struct Edge {
   Horizontal a, b;
@@ -156,6 +157,11 @@ void require_simple(const Polygon& polygon, const std::string& what) {
   for (const Polygon::Ring& ring : polygon.rings())
     if (std::ranges::any_of(ring, is_unknown))
       throw UsageError(what + ": a coordinate of the polygon is not a finite number");
+  for (const Polygon::Ring& ring : polygon.rings())
+    for (const Horizontal& v : ring)
+      if (std::max(std::abs(v.x), std::abs(v.y)) > kFarthest_m)
+        throw UsageError(what + ": the polygon has a vertex at " + short_number(v.x) + ", " +
+                         short_number(v.y) + " m, farther out than the 1e9 m of a frame");
   require_no_crossing(edges_of(polygon), what);
   for (const Polygon::Ring& ring : polygon.rings())
     if (ring.size() < 3 || !(std::abs(doubled_area(ring)) > kBorder_m))

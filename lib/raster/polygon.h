@@ -26,8 +26,8 @@ class Polygon {
   std::vector<Ring> rings_;
 };
 
-/// Throws UsageError, which begins with `what`, for a coordinate that is not finite, for a ring without area,
-/// and for edges that cross; those that touch within 1e-9 m do not.
+/// Throws UsageError, which begins with `what`, for a coordinate that is not finite or beyond 1e9 m, for a
+/// ring without area, and for edges that cross; those that touch within 1e-9 m do not.
 void require_simple(const Polygon& polygon, const std::string& what);
 
 /// The bins whose centre lies in one of the polygons, as far as they lie in the DEM.

@@ -109,6 +109,17 @@ class OnAMap(ToolTest):
         refuse(geojson(self.path("crs.geojson"), crs=None), "crs.geojson", "WGS 84", '"crs": null')
         refuse(geojson(self.path("cross.geojson"), parts=[[[[0, 0], [4, 4], [4, 0], [0, 3]]]]), "cross.geojson: the polygon crosses itself", code=2)
         refuse(geojson(self.path("flat.geojson"), parts=[[[[0, 0], [4, 4], [2, 2]]]]), "flat.geojson: the polygon is empty", code=2)
+        square, inner, outer, apart = ([[-r + d, -r + d], [r + d, -r + d], [r + d, r + d], [-r + d, r + d]] for r, d in ((3, 0), (1, 0), (4, 0), (1, 6)))
+        for name, rings, reason in (("outside", [square, apart], "Hole lies outside shell at or near point 5 5"),
+                                    ("around", [square, outer], "Hole lies outside shell at or near point -4 -4"),
+                                    ("nested", [square, inner, [[-.5, -.5], [.5, -.5], [0, .5]]], "Holes are nested at or near point -0.5 -0.5"),
+                                    ("touching", [[[-1, -1], [0, 0], [1, -1], [1, 1], [0, 0], [-1, 1]]], "Ring Self-intersection at or near point 0 0")):
+            refuse(geojson(self.path(name + ".geojson"), parts=[rings]), f"{name}.geojson: its polygon is not valid: {reason}")
+        refuse(geojson(self.path("huge.geojson"), parts=[[[[-1e308, -1e308], [1e308, -1e308], [0, 1e308]]]]), "huge.geojson: the polygon has a vertex at -1e+308, -1e+308 m", code=2)
+        world = [[-180, -90], [180, -90], [180, 90], [-180, 90]]
+        refuse(geojson(self.path("world.geojson"), crs=None, parts=[[world]]), "world.geojson: ", "the DEM frame")
+        self.ogr("-a_srs", "EPSG:4978", self.path("centric.gpkg"), geojson(self.path("xyz.geojson")))
+        refuse(self.path("centric.gpkg"), "centric.gpkg: its CRS is geocentric, not a map")
         refuse(self.lines(), "holds a LINESTRING; only polygons")
         refuse(self.empty(), "empty.geojson: holds no polygon")
         self.ogr("-f", "GPKG", "-nln", "one", self.path("two.gpkg"), geojson(self.path("xy.geojson")))

@@ -11,7 +11,8 @@
 namespace landfall {
 
 /// While it exists, captures GDAL's first error of this thread instead of printing it, the first warning that
-/// GDAL continues without data that it could not read, and whether it looked for a CRS in vain.
+/// GDAL continues without data that it could not read, its last warning, and whether it looked for a CRS in
+/// vain.
 class GdalErrors {
  public:
   GdalErrors() { CPLPushErrorHandlerEx(&GdalErrors::keep, this); }
@@ -24,6 +25,7 @@ class GdalErrors {
   void clear() { first_.clear(); }
   /// The warning that data could not be read as stored; empty without one. clear() keeps it.
   [[nodiscard]] const std::string& loss() const { return loss_; }
+  [[nodiscard]] const std::string& last_warning() const { return last_warning_; }
   /// PROJ's database lacks the code of a CRS. clear() keeps it.
   [[nodiscard]] bool unknown_crs() const { return unknown_crs_; }
 
@@ -32,6 +34,7 @@ class GdalErrors {
     auto& self = *static_cast<GdalErrors*>(CPLGetErrorHandlerUserData());
     if (level >= CE_Failure && !self.any()) self.first_ = line(message);
     if (std::strstr(message, "proj_create_from_database") != nullptr) self.unknown_crs_ = true;
+    if (level == CE_Warning) self.last_warning_ = line(message);
     if (level == CE_Warning && self.loss_.empty() && is_loss(message)) self.loss_ = line(message);
   }
   /// libtiff continues after a tag that it could not read, guesses the sizes of strips that a file does not
@@ -51,6 +54,7 @@ class GdalErrors {
   }
   std::string first_;
   std::string loss_;
+  std::string last_warning_;
   bool unknown_crs_ = false;
 };
 

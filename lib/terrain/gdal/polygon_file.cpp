@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Decisions: D402
+// Decisions: D402, D448
 #include "terrain/gdal/polygon_file.h"
 
 #include <cpl_vsi.h>
@@ -94,6 +94,7 @@ class Reader {
     if (request_.same_frame) return;
     require_known_crs(crs, request_.path, errors_, "assign it one that is, or give --same-frame");
     if (crs == nullptr || crs->IsLocal() != 0 || is_json_without_crs()) return;
+    if (crs->IsGeocentric() != 0) fail("its CRS is geocentric, not a map");
     file_.crs_name = crs->GetName() != nullptr ? crs->GetName() : "unnamed";
     const std::string its = "its coordinates are those of a map (" + file_.crs_name + ")";
     site_ = crs_to_export(request_.site_wkt);
@@ -108,9 +109,21 @@ class Reader {
   void add(const OGRGeometry* geometry) {
     if (geometry == nullptr || geometry->IsEmpty() != 0) fail("holds an empty geometry");
     const std::unique_ptr<OGRGeometry> straight(geometry->getLinearGeometry());
+    const std::unique_ptr<OGRGeometry> in_file(straight->clone());
     if (transformation_ && straight->transform(transformation_.get()) != OGRERR_NONE)
       fail("a vertex has no place in the DEM frame: " + errors_.reason());
     add_parts(*straight);
+    require_valid(*in_file);
+  }
+
+  /// For the coordinates of the file: a transformation may move vertices that touch an edge across it.
+  void require_valid(const OGRGeometry& geometry) const {
+    const OGRwkbGeometryType type = wkbFlatten(geometry.getGeometryType());
+    if (OGR_GT_IsSubClassOf(type, wkbGeometryCollection))
+      for (const OGRGeometry* part : *geometry.toGeometryCollection()) require_valid(*part);
+    const GdalErrors reasons;
+    if ((type == wkbPolygon || type == wkbTriangle) && !geometry.IsValid())
+      fail("its polygon is not valid: " + reasons.last_warning() + "; ogr2ogr -makevalid can correct it");
   }
 
   void add_parts(const OGRGeometry& geometry) {
@@ -123,7 +136,12 @@ class Reader {
 
   void add_polygon(const OGRPolygon& polygon) {
     std::vector<Polygon::Ring> rings;
-    for (const OGRLinearRing* ring : polygon) rings.push_back(ring_of(*ring));
+    for (const OGRLinearRing* ring : polygon) {
+      if (transformation_ && !(ring->get_Area() > 0))
+        fail("a ring of " + std::to_string(ring->getNumPoints()) +
+             " vertices has no area in the DEM frame, which does not hold what reaches around the body");
+      rings.push_back(ring_of(*ring));
+    }
     file_.polygons.emplace_back(std::move(rings));
     require_simple(file_.polygons.back(), request_.path);
   }

@@ -111,6 +111,8 @@ TEST(PolygonRegion, EmptyAndCrossingPolygonsAreRefused) {
               AllOf(HasSubstr("a.geojson: the polygon crosses itself"), HasSubstr("(0, 0) m to (4, 4) m")));
   EXPECT_THAT(refusal_of({kSquare, {{3, 1}, {5, 1}, {5, 2}, {3, 2}}}), HasSubstr("crosses itself"));
   EXPECT_THAT(refusal_of({{{0, 0}, {4, 0}, {NAN, 4}}}), HasSubstr("not a finite number"));
+  EXPECT_THAT(refusal_of({{{0, 0}, {1e308, 0}, {0, 1e308}}}),
+              HasSubstr("a vertex at 1e+308, 0 m, farther out than the 1e9 m of a frame"));
 }
 
 }  // namespace
