@@ -124,14 +124,18 @@ struct StageResult {
   std::string table;
 };
 
-StageResult run_tool(const cli::ChainStage& stage, const std::vector<std::string>& options, bool keep_same) {
+StageResult run_tool(const cli::ChainStage& stage, const std::vector<std::string>& options, bool keep_same,
+                     cli::ChainRecord& record) {
   std::vector<const char*> argv = {stage.tool.c_str()};
   for (const std::string& word : stage.arguments) argv.push_back(word.c_str());
   for (const std::string& word : options) argv.push_back(word.c_str());
   cli::Invocation invocation{.keep_same = keep_same};
-  const cli::CapturedOutput output;
+  const cli::CapturedOutput text;
+  // A single output is known by its file_id.
+  const BeforeNaming note(stage.side_outputs.empty() ? std::function<void()>()
+                                                     : [&] { record.announce(stage); });
   const int code = function_of(stage.tool)(static_cast<int>(argv.size()), argv.data(), &invocation);
-  return {static_cast<ExitCode>(code), invocation.kept, output.text()};
+  return {static_cast<ExitCode>(code), invocation.kept, text.text()};
 }
 
 /// Runs a stage unless its outputs are those that it would make.
@@ -147,7 +151,9 @@ StageResult run_stage(const cli::Session& session, const cli::ChainStage& stage,
   if (!stage.requirement.empty()) options.push_back(stage.requirement);
   const nlohmann::json before = cli::step_of(stage.output);
   const bool existed = fs::exists(stage.output);
-  StageResult result = run_tool(stage, options, sides_are_own && is_judged);
+  // A stage that ended between its names has no table in the record.
+  const bool is_recorded = stage.side_outputs.empty() || !record.is_announced(stage.output);
+  StageResult result = run_tool(stage, options, sides_are_own && is_judged && is_recorded, record);
   if (result.kept) result.table = record.table(stage);
   const bool is_done = result.code == ExitCode::done || result.code == ExitCode::requirement_missed;
   if (is_done && !result.kept && existed) {

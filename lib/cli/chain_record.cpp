@@ -31,10 +31,10 @@ constexpr const char* kContent = "content ";
 constexpr const char* kFrom = "--from ";
 
 /// Identifies the content of a file: its file_id, or the hash of its bytes. Empty if it is an HDF5 file that
-/// no tool of landfall has completed.
-std::string identity(const fs::path& path) {
+/// no tool of landfall has completed. `name`: that of the output, where the file is a temporary one.
+std::string identity(const fs::path& path, const fs::path& name) {
   try {
-    if (file_extension(path) == ".h5") return LandfallFileReader(path, kLandfallKinds).file_id();
+    if (file_extension(name) == ".h5") return LandfallFileReader(path, kLandfallKinds).file_id();
     return content_id(path);
   } catch (const FormatError&) {
     return "";
@@ -44,6 +44,19 @@ std::string identity(const fs::path& path) {
 bool is_there(const fs::path& path) {
   std::error_code unreachable;
   return fs::exists(fs::symlink_status(path, unreachable));
+}
+
+/// Whether an output exists and has the identity that these identities give for its name.
+bool is_in(const Json& identities, const fs::path& output) {
+  const auto found = identities.find(output.filename().string());
+  return found != identities.end() && found->is_string() && !found->get_ref<const std::string&>().empty() &&
+         is_there(output) && *found == identity(output, output);
+}
+
+std::vector<fs::path> outputs_of(const ChainStage& stage) {
+  std::vector<fs::path> outputs = stage.side_outputs;
+  outputs.push_back(stage.output);
+  return outputs;
 }
 
 /// The chain of a record; empty if it has none, or none of this form.
@@ -171,16 +184,17 @@ ChainRecord::ChainRecord(fs::path folder) : folder_(std::move(folder)) {
     return;
   outputs_ = json["outputs"];
   stages_ = json["stages"];
+  if (json.contains("announced") && json["announced"].is_object()) announced_ = json["announced"];
   chain_ = chain_of(json.value("chain", Json()));
 }
 
-bool ChainRecord::is_own(const fs::path& output) const {
-  const auto found = outputs_.find(output.filename().string());
-  return found != outputs_.end() && found->is_string() && !found->get_ref<const std::string&>().empty() &&
-         is_there(output) && *found == identity(output);
-}
+bool ChainRecord::is_own(const fs::path& output) const { return is_in(outputs_, output); }
 
-bool ChainRecord::is_foreign(const fs::path& output) const { return is_there(output) && !is_own(output); }
+bool ChainRecord::is_announced(const fs::path& output) const { return is_in(announced_, output); }
+
+bool ChainRecord::is_foreign(const fs::path& output) const {
+  return is_there(output) && !is_own(output) && !is_announced(output);
+}
 
 std::string ChainRecord::table(const ChainStage& stage) const {
   if (!stages_.contains(stage.tool) || !stages_[stage.tool].is_object()) return "";
@@ -193,10 +207,17 @@ bool ChainRecord::has_met(const ChainStage& stage) const {
   return stages_[stage.tool].value("met", Json()) == Json(true);
 }
 
+void ChainRecord::announce(const ChainStage& stage) {
+  announced_ = Json::object();
+  for (const fs::path& output : outputs_of(stage))
+    announced_[output.filename().string()] = identity(temporary_of(output), output);
+  write();
+}
+
 void ChainRecord::add(const ChainStage& stage, const std::string& table, std::optional<bool> met) {
-  std::vector<fs::path> outputs = stage.side_outputs;
-  outputs.push_back(stage.output);
-  for (const fs::path& output : outputs) outputs_[output.filename().string()] = identity(output);
+  for (const fs::path& output : outputs_of(stage))
+    outputs_[output.filename().string()] = identity(output, output);
+  announced_ = Json::object();
   stages_[stage.tool] = {{"table", table}, {"met", met ? Json(*met) : Json()}};
   write();
 }
@@ -219,6 +240,7 @@ void ChainRecord::save() {
 
 void ChainRecord::write() {
   Json json = {{"format", "landfall.run"}, {"outputs", outputs_}, {"stages", stages_}};
+  if (!announced_.empty()) json["announced"] = announced_;
   if (chain_) json["chain"] = {{"names", chain_->names}, {"config", chain_->config}};
   OutputPath file(folder_ / kRecordName, true);
   write_text(file, json.dump(2) + "\n");

@@ -50,18 +50,22 @@ struct ChainNames {
 [[nodiscard]] std::string replacement_reason(const nlohmann::json& before, const nlohmann::json& after);
 
 /// The record of what `landfall run` has made in a folder: the chain; for each output its file_id, or the
-/// hash of its bytes, so that a file of another origin is never taken for one (the outputs equal those of the
-/// single tools, so that no file says who made it); the table that each stage printed; whether it met its
-/// requirement. It lies in the hidden file .landfall-run.json of the folder.
+/// hash of its bytes, also of one that is about to get its name, so that a file of another origin is never
+/// taken for one (the outputs equal those of the single tools, so that no file says who made it); the table
+/// that each stage printed; whether it met its requirement. It lies in the hidden file .landfall-run.json of
+/// the folder.
 class ChainRecord {
  public:
   /// Empty if there is none, or none that can be read.
   explicit ChainRecord(std::filesystem::path folder);
 
-  /// Whether this output exists and is not what was recorded.
+  /// Whether this output exists and is neither what was recorded nor what was about to get its name when a
+  /// run ended.
   [[nodiscard]] bool is_foreign(const std::filesystem::path& output) const;
   /// Whether it exists and is what was recorded.
   [[nodiscard]] bool is_own(const std::filesystem::path& output) const;
+  /// Whether it exists and got its name from a stage that was not recorded.
+  [[nodiscard]] bool is_announced(const std::filesystem::path& output) const;
   /// The table that the stage printed; empty if nothing is recorded.
   [[nodiscard]] std::string table(const ChainStage& stage) const;
   /// Whether the stage was asked for its requirement and met it.
@@ -72,6 +76,8 @@ class ChainRecord {
   [[nodiscard]] const std::optional<ChainIdentity>& chain() const { return chain_; }
   /// The chain of what is made from now on. The next call of add() or save() writes it.
   void set_chain(ChainIdentity chain);
+  /// Notes that the temporary files of a stage are about to get their names, and writes the file.
+  void announce(const ChainStage& stage);
   /// Records the outputs of a stage, and writes the file. `met`: empty where the requirement was not asked
   /// for.
   void add(const ChainStage& stage, const std::string& table, std::optional<bool> met);
@@ -83,6 +89,7 @@ class ChainRecord {
 
   std::filesystem::path folder_;
   nlohmann::json outputs_ = nlohmann::json::object();
+  nlohmann::json announced_ = nlohmann::json::object();
   nlohmann::json stages_ = nlohmann::json::object();
   std::optional<ChainIdentity> chain_;
   bool is_saved_ = true;

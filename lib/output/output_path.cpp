@@ -15,6 +15,7 @@
 #include <cstdio>
 #include <string_view>
 #include <system_error>
+#include <utility>
 
 #include "base/error.h"
 #include "base/hash.h"
@@ -93,7 +94,21 @@ void flush_to_disk(const fs::path& file) {
     throw IoError(file.string() + ": flushing to disk failed: " + system_message(error_number));
 }
 
+std::function<void()>& before_naming() {
+  static std::function<void()> call;
+  return call;
+}
+
 }  // namespace
+
+fs::path temporary_of(const fs::path& output) {
+  fs::path temporary = output;
+  return temporary.replace_filename(part_prefix(output) + std::to_string(::getpid()) + ".part");
+}
+
+BeforeNaming::BeforeNaming(std::function<void()> call) { before_naming() = std::move(call); }
+
+BeforeNaming::~BeforeNaming() { before_naming() = nullptr; }
 
 void require_usable_output(const fs::path& path, bool overwrite) {
   std::error_code ignored;
@@ -115,8 +130,7 @@ void require_usable_output(const fs::path& path, bool overwrite) {
 OutputPath::OutputPath(fs::path path, bool overwrite) : path_(std::move(path)), overwrite_(overwrite) {
   require_usable_output(path_, overwrite_);
   remove_abandoned_parts(path_);
-  temporary_ = path_;
-  temporary_.replace_filename(part_prefix(path_) + std::to_string(::getpid()) + ".part");
+  temporary_ = temporary_of(path_);
   register_temporary_file(temporary_.string());
 }
 
@@ -133,6 +147,7 @@ void OutputPath::flush() {
 void OutputPath::commit() {
   if (!flushed_) flush();
   ignore_interrupts();
+  if (const auto call = std::exchange(before_naming(), nullptr)) call();
   if (overwrite_) {
     struct stat replaced {};  // the new file gets the permissions of the old one
     if (::stat(path_.c_str(), &replaced) == 0)

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <string>
 
 namespace landfall {
@@ -48,6 +49,19 @@ class OutputPath {
   bool overwrite_;
   bool flushed_ = false;
   bool committed_ = false;
+};
+
+/// The temporary file of this process for an output.
+[[nodiscard]] std::filesystem::path temporary_of(const std::filesystem::path& output);
+
+/// Calls a function once, just before the next output gets its name: outputs of one run are then complete
+/// under the names of temporary_of(). For the whole process; objects do not nest.
+class BeforeNaming {
+ public:
+  explicit BeforeNaming(std::function<void()> call);
+  ~BeforeNaming();
+  BeforeNaming(const BeforeNaming&) = delete;
+  BeforeNaming& operator=(const BeforeNaming&) = delete;
 };
 
 /// The path of the hidden file `.NAME.SUFFIX` beside an output. If that would be too long for a file name, a

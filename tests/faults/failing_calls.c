@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Preloaded into a tool: makes one of its system calls on the files of a trial fail, or sends a signal just before it.
 //   FAULT_UNDER   only calls on files below this folder count
-//   FAULT_CALLS   write: calls that change a file or a folder; read: open for reading, read
+//   FAULT_CALLS   write: calls that change a file or a folder; name: those among them that give a file its name; read: open for reading, read
 //   FAULT_AT      the number of the call, from 1; 0 for none
 //   FAULT_ACTION  an error number; -N: signal N just before the call; short: half of the bytes; again: EINTR
 //   FAULT_STICKY  1: every later call fails as well, as on a disk that stays full
@@ -28,7 +28,7 @@ enum { kShort = -1000, kAgain = -1001 };
 static atomic_long calls, bytes;
 static const char *under;
 static long fault_at;
-static int action, sticky, want_reads;
+static int action, sticky, want_reads, want_names;
 
 #define REAL(name) ((__typeof__(&name))dlsym(RTLD_NEXT, #name))
 
@@ -37,6 +37,7 @@ __attribute__((constructor)) static void start(void) {
   const char *stays = getenv("FAULT_STICKY");
   under = getenv("FAULT_UNDER");
   want_reads = kind && strcmp(kind, "read") == 0;
+  want_names = kind && strcmp(kind, "name") == 0;
   fault_at = at ? atol(at) : 0;
   sticky = stays && *stays == '1';
   if (what) action = strcmp(what, "short") == 0 ? kShort : strcmp(what, "again") == 0 ? kAgain : atoi(what);
@@ -62,8 +63,7 @@ static int is_our_descriptor(int fd) {
 }
 
 // Returns 0 if the call is made, kShort if it is made with half of the bytes; otherwise errno is set and the call must fail.
-static int disturbed(int ours, int reads) {
-  if (!ours || reads != want_reads) return 0;
+static int hit(void) {
   const long number = ++calls;
   if (fault_at == 0 || !action || !(number == fault_at || (sticky && number > fault_at))) return 0;
   if (action == kShort) return kShort;
@@ -74,6 +74,9 @@ static int disturbed(int ours, int reads) {
   errno = action == kAgain ? EINTR : action;
   return 1;
 }
+
+static int disturbed(int ours, int reads) { return ours && !want_names && reads == want_reads ? hit() : 0; }
+static int naming_disturbed(int ours) { return ours && !want_reads && action != kShort ? hit() : 0; }
 
 static size_t part(int fault, size_t size) { return fault == kShort && size > 1 ? size / 2 : size; }
 static ssize_t counted(ssize_t done) {
@@ -123,8 +126,10 @@ VECTOR(readv, 1)
 PLAIN(ftruncate, (int fd, off_t size), is_our_descriptor(fd), (fd, size))
 PLAIN(ftruncate64, (int fd, off64_t size), is_our_descriptor(fd), (fd, size))
 PLAIN(fsync, (int fd), is_our_descriptor(fd), (fd))
-PLAIN(link, (const char *from, const char *to), is_ours(to), (from, to))
-PLAIN(rename, (const char *from, const char *to), is_ours(to), (from, to))
+#define NAMING(name) \
+  int name(const char *from, const char *to) { return naming_disturbed(is_ours(to)) > 0 ? -1 : REAL(name)(from, to); }
+NAMING(link)
+NAMING(rename)
 PLAIN(mkdir, (const char *path, mode_t mode), is_ours(path), (path, mode))
 
 static int is_writable(int fd) { return (fcntl(fd, F_GETFL) & O_ACCMODE) != O_RDONLY; }

@@ -1,0 +1,79 @@
+#!/usr/bin/python3
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""`landfall run` is killed just before each output gets its name: the next run continues, without -O."""
+import os
+import shutil
+import signal
+import sys
+import unittest
+
+sys.dont_write_bytecode = True
+# pylint: disable=wrong-import-position
+import calls
+from harness import EVAL, HAZARD, SCAN, TERRAIN, ToolTest, read_bytes, run
+
+CHAIN = {"area": {"half_width_m": 5, "resolution_m": 0.1, "region_radius_m": 4},
+         "terrain": {key: value for key, value in TERRAIN.items() if key != "grid"}, "scan": SCAN, "eval": {"footprint_m": EVAL["footprint_m"]},
+         "hazard": {"lander": HAZARD["lander"], "limits": HAZARD["limits"]}}
+SEED = ["--set", "scan.seed=8"]
+
+
+@unittest.skipUnless(shutil.which(os.environ.get("CC", "cc")), "no C compiler")
+@unittest.skipIf(os.environ.get("LANDFALL_SANITIZE"), "sanitizers must be preloaded themselves")
+class Chain(ToolTest):
+    def setUp(self):
+        super().setUp()
+        self.library = calls.build_library(self.folder)
+        self.config(CHAIN, "chain.json")
+
+    def chain(self, *more, **options):
+        return run("landfall", "run", "-c", "chain.json", "-o", "out", *more, cwd=self.folder, **options)
+
+    def disturbed(self, at, action, *more):
+        return self.chain(*more, env={**os.environ, "LD_PRELOAD": self.library, "FAULT_UNDER": "out/", "FAULT_CALLS": "name", "FAULT_AT": str(at),
+                                      "FAULT_ACTION": str(action), "FAULT_LOG": self.path("calls")})
+
+    def files(self):
+        return {name: read_bytes(self.path("out/" + name)) for name in os.listdir(self.path("out"))}
+
+    def check(self, restore, *more):
+        """Kills the run before each of its names; restore() makes the folder that it begins with."""
+        restore()
+        undisturbed = self.disturbed(0, 0, *more)
+        self.assertEqual(undisturbed.returncode, 0)
+        whole, count = self.files(), int(read_bytes(self.path("calls")).split()[0])
+        self.assertGreater(count, len(whole))
+        for at in range(1, count + 1):
+            restore()
+            self.assertEqual(self.disturbed(at, -signal.SIGKILL, *more).returncode, -signal.SIGKILL)
+            result = self.chain(*more)
+            self.assertEqual((result.returncode, result.stdout), (0, undisturbed.stdout), f"killed before name {at} of {count}: {result.stderr}")
+            self.assertEqual(self.files(), whole, f"killed before name {at} of {count}")
+
+    def test_the_next_run_continues(self):
+        self.check(lambda: shutil.rmtree(self.path("out"), ignore_errors=True))
+
+    def test_the_next_run_of_an_edited_chain_continues(self):
+        self.assertEqual(self.chain().returncode, 0)
+        os.rename(self.path("out"), self.path("first"))
+        def restore():
+            shutil.rmtree(self.path("out"), ignore_errors=True)
+            shutil.copytree(self.path("first"), self.path("out"))
+        self.check(restore, *SEED)
+
+    def test_a_file_of_another_origin_is_still_kept(self):
+        """One that took the name of an output after the kill."""
+        self.assertEqual(self.disturbed(0, 0).returncode, 0)
+        for at in range(1, int(read_bytes(self.path("calls")).split()[0]) + 1):
+            shutil.rmtree(self.path("out"))
+            self.disturbed(at, -signal.SIGKILL)
+            for name in ("metrics.json", "report.html", "sites.json"):
+                with open(self.path("out/" + name), "w", encoding="utf-8") as file:
+                    file.write("mine\n")
+            result = self.chain()
+            self.assertEqual((result.returncode, "landfall run did not make it; use -O" in result.stderr), (2, True), result.stderr)
+            self.assertEqual(read_bytes(self.path("out/metrics.json")), b"mine\n")
+
+
+if __name__ == "__main__":
+    unittest.main()
