@@ -6,8 +6,6 @@
 #include <algorithm>
 #include <array>
 #include <cerrno>
-#include <csignal>
-#include <cstdio>
 #include <cstdlib>
 #include <cstring>
 #include <filesystem>
@@ -24,6 +22,8 @@
 #include "tools.h"
 
 namespace landfall {
+std::filesystem::path own_folder() { return std::filesystem::read_symlink("/proc/self/exe").parent_path(); }
+
 namespace {
 
 namespace fs = std::filesystem;
@@ -63,8 +63,6 @@ const Command* find(const std::string& name) {
   return found == kCommands.end() ? nullptr : found;
 }
 
-fs::path own_folder() { return fs::read_symlink("/proc/self/exe").parent_path(); }
-
 /// Replaces this process. Returns only by throwing IoError.
 [[noreturn]] void replace_by(const std::string& program, std::vector<std::string> arguments) {
   std::vector<char*> argv;
@@ -72,113 +70,6 @@ fs::path own_folder() { return fs::read_symlink("/proc/self/exe").parent_path();
   argv.push_back(nullptr);
   execvp(program.c_str(), argv.data());
   throw IoError("cannot start " + program + ": " + std::strerror(errno));
-}
-
-/// The folder of Makefile.studies: of the installation, or of the repository that this program was built in.
-fs::path studies_folder() {
-  for (fs::path folder = own_folder(); folder != folder.root_path(); folder = folder.parent_path())
-    for (const fs::path& candidate : {folder / "share" / "landfall", folder})
-      if (fs::exists(candidate / "Makefile.studies")) return candidate;
-  throw IoError("there is no Makefile.studies above " + own_folder().string() +
-                "; install landfall's studies");
-}
-
-constexpr std::array kStudyActions = {"status", "results", "partial", "clean"};
-
-/// make's command for `landfall study [status|results|partial|clean] STUDY [ARGUMENTS OF make]`.
-std::vector<std::string> study_command(const std::vector<std::string>& words) {
-  std::size_t used = 0;
-  std::string target = "study";
-  if (!words.empty() && std::ranges::find(kStudyActions, words[0]) != kStudyActions.end())
-    target += "-" + words[used++];
-  if (used == words.size() || words[used].starts_with("-"))
-    throw UsageError("study: a study is required: a file, or the name of one that ships (see --help)");
-  std::string study = words[used++];
-  if (fs::exists(study))
-    study = fs::absolute(study).string();
-  else if (study.find_first_of("./") != std::string::npos)
-    throw UsageError("study " + study + ": no such file");
-  std::vector<std::string> command = {"make",
-                                      "--no-print-directory",
-                                      "-C",
-                                      studies_folder().string(),
-                                      "-f",
-                                      "Makefile.studies",
-                                      target,
-                                      "STUDY=" + study,
-                                      "BIN=" + own_folder().string(),
-                                      "RUNS=" + (fs::current_path() / "runs").string()};
-  command.insert(command.end(), words.begin() + static_cast<std::ptrdiff_t>(used), words.end());
-  return command;
-}
-
-/// Whether make says in a line only that a recipe failed, about which its command has said more.
-bool is_echo_of_failure(const std::string& line) {
-  const bool is_of_make = line.starts_with("make: ") || line.starts_with("make[");
-  const bool names_recipe = line.find(": *** [") != std::string::npos;
-  const bool is_count = line.ends_with("*** Waiting for unfinished jobs....") ||
-                        line.ends_with(" not remade because of errors.");
-  const bool is_lost_plan =
-      line.starts_with("Makefile.studies:") && line.ends_with("study.mk: No such file or directory");
-  return (is_of_make && (names_recipe || is_count)) || is_lost_plan;
-}
-
-/// Passes on what is written to `messages`, less those lines. The end of the other side ends it, no signal.
-void pass_on_messages(int messages) {
-  for (const int each : {SIGINT, SIGTERM, SIGHUP}) std::signal(each, SIG_IGN);
-  std::FILE* const input = fdopen(messages, "r");
-  std::string line;
-  const auto pass_on = [&line] {
-    const std::string text = line.ends_with('\n') ? line.substr(0, line.size() - 1) : line;
-    if (!is_echo_of_failure(text)) std::fwrite(line.data(), 1, line.size(), stderr);
-    line.clear();
-  };
-  for (int c = std::fgetc(input); c != EOF; c = std::fgetc(input)) {
-    line += static_cast<char>(c);
-    if (c == '\n') pass_on();
-  }
-  pass_on();
-}
-
-/// Sends stderr of this process, which make is about to replace, through a child. Stages show their progress
-/// on the original, whose descriptor STUDY_STDERR names in Makefile.studies.
-void filter_messages_of_make() {
-  constexpr int kOriginal = 8;
-  int ends[2];
-  if (pipe(ends) != 0 || dup2(STDERR_FILENO, kOriginal) != kOriginal) return;
-  const pid_t child = fork();
-  if (child == 0) {
-    close(ends[1]);
-    close(kOriginal);
-    pass_on_messages(ends[0]);
-    _exit(0);
-  }
-  if (child > 0) dup2(ends[1], STDERR_FILENO);
-  close(ends[0]);
-  close(ends[1]);
-  setenv("STUDY_STDERR", std::to_string(kOriginal).c_str(), 1);
-}
-
-constexpr const char* kStudyHelp =
-    R"(landfall study [status|results|partial|clean] STUDY [ARGUMENTS OF make]
-
-Runs the parameter study of a file, or one that ships, by name, into runs/studies
-of this folder; a run that was ended continues. docs/user/studies/README.md
-describes studies.
-
-  landfall study my.json -j2
-  landfall study status my.json
-  landfall study results my.json RUNS=/data/runs
-)";
-
-int run_study(const std::vector<std::string>& words) {
-  if (!words.empty() && (words[0] == "-h" || words[0] == "--help")) {
-    std::cout << kStudyHelp << std::flush;
-    return 0;
-  }
-  const std::vector<std::string> command = study_command(words);
-  filter_messages_of_make();
-  replace_by("make", command);
 }
 
 /// "landfall help", and "landfall help scan-sim" as `landfall scan-sim --help`.
@@ -199,7 +90,7 @@ int print_completion() {
 }
 
 int start(const std::string& name, const std::vector<std::string>& words) {
-  if (name == "study") return run_study(words);
+  if (name == "study") return landfall_study::run(words);
   if (name == "help" || name == "-h" || name == "--help") return help(words);
   if (name == "-V" || name == "--version") {
     std::cout << source_line("landfall") << std::endl;

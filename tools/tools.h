@@ -1,11 +1,18 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <filesystem>
+#include <string>
+#include <vector>
+
 namespace landfall {
 
 namespace cli {
 struct Invocation;
 }
+
+/// The folder of this program.
+std::filesystem::path own_folder();
 
 /// A tool as a function: `landfall` calls it. Returns the exit code. `invocation` may be null.
 using ToolFunction = int(int argc, const char* const* argv, cli::Invocation* invocation);
@@ -41,5 +48,10 @@ ToolFunction start;
 namespace landfall_run {  // `landfall run`, which has no program of its own
 ToolFunction start;
 }
+
+namespace landfall_study {  // `landfall study`, which calls make
+/// Returns the exit code of make; ends by the signal that ended it or this process.
+int run(const std::vector<std::string>& words);
+}  // namespace landfall_study
 
 }  // namespace landfall

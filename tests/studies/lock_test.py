@@ -121,6 +121,36 @@ class Makes(StudyTest):
         self.make("study-results", tools)
         self.assertEqual(len(self.rows()), 1)
 
+    def test_an_ended_study_has_freed_its_lock(self):
+        """landfall study ends what outlives make, here a call of the shell that make does not end."""
+        self.write(study())
+        slow = self.path("slow-python")
+        with open(slow, "w", encoding="utf-8") as file:
+            file.write(f'#!/bin/bash\n[[ " $* " == *" begin "* ]] && {{ echo $$ > {self.path("began")}; exec sleep 1000; }}\nexec /usr/bin/python3 "$@"\n')
+        os.chmod(slow, 0o755)
+        for number in (signal.SIGTERM, signal.SIGHUP, signal.SIGINT):
+            process = subprocess.Popen([f"{BIN}/landfall", "study", "tiny.json", f"PYTHON={slow}"], cwd=self.folder, env=self.environment(),
+                                       stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+            deadline = time.monotonic() + PATIENCE_S
+            while not (os.path.exists(self.path("began")) and read(self.path("began"))):
+                self.assertIsNone(process.poll())
+                self.assertLess(time.monotonic(), deadline)
+                time.sleep(0.02)
+            process.send_signal(number)
+            self.assertEqual(process.wait(PATIENCE_S), -number)
+            self.assertFalse(is_running(int(read(self.path("began")))))
+            os.remove(self.path("began"))
+            subprocess.run(["flock", "-n", self.path("runs/studies/tiny.lock"), "true"], check=True)
+
+    def test_messages_of_make_escape_names(self):
+        name = "e\x1b[31m\u202e\x07"
+        with open(self.path(name + ".json"), "w", encoding="utf-8") as file:
+            file.write("{}")
+        result = subprocess.run([f"{BIN}/landfall", "study", name + ".json"], cwd=self.folder, env=self.environment(), capture_output=True, text=True, check=False)
+        self.assertEqual(result.returncode, 2)
+        for text in (result.stdout, result.stderr):
+            self.assertNotRegex(text, "[\x1b\x07\u202e]")
+
     def test_two_studies_at_once(self):
         first, _ = self.start()
         self.write(study(), "other")
