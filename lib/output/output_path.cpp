@@ -94,6 +94,19 @@ void flush_to_disk(const fs::path& file) {
     throw IoError(file.string() + ": flushing to disk failed: " + system_message(error_number));
 }
 
+/// Makes an empty file of this process, so that whoever opens it by its name follows no link that another
+/// user of the folder has made. What has the name is left from an ended process of this number.
+void claim(const fs::path& output, const fs::path& temporary) {
+  ::unlink(temporary.c_str());
+  const int descriptor =
+      ::open(temporary.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, 0666);
+  if (descriptor < 0) {
+    forget_temporary_file(temporary.string());
+    throw IoError("output " + output.string() + ": cannot be made: " + system_message(errno));
+  }
+  ::close(descriptor);
+}
+
 std::function<void()>& before_naming() {
   static std::function<void()> call;
   return call;
@@ -132,6 +145,7 @@ OutputPath::OutputPath(fs::path path, bool overwrite) : path_(std::move(path)), 
   remove_abandoned_parts(path_);
   temporary_ = temporary_of(path_);
   register_temporary_file(temporary_.string());
+  claim(path_, temporary_);
 }
 
 OutputPath::~OutputPath() {

@@ -56,6 +56,7 @@ void write_geopackage_points(const std::string& path, const PointLayer& layer) {
   const CPLConfigOptionSetter no_clock("OGR_CURRENT_DATE", "1970-01-01T00:00:00.000Z", false);
   // The whole file is temporary until it is complete; a journal beside it could be left behind.
   const CPLConfigOptionSetter no_journal("OGR_SQLITE_JOURNAL", "OFF", false);
+  VSIUnlink(path.c_str());  // the driver refuses a file that exists, also an empty one
   GDALDatasetUniquePtr file(driver->Create(path.c_str(), 0, 0, 0, GDT_Unknown, nullptr));
   const bool is_written = file != nullptr && write_layer(*file, layer);
   file.reset();  // flushes, so that errors are known

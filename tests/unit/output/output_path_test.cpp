@@ -102,14 +102,28 @@ TEST(OutputPath, RemovesWhatAKilledRunLeft) {
   std::ofstream(folder / (prefix + std::to_string(::getpid()) + "1x.part")) << "not ours";
   const OutputPath output(folder / "a.h5", false);
   EXPECT_FALSE(std::filesystem::exists(folder / (prefix + "2147483647.part")));
-  EXPECT_EQ(folder.entries(), 1U);
+  EXPECT_EQ(folder.entries(), 2U);  // with its own
+}
+
+// Another user of the folder may know the name of the temporary file.
+TEST(OutputPath, FollowsNoLinkThatWasMadeBefore) {
+  const TemporaryFolder folder;
+  std::ofstream(folder / "precious") << "precious";
+  std::filesystem::create_symlink(folder / "precious", temporary_of(folder / "a.h5"));
+  OutputPath output(folder / "a.h5", false);
+  EXPECT_TRUE(std::filesystem::is_regular_file(std::filesystem::symlink_status(output.temporary())));
+  std::ofstream(output.temporary()) << "new";
+  output.commit();
+  EXPECT_EQ(read_file(folder / "precious"), "precious");
+  EXPECT_EQ(read_file(folder / "a.h5"), "new");
+  EXPECT_FALSE(std::filesystem::is_symlink(folder / "a.h5"));
 }
 
 TEST(OutputPath, LeavesWhatAnotherMachineMayBeWriting) {
   const TemporaryFolder folder;
   std::ofstream(folder / ".a.h5.00000000-2147483647.part") << "another machine's";
   const OutputPath output(folder / "a.h5", false);
-  EXPECT_EQ(folder.entries(), 1U);
+  EXPECT_EQ(folder.entries(), 2U);  // with its own
 }
 
 TEST(WriteText, WritesWhole) {
