@@ -108,13 +108,18 @@ std::vector<std::string> shared_options(const cli::CommonOptions& common) {
   return words;
 }
 
-ToolFunction* function_of(const std::string& tool) {
-  static const std::map<std::string, ToolFunction*> functions = {{"terrain-gen", terrain_gen::start},
-                                                                 {"scan-sim", scan_sim::start},
-                                                                 {"regrid", regrid::start},
-                                                                 {"dem-eval", dem_eval::start},
-                                                                 {"hazard-map", hazard_map::start}};
-  return functions.at(tool);
+struct StageTool {
+  const char* section;  ///< of the configuration
+  ToolFunction* function;
+};
+
+const StageTool& tool_of(const cli::ChainStage& stage) {
+  static const std::map<std::string, StageTool> tools = {{"terrain-gen", {"terrain", terrain_gen::start}},
+                                                         {"scan-sim", {"scan", scan_sim::start}},
+                                                         {"regrid", {"regrid", regrid::start}},
+                                                         {"dem-eval", {"eval", dem_eval::start}},
+                                                         {"hazard-map", {"hazard", hazard_map::start}}};
+  return tools.at(stage.tool);
 }
 
 /// The result of a stage.
@@ -124,17 +129,18 @@ struct StageResult {
   std::string table;
 };
 
-StageResult run_tool(const cli::ChainStage& stage, const std::vector<std::string>& options, bool keep_same,
-                     cli::ChainRecord& record) {
+StageResult run_tool(const cli::Session& session, const cli::ChainStage& stage,
+                     const std::vector<std::string>& options, bool keep_same, cli::ChainRecord& record) {
   std::vector<const char*> argv = {stage.tool.c_str()};
   for (const std::string& word : stage.arguments) argv.push_back(word.c_str());
   for (const std::string& word : options) argv.push_back(word.c_str());
-  cli::Invocation invocation{.keep_same = keep_same};
+  const StageTool& tool = tool_of(stage);
+  cli::Invocation invocation{.keep_same = keep_same, .section = session.config_name() + ": /" + tool.section};
   const cli::CapturedOutput text;
   // A single output is known by its file_id.
   const BeforeNaming note(stage.side_outputs.empty() ? std::function<void()>()
                                                      : [&] { record.announce(stage); });
-  const int code = function_of(stage.tool)(static_cast<int>(argv.size()), argv.data(), &invocation);
+  const int code = tool.function(static_cast<int>(argv.size()), argv.data(), &invocation);
   return {static_cast<ExitCode>(code), invocation.kept, text.text()};
 }
 
@@ -153,7 +159,7 @@ StageResult run_stage(const cli::Session& session, const cli::ChainStage& stage,
   const bool existed = fs::exists(stage.output);
   // A stage that ended between its names has no table in the record.
   const bool is_recorded = stage.side_outputs.empty() || !record.is_announced(stage.output);
-  StageResult result = run_tool(stage, options, sides_are_own && is_judged && is_recorded, record);
+  StageResult result = run_tool(session, stage, options, sides_are_own && is_judged && is_recorded, record);
   if (result.kept) result.table = record.table(stage);
   const bool is_done = result.code == ExitCode::done || result.code == ExitCode::requirement_missed;
   if (is_done && !result.kept && existed) {

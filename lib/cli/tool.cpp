@@ -252,7 +252,11 @@ int tool_main(int argc, const char* const* argv, const Tool& tool, Invocation* i
   CommonOptions options;
   RunLog log;
   const auto fail = [&](const std::string& message, ExitCode code) {
-    const std::string line = shown_text(tool.name + ": " + message);
+    constexpr std::string_view kSet = "config: ";  // the keys of --set
+    const bool has_section =
+        invocation != nullptr && !invocation->section.empty() && message.starts_with("config: /");
+    const std::string line = shown_text(
+        tool.name + ": " + (has_section ? invocation->section + message.substr(kSet.size()) : message));
     log.write(line);
     std::cerr << line << '\n';
     return static_cast<int>(code);

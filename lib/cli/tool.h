@@ -43,6 +43,8 @@ struct Tool {
 struct Invocation {
   bool keep_same = false;  ///< an output that is what this run would write is left as it is
   bool kept = false;       ///< it was left
+  std::string
+      section{};  ///< of the configuration that --set has, for messages: "chain.json: /eval"; or empty
 };
 
 /// Parses the command line, prints requested texts, runs the tool; contains the only catch. Exit codes as in

@@ -46,6 +46,13 @@ class RunFolder(ToolTest):
             self.assertIn(word, messages[0])
         self.assertEqual(self.contents(), before)
 
+    def test_a_stage_names_the_file_and_the_section_of_the_chain(self):
+        """Keys that only the DEM can judge."""
+        self.write("a/chain.json", eval={**CHAIN["eval"], "region": {"shape": "polygon", "vertices": [[0, 0], [90, 0], [0, 9]]}})
+        result = run("landfall", "run", "-c", "a/chain.json", "-o", "a/out", cwd=self.folder)
+        self.assertEqual(result.returncode, 2)
+        self.assertIn("dem-eval: a/chain.json: /eval/region/vertices: the polygon reaches beyond the map", result.stderr)
+
     def test_an_edited_chain_says_what_it_replaces_and_why(self):
         self.write("a/chain.json")
         self.assertEqual(self.chain("-c", "a/chain.json"), [])
