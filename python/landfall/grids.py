@@ -6,6 +6,8 @@ from xarray.core import indexing
 
 from landfall import files
 
+# Coordinates are found by name: libhdf5_hl, which follows the references between layers and coordinates, reads past its memory for some.
+COORDINATES = ("x", "y", "crs")
 # Dimensions of the datasets that have no coordinates.
 MESH = {"vertices": ("vertex", "axis"), "triangles": ("triangle", "corner")}
 
@@ -47,7 +49,7 @@ class Backend(xarray.backends.BackendEntrypoint):
         coordinates, layers = {}, {}
         for name, dataset in (source.file["mesh"] if "mesh" in source.file else source.file).items():
             if isinstance(dataset, h5py.Dataset) and name not in (drop_variables or ()):
-                is_coordinate = name == "crs" or h5py.h5ds.is_scale(dataset.id)
+                is_coordinate = name in COORDINATES and dataset.ndim < 2
                 (coordinates if is_coordinate else layers)[name] = _variable(source, name, dataset)
         result = xarray.Dataset(layers, coordinates, files.attributes(source.file))
         result.encoding["source"] = source.path
@@ -72,8 +74,10 @@ def _variable(source, name, dataset):
 
 
 def _dimensions(name, dataset):
-    if h5py.h5ds.is_scale(dataset.id):
+    if name in ("x", "y") and dataset.ndim == 1:
         return (name,)
-    if name in MESH:
+    if name in MESH and dataset.ndim == 2:
         return MESH[name]
-    return tuple(scale.keys()[0] if len(scale) else f"{name}_{place}" for place, scale in enumerate(dataset.dims))
+    shape = tuple(getattr(dataset.parent.get(axis), "shape", None) for axis in "yx")
+    is_layer = dataset.ndim == 2 and shape == tuple((size,) for size in dataset.shape)
+    return ("y", "x") if is_layer else tuple(f"{name}_{place}" for place in range(dataset.ndim))

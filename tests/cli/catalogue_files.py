@@ -178,6 +178,11 @@ def external_z_est(file):
     file.create_dataset("z_est", shape, "f8", external=[("values.bin", 0, h5py.h5f.UNLIMITED)])
 
 
+def number_as_scales(file):
+    del file["z_est"].attrs["DIMENSION_LIST"]
+    file["z_est"].attrs["DIMENSION_LIST"] = 2
+
+
 def make_files_with_external_data():
     edited("linked.h5", "dem.h5", linked(h5py.ExternalLink("eval.h5", "/e_z")))
     edited("soft_linked.h5", "dem.h5", linked(h5py.SoftLink("/count")))
@@ -185,6 +190,7 @@ def make_files_with_external_data():
     edited("apart.h5", "dem.h5", external_z_est)
     edited("blosc.h5", "dem.h5", compressed_by_blosc)
     edited("huge.h5", "dem.h5", created(shape=(1 << 20, 1 << 20), chunks=(256, 256)))
+    edited("unlinked.h5", "dem.h5", number_as_scales)
     edited("huge_chunk.h5", "dem.h5", created(shape=(1 << 13, 1 << 13), chunks=(1 << 13, 1 << 13)))
 
 

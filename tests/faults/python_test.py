@@ -138,7 +138,9 @@ def in_child(*tasks):
     return outcomes + [("signal", end)] if end else outcomes
 
 
-class DamagedFiles(ChainTest):
+class EachKind(ChainTest):
+    """A file of each kind, the figures of which many commands draw."""
+
     @classmethod
     def setUpClass(cls):
         super().setUpClass()
@@ -168,6 +170,8 @@ class DamagedFiles(ChainTest):
         with open(self.damaged, "wb") as file:
             file.write(content)
 
+
+class DamagedFiles(EachKind):
     def attack(self, count, is_sealed, with_plots=True):
         """Flips `count` bits, half of them in metadata, and yields what was tried, kind, reader and outcome."""
         choose, outcomes = random.Random(f"{SEED} {is_sealed}"), collections.Counter()

@@ -16,6 +16,7 @@
 #include "base/shown_text.h"
 #include "hdf5/chunk_codec.h"
 #include "hdf5/guard/file_seal.h"
+#include "hdf5/guard/scale_check.h"
 #include "hdf5/h5.h"
 #include "hdf5/h5_filters.h"
 
@@ -210,6 +211,8 @@ class Screening {
     screen_storage(properties.get(), path);
     screen_filters(properties.get(), path);
     screen_sizes(dataset.get(), properties.get(), path);
+    if (const std::optional<std::string> fault = scale_fault(dataset.get()))
+      fail(path + ": its attribute " + *fault + ", as HDF5's dimension scales need it; delete or correct it");
   }
 
   void screen_storage(hid_t properties, const std::string& path) const {

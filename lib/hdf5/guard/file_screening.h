@@ -44,7 +44,8 @@ class MetadataGuard {
 /// - a filter that is not part of HDF5 itself: plug-ins are programs, and are never loaded;
 /// - chunks of more than 256 MiB;
 /// - more than 256 MiB of values, if more than deflate could hold in the stored bytes;
-/// - more than 2^20 objects, or a group that cannot be listed.
+/// - more than 2^20 objects, or a group that cannot be listed;
+/// - attributes of dimension scales that libhdf5_hl would read past its memory (scale_check.h).
 /// `guard`, which was made before the file was opened, checks each object before HDF5 reads it.
 void screen_file(hid_t file, const std::string& name, MetadataGuard& guard);
 
