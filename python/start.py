@@ -16,8 +16,10 @@ def main():
     rooms = [room for room in ROOMS if os.path.exists(os.path.join(package, room, module + ".py"))]
     if not rooms:
         sys.exit(f"{command}: is not the name of a command of landfall")
-    run = importlib.import_module(".".join(filter(None, ("landfall", *rooms, module)))).main
-    importlib.import_module("landfall.command").run(run)
+    shared = importlib.import_module("landfall.command")
+    if rooms == ["plot"] or module == "plot_study":
+        shared.import_matplotlib()
+    shared.run(importlib.import_module(".".join(filter(None, ("landfall", *rooms, module)))).main)
 
 
 if __name__ == "__main__":

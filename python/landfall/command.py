@@ -2,6 +2,7 @@
 """Common parts of all commands: options, output paths, error messages and exit codes."""
 import argparse
 import csv
+import importlib
 import io
 import os
 import re
@@ -42,6 +43,19 @@ def run(main):
     except MemoryError:
         print(f"{name}: not enough memory for this run", file=sys.stderr)
         sys.exit(1)
+
+
+def import_matplotlib():
+    """Imports matplotlib without settings of others. By itself it takes those of a matplotlibrc in the current folder, which came with the data
+    perhaps, and could run LaTeX, or else of the user. To be called before any other import of it."""
+    os.environ["MATPLOTLIBRC"] = os.devnull
+    here = os.open(os.curdir, os.O_PATH)
+    try:
+        os.chdir(os.sep)
+        importlib.import_module("matplotlib")
+    finally:
+        os.fchdir(here)
+        os.close(here)
 
 
 def read_bytes(path, hint=""):

@@ -87,6 +87,7 @@ def text_of(problem, answer):
 
 def figure_of(problem, answer):
     """Cost against the worst requirement of the one draw: candidates, front, and what more draws made of it."""
+    command.import_matplotlib()
     from matplotlib.figure import Figure
 
     from landfall.plot import maps

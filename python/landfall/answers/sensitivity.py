@@ -143,6 +143,7 @@ def write_csv(path, answer):
 
 def figure_of(problem, answer):
     """A panel per output: bars of both indices with their intervals."""
+    command.import_matplotlib()
     from matplotlib.figure import Figure
 
     from landfall.plot import maps

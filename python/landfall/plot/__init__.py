@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 # The figures are those of the commands plot_dem.py, plot_eval.py, ...: these functions give the options as their command lines would, and return
-# the figure instead of writing it. A figure is closed in pyplot, so that a notebook shows it once, as the value of the cell.
+# the figure instead of writing it. A figure is closed in pyplot, so that a notebook shows it once, as the value of the cell. It is made and drawn with
+# matplotlib's defaults and the package's settings, whatever a matplotlibrc or the notebook set; the notebook's settings hold for its other figures.
 """Figures of landfall's files, as matplotlib Figures: landfall.plot.dem(landfall.open("dem.h5")).
 
 Each function takes a file as its path or as landfall.open() returned it. A dataset whose values were changed since is refused, because the
@@ -15,9 +16,9 @@ import os
 import typing
 
 import matplotlib
+import matplotlib.figure
 import matplotlib.pyplot as plt
 import numpy as np
-from matplotlib.figure import Figure
 
 from landfall import tools
 from landfall.errors import UsageError
@@ -26,6 +27,22 @@ Source = str | os.PathLike[str] | typing.Any
 Place = tuple[float, float]
 
 __all__ = ["compare", "dem", "draws", "evaluation", "hazards", "landing", "plan", "populations", "profile", "terrain"]
+
+
+class Figure(matplotlib.figure.Figure):
+    """A figure that is drawn with the settings that it was made with, whoever draws it."""
+
+    def draw(self, renderer: typing.Any) -> None:
+        with _style(self.dpi):
+            super().draw(renderer)
+
+    def get_tightbbox(self, *arguments: typing.Any, **options: typing.Any) -> typing.Any:
+        with _style(self.dpi):
+            return super().get_tightbbox(*arguments, **options)
+
+    def savefig(self, *arguments: typing.Any, **options: typing.Any) -> None:
+        with _style(self.dpi):
+            super().savefig(*arguments, **options)
 
 
 def dem(source: Source, *, region_radius_m: float | None = None, footprint_m: float | None = None, limit_m: float | None = None,
@@ -124,8 +141,8 @@ def _module(name: str) -> typing.Any:
 
 
 def _style(dpi: int) -> typing.ContextManager[None]:
-    """The fonts and the resolution of a figure, whose caller keeps their own."""
-    return matplotlib.rc_context({**_module("maps").STYLE, "figure.dpi": dpi})
+    """matplotlib's defaults with the fonts and the resolution of a figure, whose caller keeps their own."""
+    return plt.style.context(["default", {**_module("maps").STYLE, "figure.dpi": dpi}])
 
 
 def _figure(name: str, sources: list[Source], dpi: int, **options: typing.Any) -> Figure:
@@ -135,9 +152,10 @@ def _figure(name: str, sources: list[Source], dpi: int, **options: typing.Any) -
         return _closed(module.figure_of(module.parse([*map(_path, sources), "--dpi", str(dpi), *words])))
 
 
-def _closed(figure: Figure) -> Figure:
+def _closed(figure: matplotlib.figure.Figure) -> Figure:
     plt.close(figure)
-    return figure
+    figure.__class__ = Figure
+    return typing.cast(Figure, figure)
 
 
 def _path(source: Source) -> str:
