@@ -31,6 +31,7 @@ constexpr const char* kExamples = R"(Examples:
   landfall-info --compare a/eval.h5 b/eval.h5
   landfall-info dem.h5 --at 12.5,-3 --scan scan.h5
   landfall-info --check *.h5
+  landfall-info --seal changed.h5
   landfall-info --devices
 Keys of --json: docs/user/landfall-info.md.)";
 
@@ -45,6 +46,8 @@ Files are read in pieces, so that the memory does not depend on their size. A fi
 
 --check only checks files, as every tool does when it opens one: the seal, the structure, links, filters and sizes, and that the file is complete. It prints a line for each file that is refused, and nothing for the others. It takes milliseconds, because values are not read: their own checksums show damage when they are read.
 
+--seal adds the seal to files that other programs wrote or changed, after the checks of --check. The seal shows any damage that follows. A file that has one stays as it is.
+
 --devices lists the devices on which scan-sim --engine opencl can trace rays, with double precision and a measured speed, and the speed of this CPU.)";
 
 struct Options {
@@ -53,6 +56,7 @@ struct Options {
   bool no_statistics = false;
   bool config = false;
   bool check = false;
+  bool seal = false;
   bool devices = false;
   bool compare = false;
   MeetingRules rules;
@@ -79,6 +83,8 @@ void bind(CLI::App& app, Options& o) {
   app.add_flag("--check", o.check,
                "Check the files as every tool does when it opens them, and print only refusals; exit 1 if "
                "there is one");
+  app.add_flag("--seal", o.seal,
+               "Check the files, and add the seal that shows later damage where it is missing");
   app.add_flag(
       "--devices", o.devices,
       "List the OpenCL devices instead: memory, double precision, and rays per second beside the CPU's");
@@ -94,7 +100,7 @@ nlohmann::ordered_json describe(cli::Session& session, const Options& o, const s
 }
 
 ExitCode list_devices(cli::Session& session, const Options& o) {
-  if (!o.files.empty() || o.no_statistics || o.config || o.check || o.compare || !o.at.empty())
+  if (!o.files.empty() || o.no_statistics || o.config || o.check || o.seal || o.compare || !o.at.empty())
     throw UsageError("--devices describes no file; omit files, --no-statistics, --config and --check");
   nlohmann::ordered_json measured;
   session.phase("measure",
@@ -121,8 +127,10 @@ ExitCode for_each_file(const cli::Session& session, const std::vector<std::strin
 
 ExitCode check_files(const cli::Session& session, const Options& o) {
   if (o.json || o.no_statistics || o.config)
-    throw UsageError("--check describes no file; omit --json, --no-statistics and --config");
-  return for_each_file(session, o.files, [](const std::string& path) { check_file(path); });
+    throw UsageError(std::string(o.seal ? "--seal" : "--check") +
+                     " describes no file; omit --json, --no-statistics and --config");
+  return for_each_file(session, o.files,
+                       [&](const std::string& path) { o.seal ? add_seal(path) : check_file(path); });
 }
 
 ExitCode describe_files(cli::Session& session, const Options& o) {
@@ -157,7 +165,7 @@ ExitCode print_json(const Options& o, const nlohmann::ordered_json& json, const 
 }
 
 ExitCode compare(cli::Session& session, const Options& o) {
-  if (!o.at.empty() || o.config || o.check)
+  if (!o.at.empty() || o.config || o.check || o.seal)
     throw UsageError("--compare takes only --json, --no-statistics, --same-frame and --vertical-datum");
   if (o.files.size() != 2) throw UsageError("--compare needs two files, A and B");
   nlohmann::ordered_json json;
@@ -181,7 +189,7 @@ SitePoint point_of(const std::string& text) {
 }
 
 ExitCode show_bin(cli::Session& session, const Options& o) {
-  if (o.no_statistics || o.config || o.check) throw UsageError("--at takes only --scan and --json");
+  if (o.no_statistics || o.config || o.check || o.seal) throw UsageError("--at takes only --scan and --json");
   if (o.files.size() != 1) throw UsageError("--at needs one DEM");
   std::optional<std::filesystem::path> scan;
   if (!o.scan.empty()) scan = o.scan;
@@ -197,7 +205,7 @@ ExitCode run(cli::Session& session, const Options& o) {
   if (o.compare) return compare(session, o);
   if (!o.at.empty()) return show_bin(session, o);
   if (o.files.empty()) throw UsageError("a file to describe is required");
-  if (o.check) return check_files(session, o);
+  if (o.check || o.seal) return check_files(session, o);
   return o.config ? print_config(o) : describe_files(session, o);
 }
 

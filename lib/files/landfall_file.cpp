@@ -151,6 +151,17 @@ void check_file(const std::filesystem::path& path) {
     throw FormatError(path.string() + ": " + kIncomplete);
 }
 
+void add_seal(const std::filesystem::path& path) {
+  check_file(path);
+  if (h5::has_seal(path)) return;
+  const std::vector<haddr_t> objects = h5::object_addresses(open_quietly(path.string()).get());
+  try {
+    h5::seal_file(path, objects);
+  } catch (const IoError& error) {
+    throw IoError(path.string() + ": cannot be sealed: " + error.what());
+  }
+}
+
 LandfallFileReader::LandfallFileReader(const std::filesystem::path& path,
                                        std::initializer_list<const char*> kinds)
     : name_(path.string()), file_(open_quietly(name_)) {

@@ -78,6 +78,10 @@ class LandfallFileReader {
 /// and complete. Takes the results of a study too, which no tool reads. Throws FormatError, naming the file.
 void check_file(const std::filesystem::path& path);
 
+/// Adds the seal of our files (h5::seal_file()) to a file without one that check_file() accepts, such as one
+/// that Python wrote. Throws FormatError as check_file() does; IoError, naming the file, if writing fails.
+void add_seal(const std::filesystem::path& path);
+
 /// True if `path` is an HDF5 file that a landfall tool has begun: of any kind, and not necessarily complete.
 /// Throws FormatError if the system refuses access.
 [[nodiscard]] bool is_landfall_file(const std::filesystem::path& path);

@@ -88,7 +88,7 @@ def read(dataset, key):
     """The values at a key. Errors of HDF5 become a DataError that names the file and the dataset."""
     try:
         return dataset.asstr()[key] if h5py.check_string_dtype(dataset.dtype) else dataset[key]
-    except (OSError, RuntimeError, MemoryError) as error:
+    except UNREADABLE as error:
         raise DataError(f"{dataset.file.filename}: {dataset.name}: {_reason(error)}") from error
 
 

@@ -50,6 +50,11 @@ def check_files(*paths):
             raise ToolError(f"{names[0]}: cannot be checked: {error}; set LANDFALL_BIN to the folder of landfall's tools") from error
 
 
+def seal_file(path):
+    """Adds the tools' seal to a file of landfall that Python wrote, so that any damage to it shows."""
+    run_tool(find("landfall-info"), "--seal", "-q", path)
+
+
 def sound_files(paths):
     """Those of the files that check_files() does not refuse."""
     try:

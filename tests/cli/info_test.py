@@ -384,6 +384,25 @@ class Refusals(InfoTest):
             file.attrs["complete"] = 1
         self.succeed("landfall-info", "--check", path)
 
+    def test_a_seal_is_added_where_it_is_missing(self):
+        path = self.copy(self.chain.dem, "changed.h5")
+        self.succeed("landfall-info", "--seal", path)
+        self.assertEqual(read_bytes(path), read_bytes(self.chain.dem))
+        with h5py.File(path, "a") as file:
+            file.attrs["remark"] = "changed"
+        unsealed = read_bytes(path)
+        self.succeed("landfall-info", "--seal", path)
+        sealed = read_bytes(path)
+        self.assertTrue(sealed.startswith(unsealed) and sealed.endswith(b"landfall seal 1\n"))
+        self.succeed("landfall-info", "--check", path)
+        at = sealed.index(b"changed")
+        with open(path, "wb") as file:
+            file.write(sealed[:at] + b"C" + sealed[at + 1:])
+        self.refuse(1, "landfall-info", "--seal", path, words=["truncated or damaged"])
+        unfinished = self.changed(self.chain.dem, lambda f: f.attrs.__setitem__("complete", 0))
+        self.refuse(1, "landfall-info", "--seal", unfinished, words=["is incomplete"])
+        self.refuse(1, "landfall-info", "--seal", self.chain.metrics, words=["is not an HDF5 file"])
+
     def test_a_bad_file_does_not_hide_the_others(self):
         result = run("landfall-info", self.chain.dem, self.path("nowhere.h5"), self.chain.terrain)
         self.assertEqual(result.returncode, 1)
@@ -403,6 +422,7 @@ class Refusals(InfoTest):
         self.refuse(2, "landfall-info", self.chain.dem, "-o", "x.h5", words=["-o"])
         for option in ("--json", "--config", "--no-statistics", "--devices"):
             self.refuse(2, "landfall-info", "--check", self.chain.dem, option, words=["--check"])
+            self.refuse(2, "landfall-info", "--seal", self.chain.dem, option, words=["omit"])
         self.assertEqual(self.entries(), [])
 
 

@@ -23,7 +23,7 @@ import h5py
 import matplotlib
 import numpy as np
 
-from harness import ChainTest, read_bytes
+from harness import EVAL, HAZARD, REGRID, SCAN, TERRAIN, ChainTest, read_bytes
 from harness.commands import run_command
 
 ROOT = os.environ["LANDFALL_ROOT"]
@@ -33,7 +33,9 @@ matplotlib.use("Agg")
 # pylint: disable=wrong-import-position
 import landfall
 from landfall import errors, grids
-from landfall.plot import plot_dem, plot_draws, plot_eval, plot_hazards, plot_plan, plot_populations, plot_profile, plot_terrain
+from landfall.plot import (plot_compare, plot_dem, plot_draws, plot_eval, plot_hazards, plot_landing, plot_plan, plot_populations, plot_profile,
+                           plot_terrain)
+from landfall.study import plot_study, results
 from landfall.table import Table
 from matplotlib import pyplot
 
@@ -44,11 +46,14 @@ SEED = int(os.environ.get("LANDFALL_TEST_SEED", "1"))
 HOSTILE = os.path.join(ROOT, "..", "shared", "data", "hostile")
 MEMORY_BYTES, LONGEST_S = 6 << 30, 120
 GROUPS = {"terrain": ["features"], "populations": ["features"], "scan": ["pulses", "detector"], "evaluation": ["holes"], "hazards": ["sites"],
-          "draws": ["draws"]}
+          "draws": ["draws"], "landings": ["draws"]}
 ROCKS = {"grid": {"half_width_m": 6, "resolution_m": 0.2}, "seed": 3, "patterns": [
     {"type": "golombek_rocks", "k": 0.2, "min_diameter_m": 0.2, "max_diameter_m": 2, "clear_radius_m": 0, "region": {"type": "site"}}]}
-PLOTS = {"terrain": [plot_terrain], "mesh": [plot_terrain], "populations": [plot_populations], "dem": [plot_dem, plot_profile],
-         "evaluation": [plot_eval], "hazards": [plot_hazards], "plan": [plot_plan], "draws": [plot_draws]}
+LANDINGS = {"draws": 6, "metrics": "verdict", "scan": {**SCAN, "navigation_error": {}}, "regrid": REGRID, "eval": EVAL, "terrain": TERRAIN,
+            "hazard": HAZARD, "landing": {}, "vary": {"scan.noise.range_bias_m": {"type": "normal", "mean": 0, "sigma": 0.01}}}
+PLOTS = {"terrain": [plot_terrain], "mesh": [plot_terrain], "populations": [plot_populations], "dem": [plot_dem, plot_profile, plot_compare],
+         "evaluation": [plot_eval], "hazards": [plot_hazards], "plan": [plot_plan], "draws": [plot_draws], "landings": [plot_landing],
+         "results": [plot_study]}
 
 
 def seal_begin(content):
@@ -91,10 +96,10 @@ def open_all(path, kind):
 
 def draw(path, plot, folder):
     """A hash of the figures that a plot command writes."""
-    name = os.path.join(folder, "f.png" if plot is not plot_eval else "f-")
-    line = ["--from=-2,-1.5", "--to=2,1.5"] if plot is plot_profile else []
-    plot.main([path, "-O", "--dpi", "50", "-o", name, *line])
-    figures = sorted(glob.glob(os.path.join(folder, "f*.png")))
+    name = os.path.join(folder, {plot_eval: "f-", plot_study: ""}.get(plot, "f.png"))
+    more = {plot_profile: ["--from=-2,-1.5", "--to=2,1.5"], plot_compare: [path]}.get(plot, [])
+    plot.main([path, *more, "-O", "--dpi", "50", "-o", name])
+    figures = sorted(glob.glob(os.path.join(folder, "*")))
     found = hashlib.sha256(b"".join(map(read_bytes, figures))).hexdigest()
     for figure in figures:
         os.remove(figure)
@@ -138,6 +143,17 @@ def in_child(*tasks):
     return outcomes + [("signal", end)] if end else outcomes
 
 
+def write_results(path):
+    """The results.h5 of a study with a campaign's rates, a text axis and repeats."""
+    axes = [{"name": "sigma_m", "label": "noise", "unit": "m"}, {"name": "kind", "label": "kind", "unit": ""}, {"name": "repeat", "label": "repeat", "unit": "1"}]
+    points = [(sigma, kind, repeat) for sigma in (0.01, 0.02, 0.04) for kind in ("FSM", "flash") for repeat in (1, 2)]
+    rows = [(number, list(point), {"pass": int(point[0] < 0.03), "accuracy.relative.z.max_m": 2.5 * point[0] + point[2] / 1000, "coverage.invalid_frac": None,
+                                   "requirements.relative_z.value": 2.5 * point[0], "requirements.relative_z.limit": 0.05,
+                                   "requirements.relative_z.pass": int(point[0] < 0.03)}) for number, point in enumerate(points)]
+    cases = {"title": "T", "plot": {}, "axes": axes, "cases": [], "limits": {"relative_elevation_m": 0.05}}
+    results.write_h5(results.Table(cases, rows), path, "test")
+
+
 class EachKind(ChainTest):
     """A file of each kind, the figures of which many commands draw."""
 
@@ -146,15 +162,19 @@ class EachKind(ChainTest):
         super().setUpClass()
         chain = cls.chain
         cls.files = {"terrain": chain.terrain, "scan": chain.scan, "dem": chain.dem, "evaluation": chain.eval, "hazards": chain.hazards,
-                     "draws": chain.draws, "mesh": chain.path("mesh.h5"), "plan": chain.path("plan.h5"), "populations": chain.path("rocks.h5")}
+                     "draws": chain.draws, "mesh": chain.path("mesh.h5"), "plan": chain.path("plan.h5"), "populations": chain.path("rocks.h5"),
+                     "landings": chain.path("landings.h5"), "results": chain.path("results.h5")}
         with open(chain.path("m.obj"), "w", encoding="ascii") as file:
             file.write("v 0 0 0\nv 9 0 0\nv 0 9 1\nf 1 2 3\n")
-        with open(chain.path("rocks.json"), "w", encoding="ascii") as file:
-            json.dump(ROCKS, file)
+        for name, config in (("rocks", ROCKS), ("landings", LANDINGS)):
+            with open(chain.path(name + ".json"), "w", encoding="ascii") as file:
+                json.dump(config, file)
         for name, *arguments in (["terrain-gen", "--from", chain.path("m.obj"), "-o", cls.files["mesh"]],
                                  ["terrain-gen", "-c", chain.path("rocks.json"), "-o", cls.files["populations"]],
+                                 ["monte-carlo", "-c", chain.path("landings.json"), "-o", cls.files["landings"]],
                                  ["scan-sim", "--plan", "--plan-radius", "5", "-c", chain.config("scan-sim"), "-q", "-o", cls.files["plan"]]):
             landfall.tools.run_tool(landfall.tools.find(name), *arguments)
+        write_results(cls.files["results"])
 
     def setUp(self):
         super().setUp()
@@ -214,6 +234,17 @@ class DamagedFiles(EachKind):
         for tried, _, _, found in self.attack(UNSEALED, False, with_plots=IS_LONG):
             with self.subTest(**tried):
                 self.assertNotEqual(found[0], "signal", found[1])
+
+    def test_a_bit_of_the_results_of_a_study(self):
+        """Each is refused: its values have no checksums of their own."""
+        choose, content = random.Random(SEED), read_bytes(self.files["results"])
+        self.assertEqual(self.intact("results", "open")[0], "right")
+        for _ in range(400 if IS_LONG else 20):
+            at, damaged = choose.randrange(len(content)), bytearray(content)
+            damaged[at] ^= 1 << choose.randrange(8)
+            self.write(damaged)
+            with self.subTest(at=at):
+                self.assertEqual(in_child(lambda: open_all(self.damaged, "results"))[0][0], "refused")
 
     def test_the_outcomes_are_told_apart(self):
         """Checks the attack itself: a signal, a traceback, and other contents."""

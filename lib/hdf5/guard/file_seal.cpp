@@ -156,4 +156,9 @@ Seal seal_of(const RawFile& file, std::uint64_t end) {
   }
 }
 
+bool has_seal(const std::filesystem::path& path) {
+  const RawFile file(path);
+  return seal_of(file, file.size()) != Seal::none;
+}
+
 }  // namespace landfall::h5

@@ -24,5 +24,7 @@ void seal_file(const std::filesystem::path& path, const std::vector<haddr_t>& ob
 enum class Seal { none, intact, broken };
 /// `end` is where HDF5's contents end. A truncated seal is broken.
 [[nodiscard]] Seal seal_of(const RawFile& file, std::uint64_t end);
+/// Whether a file that MetadataGuard accepts ends with a seal.
+[[nodiscard]] bool has_seal(const std::filesystem::path& path);
 
 }  // namespace landfall::h5

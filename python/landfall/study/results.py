@@ -7,7 +7,7 @@ import os
 import h5py
 import numpy as np
 
-from landfall import command, dictionary
+from landfall import command, dictionary, tools
 from landfall.errors import DataError, UsageError
 from landfall.schema import read_json
 from landfall.study import model, session
@@ -183,7 +183,7 @@ def _cell(value):
 def write_h5(table, path, version):
     """One dataset a column with `units` and `long_name`; _columns is their order, _study_json is cases.json less its cases.
 
-    No column begins with _.
+    No column begins with _. The file has the seal of the tools' files.
     """
     def write_to(name):
         with h5py.File(name, "w", track_order=False) as file:
@@ -197,6 +197,7 @@ def write_h5(table, path, version):
             file.create_dataset("_study_json", data=json.dumps(head), dtype=h5py.string_dtype())
             file.create_dataset("_columns", data=list(table.columns), dtype=h5py.string_dtype())
             file.attrs["complete"] = 1
+        tools.seal_file(name)
     command.write_whole(path, write_to)
 
 
