@@ -15,8 +15,9 @@ from landfall.errors import DataError, Error
 # Attributes by which HDF5 links layers to their coordinates.
 DIMENSION_SCALES = ("CLASS", "NAME", "REFERENCE_LIST", "DIMENSION_LIST")
 
-# The exceptions that h5py and the code that reads with it raise for contents that are not as expected.
-UNREADABLE = (OSError, RuntimeError, LookupError, ValueError, TypeError, AttributeError, MemoryError)
+# The exceptions that code raises for contents that are not as expected, and h5py and the system while they are read.
+UNEXPECTED = (RuntimeError, StopIteration, LookupError, ValueError, TypeError, AttributeError, ArithmeticError, MemoryError)
+UNREADABLE = (OSError, *UNEXPECTED)
 
 
 @contextlib.contextmanager
@@ -26,6 +27,18 @@ def naming(path):
         yield
     except UNREADABLE as error:
         raise DataError(f"{path}: {_reason(error)}") from error
+
+
+@contextlib.contextmanager
+def drawing(paths):
+    """Turns an exception while a figure of these files is drawn into one DataError that names them: contents that each reader takes need
+    not fit together. Without files, as in a figure of runs of the tools, the exception is ours."""
+    try:
+        yield
+    except UNEXPECTED as error:
+        if not paths:
+            raise
+        raise DataError(f"{', '.join(paths)}: cannot be drawn: {_reason(error)}") from error
 
 
 def _reason(error):
@@ -88,7 +101,7 @@ def read(dataset, key):
     """The values at a key. Errors of HDF5 become a DataError that names the file and the dataset."""
     try:
         return dataset.asstr()[key] if h5py.check_string_dtype(dataset.dtype) else dataset[key]
-    except UNREADABLE as error:
+    except (OSError, RuntimeError, ValueError, TypeError, MemoryError) as error:  # an index out of range is the caller's
         raise DataError(f"{dataset.file.filename}: {dataset.name}: {_reason(error)}") from error
 
 
@@ -127,9 +140,18 @@ def numbers(group, name):
     return item
 
 
-def read_columns(group):
-    """{name: values} of the columns of a group."""
-    return {name: numbers(group, name)[()] for name in group}
+class Columns(dict):
+    """{name: values} of the columns of a group. A column that is missing is a DataError."""
+
+    def __init__(self, group):
+        super().__init__((name, numbers(group, name)[()]) for name in group)
+        self._group = f"{group.file.filename}: {group.name}"
+        for name, values in self.items():
+            if values.ndim != 1 or values.size != next(iter(self.values())).size:
+                raise DataError(f"{self._group}: its columns are not of equal length: {name} has shape {values.shape}")
+
+    def __missing__(self, name):
+        raise DataError(f"{self._group} has no column {name}")
 
 
 def read_grid(file):

@@ -145,7 +145,8 @@ def in_child(*tasks):
 
 def write_results(path):
     """The results.h5 of a study with a campaign's rates, a text axis and repeats."""
-    axes = [{"name": "sigma_m", "label": "noise", "unit": "m"}, {"name": "kind", "label": "kind", "unit": ""}, {"name": "repeat", "label": "repeat", "unit": "1"}]
+    axes = [{"name": name, "label": name, "unit": unit, "log": False, "numeric": name != "kind", "role": "repeat" if name == "repeat" else "axis"}
+            for name, unit in (("sigma_m", "m"), ("kind", ""), ("repeat", "1"))]
     points = [(sigma, kind, repeat) for sigma in (0.01, 0.02, 0.04) for kind in ("FSM", "flash") for repeat in (1, 2)]
     rows = [(number, list(point), {"pass": int(point[0] < 0.03), "accuracy.relative.z.max_m": 2.5 * point[0] + point[2] / 1000, "coverage.invalid_frac": None,
                                    "requirements.relative_z.value": 2.5 * point[0], "requirements.relative_z.limit": 0.05,
@@ -290,6 +291,31 @@ class OddFiles(ChainTest):
     def test_a_layer_that_claims_more_than_is_stored(self):
         huge = {"shape": (1 << 20, 1 << 20), "chunks": (256, 256), "dtype": "f8"}
         self.expect("dem", self.chain.dem, self.replaced("z_est", **huge), "/z_est declares more values")
+
+    def test_columns_that_are_missing_or_scalar(self):
+        name = "draws/requirements.coverage.value"
+        def remove(file):
+            del file[name]
+        self.expect("draws", self.chain.draws, remove, "/draws has no column requirements.coverage.value")
+        self.expect("draws", self.chain.draws, self.replaced(name, data=1.5), "columns are not of equal length")
+        self.expect("hazards", self.chain.hazards, self.replaced("sites/x", data=1.5), "columns are not of equal length")
+        write_results(self.path("results.h5"))
+        self.expect("study", self.path("results.h5"), self.replaced("accuracy.relative.z.max_m", data=1.5), "has shape ()")
+
+    def test_a_layer_of_whole_numbers(self):
+        path = shutil.copy(self.chain.dem, self.path("whole.h5"))
+        with h5py.File(path, "a") as file:
+            self.replaced("z_est", data=np.ones(file["z_est"].shape, int))(file)
+        for command, *line in (["plot_dem"], ["plot_profile", "--from=-2,-1.5", "--to=2,1.5"]):
+            result = run_command(command, path, "-O", "-o", self.path("f.png"), *line)
+            self.assertEqual((result.returncode, result.stderr), (0, ""))
+
+    def test_contents_that_do_not_fit_together(self):
+        """Each part is read; only the figure shows that they contradict each other."""
+        def change(file):
+            for key in ("value", "limit", "pass", "at_least"):
+                file[f"draws/own_requirements.a.{key}"] = np.ones(file["draws/pass"].shape)
+        self.expect("draws", self.chain.draws, change, "odd.h5: cannot be drawn: ")
 
     def test_groups_in_place_of_layers(self):
         def change(file):

@@ -4,6 +4,7 @@
 import ast
 import json
 import os
+import random
 import re
 import shutil
 import subprocess
@@ -15,6 +16,7 @@ import h5py
 ROOT = os.environ["LANDFALL_ROOT"]
 sys.path.insert(0, os.path.join(ROOT, "tests", "studies"))
 # pylint: disable=wrong-import-position
+from harness.commands import run_command
 from case import BIN, PYTHON, SIGMAS, StudyTest, read, study
 
 HOSTILE = "a b'\"$(touch hacked)`touch hacked`;-x"
@@ -43,6 +45,22 @@ def dangerous_calls(text):
                         for word in node.keywords)
             if shell or ast.unparse(node.func) in FORBIDDEN_CALLS:
                 yield node.lineno
+
+
+def places(tree, here=()):
+    """The paths of all values of a tree."""
+    inner = tree.items() if isinstance(tree, dict) else enumerate(tree) if isinstance(tree, list) else ()
+    return [here] * bool(here) + [place for key, value in inner for place in places(value, (*here, key))]
+
+
+def replaced(tree, place, value):
+    """The tree with another value at a path."""
+    copy = json.loads(json.dumps(tree))
+    inner = copy
+    for key in place[:-1]:
+        inner = inner[key]
+    inner[place[-1]] = value
+    return copy
 
 
 class Programs(unittest.TestCase):
@@ -148,6 +166,33 @@ class Names(StudyTest):
             with open(path, "w", encoding="utf-8") as file:
                 json.dump(cases, file)
             self.assertIn(f"\"{name}\" is not in the study's folder", self.sweep("collect", folder, code=2).stderr)
+
+    def test_values_of_other_types_in_the_files_of_a_study(self):
+        """One line says what is wrong, or the value is not needed."""
+        folder = self.plan(study(SIGMAS))
+        for name in json.loads(read(os.path.join(folder, "cases.json")))["cases"]:
+            os.makedirs(os.path.dirname(os.path.join(folder, name[-1])), exist_ok=True)
+            with open(os.path.join(folder, name[-1]), "w", encoding="utf-8") as file:
+                json.dump({"format": "landfall.metrics", "version": 1, "pass": True, "coverage": {"invalid_frac": 0.1}}, file)
+        choose = random.Random(os.environ.get("LANDFALL_TEST_SEED", "1"))
+        for name in ("cases.json", json.loads(read(os.path.join(folder, "cases.json")))["cases"][0][-1]):
+            path = os.path.join(folder, name)
+            intact = json.loads(read(path))
+            changes = [(place, value) for place in places(intact) for value in (None, "", "a", [], {}, -1, 2.5, True, 1e300)]
+            for place, value in choose.sample(changes, min(len(changes), 400 if os.environ.get("LANDFALL_TEST_LONG") else 8)):
+                with open(path, "w", encoding="utf-8") as file:
+                    json.dump(replaced(intact, place, value), file)
+                for command in ("collect", "status") if name == "cases.json" else ("collect",):
+                    with self.subTest(file=name, place=place, value=value, command=command):
+                        result = self.collect(folder, command)
+                        self.assertIn(result.returncode, (0, 1, 2), result.stderr)
+                        self.assertRegex(result.stderr, r"\A(sweep\.py: [^\n]*\n)?\Z")
+            with open(path, "w", encoding="utf-8") as file:
+                json.dump(intact, file)
+
+    @staticmethod
+    def collect(folder, command="collect"):
+        return run_command("sweep", command, folder)
 
     def test_a_plot_follows_no_link(self):
         target, terrain = self.path("target.h5"), self.path("terrain.h5")

@@ -6,6 +6,7 @@ import copy
 import json
 import math
 import os
+import re
 import random
 import signal
 import subprocess
@@ -165,6 +166,9 @@ class Filters(DesignTest):
                               ({"variables": {"a": {"keys": ["scan.seed"], "integer": True, "values": [1, 2]}}}, "/variables/a: integer and step are for a range"),
                               ({"whole_pattern": True, "base": {**BASE, "scan": {"scanner": {"type": "flash"}}}}, "/whole_pattern: needs a scanner"),
                               ({"search": {"start": [{"lines": 1}]}}, "/search/start/0: needs a value for each of lines, columns"),
+                              *(({"search": {"start": [GOOD, {**GOOD, "lines": value}]}}, f"/search/start/1/lines: {re.escape(text)} is not a whole number in .8, 24")
+                                for value, text in (("preset:paper", '"preset:paper"'), (True, "true"), (9.5, "9.5"), (25, "25"), (None, "null"), ([8], "[8]"))),
+                              ({"search": {"start": [{**GOOD, "method": 1}]}}, "/search/start/0/method: 1 is not one of \"bilinear_nearest\", \"bilinear4\""),
                               ({"terrains": []}, "/terrains")):
             with self.assertRaisesRegex(UsageError, message):
                 self.problem(**keys)

@@ -89,10 +89,23 @@ class Problem:
         for number, values in enumerate(self.start):
             if set(values) != set(self.variables):
                 raise UsageError(f"{self.path}: /search/start/{number}: needs a value for each of {', '.join(self.variables)}")
+            for name, value in values.items():
+                self._check_start(name, value, f"{self.path}: /search/start/{number}/{name}: {schema.shown(value)}")
         least = draws_needed(self.probability, 0)
         if self.proof_draws < least:
             raise UsageError(f"{self.path}: /proof_draws: {self.proof_draws} draws without a failure show less than {self.probability}; "
                              f"{least} are needed")
+
+    def _check_start(self, name, value, where):
+        variable = self.variables[name]
+        if "values" in variable:
+            if not any(value == one and isinstance(value, bool) == isinstance(one, bool) for one in variable["values"]):
+                raise UsageError(f"{where} is not one of {', '.join(map(schema.shown, variable['values']))}")
+            return
+        is_number = isinstance(value, (int, float)) and not isinstance(value, bool)
+        if not is_number or not variable["low"] <= value <= variable["high"] or (variable.get("integer") and value != int(value)):
+            kind = "a whole number" if variable.get("integer") else "a number"
+            raise UsageError(f"{where} is not {kind} in [{variable['low']}, {variable['high']}]")
 
     def configs(self, values, terrain=0):
         """The configurations of a candidate, {name of a variable: value}, on a terrain of the ensemble."""

@@ -349,7 +349,7 @@ class Scan(Draws):
 def rows_of(path):
     """The rows of a file of draws: [{name: value, None where it has none}]."""
     with files.open_landfall(path, "landfall.draws") as file:
-        columns = {name: values.tolist() for name, values in files.read_columns(file["draws"]).items()}
+        columns = {name: values.tolist() for name, values in files.Columns(file["draws"]).items()}
     columns["pass"] = [None if value == NOT_JUDGED else value for value in columns["pass"]]
     names = list(columns)
     return [{name: None if value != value else value for name, value in zip(names, values)} for values in zip(*columns.values())]

@@ -20,7 +20,7 @@ import matplotlib.figure
 import matplotlib.pyplot as plt
 import numpy as np
 
-from landfall import tools
+from landfall import files, tools
 from landfall.errors import UsageError
 
 Source = str | os.PathLike[str] | typing.Any
@@ -82,7 +82,7 @@ def evaluation(source: Source, figure: str | None = None, *, data_only: bool = F
     """
     module = _module("plot_eval")
     path = _path(source)
-    with _style(dpi):
+    with _style(dpi), files.drawing([path]):
         read = module.Evaluation(path, data_only)
         chosen = module.figures_of(read)
         figure = figure or next(name for name in ("accuracy", "elevation_error", "coverage") if f"{name}.png" in chosen)
@@ -148,8 +148,9 @@ def _style(dpi: int) -> typing.ContextManager[None]:
 def _figure(name: str, sources: list[Source], dpi: int, **options: typing.Any) -> Figure:
     module = _module(name)
     words = [word for key, value in options.items() for word in tools.option_words("--" + key.replace("_", "-"), value)]
-    with _style(dpi):
-        return _closed(module.figure_of(module.parse([*map(_path, sources), "--dpi", str(dpi), *words])))
+    paths = [*map(_path, sources)]
+    with _style(dpi), files.drawing(paths):
+        return _closed(module.figure_of(module.parse([*paths, "--dpi", str(dpi), *words])))
 
 
 def _closed(figure: matplotlib.figure.Figure) -> Figure:

@@ -32,7 +32,7 @@ class Draws:
         with files.open_landfall(path, "landfall.draws") as file:
             self.grid = files.read_grid(file) if "x" in file else None
             self.layers = {name: files.read_layer(file, self.grid, name) for name in LAYERS}
-            self.columns = files.read_columns(file["draws"])
+            self.columns = files.Columns(file["draws"])
             self.verdict = json.loads(files.text(file["verdict_json"][()])) if "verdict_json" in file else {}
             self.config = files.read_metrics(file, "provenance/config_json")
         if self.grid is not None and self.layers["in_region"] is None:

@@ -341,10 +341,11 @@ def main(arguments):
     dem_figure = [options.output + "dem.png"] if options.dem else []
     command.check_outputs([options.output + name for name in chosen] + dem_figure, options.overwrite,
                           makes_folder=options.output.endswith(os.sep))
-    figures = {options.output + name: draw(evaluation) for name, draw in chosen.items()}
-    if options.dem:
-        figures[dem_figure[0]] = draw_dem(options, evaluation)
-    plots.save(figures, options.dpi)
+    with files.drawing([options.evaluation, *([options.dem] if options.dem else [])]):
+        figures = {options.output + name: draw(evaluation) for name, draw in chosen.items()}
+        if options.dem:
+            figures[dem_figure[0]] = draw_dem(options, evaluation)
+        plots.save(figures, options.dpi)
 
 
 def draw_dem(options, evaluation):

@@ -40,7 +40,7 @@ class Hazards:
             self.layers = {name: files.read_layer(file, self.grid, name) for name in LAYERS}
             self.config = files.read_metrics(file, "provenance/config_json")
             self.score = files.read_metrics(file, "score_json") if "score_json" in file else None
-            self.sites = files.read_columns(file["sites"]) if "sites" in file else {}
+            self.sites = files.Columns(file["sites"]) if "sites" in file else {}
         missing = [name for name in ("slope", "roughness", "safe", "p_touchdown") if self.layers[name] is None]
         if missing:
             raise DataError(f"{path}: needs the layer {missing[0]}")

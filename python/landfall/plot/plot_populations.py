@@ -166,6 +166,7 @@ def parse(arguments):
     parser.add_argument("-o", "--output", metavar="PNG", required=True)
     plots.add_output_options(parser)
     options = parser.parse_args(arguments)
+    options.sources = [options.terrain]
     plots.require_png(options.output)
     return options
 

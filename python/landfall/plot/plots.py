@@ -10,7 +10,7 @@ import tempfile
 import matplotlib.pyplot as plt
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 
-from landfall import command, tools
+from landfall import command, files, tools
 from landfall.errors import DataError, UsageError, printable
 
 
@@ -41,6 +41,7 @@ def parser_of(prog, description, sources, add_options=None, ending="-figure.png"
             add_options(parser)
         add_output_options(parser)
         options = parser.parse_args(arguments)
+        options.sources = [getattr(options, name) for name in sources]
         options.output = options.output or os.path.splitext(getattr(options, name))[0] + ending
         require_png(options.output)
         return options
@@ -85,7 +86,8 @@ def main_of(parse, figure_of):
         options = parse(arguments)
         use_dpi(options.dpi)
         command.check_outputs([options.output], options.overwrite)
-        save({options.output: figure_of(options)}, options.dpi)
+        with files.drawing(getattr(options, "sources", [])):
+            save({options.output: figure_of(options)}, options.dpi)
 
     return main
 

@@ -20,6 +20,8 @@ def block_size(shape, cells):
 
 def blocks(values, size, fill):
     """View of `values`, padded with `fill`, as (block row, row in block, block column, column in block)."""
+    if np.isnan(fill) and values.dtype.kind != "f":
+        values = values.astype(float)  # a layer of whole numbers has no NaN
     rows, cols = (math.ceil(n / size) for n in values.shape)
     padding = [(0, rows * size - values.shape[0]), (0, cols * size - values.shape[1])]
     padded = np.pad(values, padding, constant_values=fill)

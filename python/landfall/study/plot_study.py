@@ -122,6 +122,12 @@ def main(arguments):
     options = parse(arguments)
     with files.open_landfall(options.results, "landfall.results") as file:
         results = Results(file)
+    with files.drawing([options.results]):
+        write(options, results)
+
+
+def write(options, results):
+    """Writes the figures and tables."""
     metrics = chosen_metrics(options, results)
     spec = chosen_crossing(options, results)
     tables = [os.path.join(options.output, name) for name in ("percentiles.csv", "pass_rates.csv", *["crossings.csv"] * bool(spec))]

@@ -7,13 +7,21 @@ import os
 import h5py
 import numpy as np
 
-from landfall import command, dictionary, tools
+from landfall import command, dictionary, files, tools
 from landfall.errors import DataError, UsageError
-from landfall.schema import read_json
+from landfall.schema import check, read_json
 from landfall.study import model, session
 
 # Per cent of the roughness limit.
 MARGINS = (10, 20)
+# The parts of cases.json that are used; sweep.py plan writes it.
+AXIS = {"name": {"type": "string", "minLength": 1, "pattern": "^[^/]*$"}, "label": {"type": "string"}, "unit": {"type": "string"},
+        "role": {"enum": ["axis", "repeat", "drawn"]}, "dimension": {"type": "integer", "minimum": 0}, "numeric": {"type": "boolean"},
+        "log": {"type": "boolean"}}
+CASES = {"type": "object", "required": ["title", "axes", "cases", "plot", "limits"], "properties": {
+    "title": {"type": "string"}, "description": {"type": "string"}, "name": {"type": "string"}, "plot": {"type": "object"}, "limits": {"type": "object"},
+    "axes": {"type": "array", "items": {"type": "object", "required": ["name", "unit"], "properties": AXIS}},
+    "cases": {"type": "array", "minItems": 1, "items": {"type": "array", "items": {"type": ["string", "number", "boolean"]}}}}}
 # The columns of a rate of a campaign.
 INTERVAL = ("wilson_low", "wilson_high", "exact_lower_bound")
 
@@ -24,9 +32,13 @@ def read_cases(folder):
     if not os.path.exists(path):
         raise UsageError(f"{folder}: no planned study (no cases.json)")
     cases = read_json(path)
-    for row in cases["cases"]:
-        for name in results_of(cases, row):
-            session.inner_name(name)
+    check(cases, CASES, path)
+    for number, row in enumerate(cases["cases"]):
+        results = results_of(cases, row)
+        if not results or len(row) != len(cases["cases"][0]):
+            raise UsageError(f"{path}: /cases/{number}: needs a value for each of {len(cases['axes'])} axes, and the files of the results")
+        for name in results:
+            session.result_name(name, f"{path}: /cases/{number}")
     return cases
 
 
@@ -128,7 +140,8 @@ def rows_of(folder, cases, partial):
             continue
         for name in names:
             if name not in seen:
-                seen[name] = read_result(folder, name)
+                with files.naming(os.path.join(folder, name)):
+                    seen[name] = read_result(folder, name)
         rows.append((number, row[:len(cases["axes"])], with_own_of_score({key: value for name in names for key, value in seen[name].items()})))
     if not rows:
         raise DataError(f"{folder}: no case is done")

@@ -37,6 +37,13 @@ def inner_name(name):
     return name
 
 
+def result_name(name, where):
+    """inner_name() of a file of results, such as metrics/a.json; `where` begins the message."""
+    if not isinstance(name, str) or inner_name(name).partition("/")[0] not in FORMATS:
+        raise UsageError(f"{where}: {shown(name)} is not a file in one of the folders {', '.join(FORMATS)}")
+    return name
+
+
 def age(path):
     """Time of the last change, ns; 0 where there is no such file."""
     try:
@@ -47,8 +54,13 @@ def age(path):
 
 def read_targets(folder):
     """targets.txt: for each of the cases' metrics, scores and verdicts, their log and the files that they are made of."""
-    with open(os.path.join(folder, "targets.txt"), encoding="utf-8") as file:
-        return [[inner_name(word) for word in line.split()] for line in file]
+    path = os.path.join(folder, "targets.txt")
+    with open(path, encoding="utf-8", errors="surrogateescape") as file:
+        targets = [[inner_name(word) for word in line.split()] for line in file]
+    for number, words in enumerate(targets, 1):
+        if len(words) < 2 or "/" not in words[0]:
+            raise UsageError(f"{path}: line {number}: needs a file of results, its log, and the files that it is made of")
+    return targets
 
 
 def read_log(path):

@@ -80,6 +80,8 @@ class Results:
             head = json.loads(file["_study_json"].asstr()[()])
             names = [name for name in file["_columns"].asstr()[()]]
             self.columns = {name: _column(file[name]) for name in names}
+            if len(set(map(len, self.columns.values()))) != 1:
+                raise ValueError("its columns are of different lengths")
             self.units = {name: file[name].attrs["units"] for name in names}
             self.title, self.plot, self.limits = head["title"], head["plot"], head["limits"]
             self.axes = [StudyAxis(*(axis[key] for key in ("name", "label", "unit", "log", "numeric")),
@@ -222,6 +224,8 @@ def requirement_of(metric):
 
 
 def _column(dataset):
+    if len(dataset.shape) != 1:
+        raise ValueError(f"{dataset.name} has shape {dataset.shape}")
     return dataset.asstr()[()].tolist() if dataset.dtype.kind == "O" else dataset[()].tolist()
 
 
