@@ -3,12 +3,30 @@
 
 #include <cstdint>
 
+#include "base/shown_text.h"
+
 namespace landfall::html_report {
+namespace {
+
+/// The value with shown_lines() of every text in it, keys too.
+nlohmann::ordered_json shown_values(const nlohmann::ordered_json& value) {
+  if (value.is_string()) return shown_lines(value.get_ref<const std::string&>());
+  nlohmann::ordered_json shown = value;
+  if (value.is_array())
+    for (auto& entry : shown) entry = shown_values(entry);
+  if (value.is_object()) {
+    shown = nlohmann::ordered_json::object();
+    for (const auto& [key, entry] : value.items()) shown[shown_text(key)] = shown_values(entry);
+  }
+  return shown;
+}
+
+}  // namespace
 
 std::string html_text(std::string_view text) {
   std::string result;
   result.reserve(text.size());
-  for (const char c : text) switch (c) {
+  for (const char c : shown_lines(text)) switch (c) {
       case '&':
         result += "&amp;";
         break;
@@ -31,7 +49,8 @@ std::string html_text(std::string_view text) {
 }
 
 std::string script_json(const nlohmann::ordered_json& value, int indent) {
-  const std::string text = value.dump(indent, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
+  const std::string text =
+      shown_values(value).dump(indent, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
   std::string result;
   result.reserve(text.size());
   for (const char c : text) {

@@ -21,6 +21,7 @@ from case import BIN, PYTHON, SIGMAS, StudyTest, read, study
 
 HOSTILE = "a b'\"$(touch hacked)`touch hacked`;-x"
 MARKUP = "</script><img src=x onerror=alert(1)>"
+HIDDEN = "\x1b[31m\u202eh\x07"
 # Calls that execute text as a program or that are unsafe.
 FORBIDDEN_CALLS = {"eval", "exec", "compile", "os.system", "os.popen", "subprocess.getoutput", "subprocess.getstatusoutput",
                    "tempfile.mktemp", "pickle.load", "pickle.loads", "yaml.load"}
@@ -105,7 +106,7 @@ class Names(StudyTest):
         for name in ("python", "schemas", "studies", "lib/report/web"):
             shutil.copytree(os.path.join(ROOT, name), os.path.join(self.hostile, name), symlinks=True)
         shutil.copy(os.path.join(ROOT, "Makefile.studies"), self.hostile)
-        tree = study({**SIGMAS, "list": [0.01, 0.02], "label": MARKUP}, title=MARKUP, description="$(touch hacked) " + MARKUP)
+        tree = study({**SIGMAS, "list": [0.01, 0.02], "label": MARKUP}, title=MARKUP + HIDDEN, description="$(touch hacked) " + MARKUP + HIDDEN)
         with open(os.path.join(self.hostile, "studies", "tiny.json"), "w", encoding="utf-8") as file:
             json.dump(tree, file)
         self.run_in(self.hostile, "make", "-f", "Makefile.studies", "study", "STUDY=tiny", f"BIN={BIN}")
@@ -116,6 +117,8 @@ class Names(StudyTest):
         self.assertIn("onerror=alert(1)", page)
         self.assertNotIn(MARKUP, page)
         self.assertNotIn("<img src=x", page)
+        self.assertIn("\\u001b[31m\\u202e", page)
+        self.assertNotRegex(page, "[\x1b\u202e\x07]")
 
     def test_a_plot_takes_a_file_of_any_name(self):
         terrain, picture = (os.path.join(self.hostile, name) for name in ("-t'\"$(touch hacked).h5", "-p'\"$(touch hacked).png"))

@@ -7,7 +7,7 @@ import os
 
 from landfall import tools, web
 from landfall.command import read_bytes, write_text
-from landfall.errors import DataError
+from landfall.errors import DataError, printable_lines
 from landfall.study.model import label_of, TOOLS, unit_of
 from landfall.study.names import counted, number, titled, with_unit
 from landfall.study.table import error_sign, metric_label
@@ -22,7 +22,7 @@ WHOLE = {"crossing": "Where a metric exceeds a level", "overview": "Metrics side
 
 
 def escaped(value):
-    return html.escape(str(value))
+    return html.escape(printable_lines(value))
 
 
 def page(tree, figures):
@@ -58,8 +58,17 @@ def write_page(text, path):
 def data(tree):
     """The values that study.js reads, as JSON in which nothing ends the element that holds it."""
     points_of_table = [{"cases": point["cases"]} for point in tree["points"]] if repeat_count(tree) > 1 else []
-    text = json.dumps({**tree, "points": points_of_table}, ensure_ascii=False, separators=(",", ":"))
-    return text.replace("<", "\\u003c").replace("\u2028", "\\u2028").replace("\u2029", "\\u2029")
+    text = json.dumps(printable_values({**tree, "points": points_of_table}), ensure_ascii=False, separators=(",", ":"))
+    return text.replace("<", "\\u003c")
+
+
+def printable_values(tree):
+    """The tree with printable_lines() of every text in it, keys too."""
+    if isinstance(tree, dict):
+        return {printable_values(key): printable_values(value) for key, value in tree.items()}
+    if isinstance(tree, (list, tuple)):
+        return [printable_values(value) for value in tree]
+    return printable_lines(tree) if isinstance(tree, str) else tree
 
 
 def size(tree):

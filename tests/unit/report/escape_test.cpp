@@ -15,6 +15,16 @@ TEST(HtmlText, TurnsMarkupIntoReferences) {
   EXPECT_EQ(html_text("plain"), "plain");
 }
 
+TEST(HtmlText, ShowsWhatWouldHideOrReverse) {
+  EXPECT_EQ(html_text("a\x1b[31m\nb\u202ec"), "a\\u001b[31m\nb\\u202ec");
+}
+
+TEST(ScriptJson, ShowsWhatWouldHideOrReverse) {
+  const nlohmann::ordered_json hostile = {{"key\u202e", {"a\x07", 1.5, nullptr, {{"b", "\u00e9\u200b"}}}}};
+  const nlohmann::ordered_json shown = {{"key\\u202e", {"a\\u0007", 1.5, nullptr, {{"b", "\u00e9\\u200b"}}}}};
+  EXPECT_EQ(nlohmann::ordered_json::parse(script_json(hostile)), shown);
+}
+
 TEST(ScriptJson, CannotEndItsElement) {
   const nlohmann::ordered_json value = {{"path", "</script><!--"}};
   const std::string text = script_json(value);
@@ -24,7 +34,7 @@ TEST(ScriptJson, CannotEndItsElement) {
 
 TEST(ScriptJson, HasNullForNumbersThatAreNotFiniteAndReplacesBrokenText) {
   EXPECT_EQ(script_json({{"a", std::nan("")}}), "{\"a\":null}");
-  EXPECT_EQ(script_json({{"a", "\xff"}}), "{\"a\":\"\xEF\xBF\xBD\"}");
+  EXPECT_EQ(script_json({{"a", "\xff"}}), "{\"a\":\"\\\\xff\"}");
 }
 
 // RFC 4648, section 10.
