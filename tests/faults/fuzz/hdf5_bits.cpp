@@ -2,7 +2,11 @@
 // Flips one random bit of each metadata byte of a small valid file of every kind, one at a time, and lets
 // every reader of that kind read the damaged file. Metadata are all bytes that are not chunks of a dataset.
 //   hdf5_bits [--sealed] [--every N] [--first I] [--seed N] [--kind NAME] [--keep FOLDER]
+//   hdf5_bits --check N [--seed N] [--kind NAME] [--keep FOLDER]
 // With --sealed the files are as landfall writes them, and every reader must refuse each damaged one.
+// With --check each such file is edited N times anywhere: flipped bits, overwritten bytes, a part copied over
+// another, a shorter or longer file. The check of landfall-info --check must refuse all but edits of chunks,
+// whose own checksums show them, and those that leave the bytes before the seal as they are.
 // A finding is a signal, an exception that is not landfall::Error, more than 10 s of processor time or more
 // than 500 MB. Each one is printed with its place, and the exit code is 1; --keep saves its file. Readers run
 // in a process of their own, which is replaced after a finding.
@@ -20,6 +24,7 @@
 #include <exception>
 #include <iostream>
 #include <new>
+#include <random>
 #include <stdexcept>
 #include <string>
 #include <string_view>
@@ -27,6 +32,7 @@
 
 #include "base/parallel.h"
 #include "base/random.h"
+#include "files/landfall_file.h"
 #include "fuzz_target.h"
 #include "hdf5/h5.h"
 #include "hdf5_readers.h"
@@ -41,6 +47,7 @@ constexpr rlim_t kMaxMemory_bytes = 500'000'000;
 
 struct Options {
   bool sealed = false;
+  std::size_t check = 0;  ///< edits of each file; 0: flipped bits
   std::size_t every = 1;
   std::size_t first = 0;
   std::uint64_t seed = 1;
@@ -94,16 +101,52 @@ std::vector<std::size_t> metadata_of(const MemoryFile& file) {
   return places;
 }
 
+/// The place where the seal of a file begins (lib/hdf5/guard/file_seal.cpp).
+std::size_t seal_begin(const std::vector<std::byte>& bytes) {
+  std::uint64_t size = 0;
+  std::memcpy(&size, bytes.data() + bytes.size() - 56, sizeof(size));
+  return size;
+}
+
+/// A copy with one edit. Parts have at most 64 bytes, so that none covers a whole seal.
+std::vector<std::byte> edited(std::vector<std::byte> bytes, std::mt19937_64& draw) {
+  const auto below = [&](std::size_t end) { return static_cast<std::size_t>(draw() % end); };
+  const std::size_t part = 1 + below(64);
+  const std::size_t at = below(bytes.size() - part);
+  switch (below(6)) {
+    case 0:
+      bytes.resize(below(bytes.size()));
+      break;
+    case 1:
+      bytes.resize(bytes.size() + part, static_cast<std::byte>(below(256)));
+      break;
+    case 2:
+      std::copy_n(bytes.begin() + static_cast<std::ptrdiff_t>(below(bytes.size() - part)), part,
+                  bytes.begin() + static_cast<std::ptrdiff_t>(at));
+      break;
+    case 3:
+      for (std::size_t i = 0; i < part; ++i) bytes[at + i] = static_cast<std::byte>(below(256));
+      break;
+    default:
+      for (std::size_t i = 0; i < 1 + part / 16; ++i)
+        bytes[below(bytes.size())] ^= std::byte{1} << static_cast<unsigned>(below(8));
+  }
+  return bytes;
+}
+
 class Campaign {
  public:
   Campaign(const LandfallFile& original, const Options& options)
       : kind_(original.kind),
-        bytes_(options.sealed ? original.sealed : original.bytes),
+        bytes_(options.sealed || options.check > 0 ? original.sealed : original.bytes),
         options_(options),
-        readers_(readers_of(original.kind)) {
+        readers_(options.check > 0 ? std::vector<Hdf5Reader>{check_file} : readers_of(original.kind)) {
     file_.fill(bytes_);
     const std::vector<std::size_t> all = metadata_of(file_);
-    for (std::size_t i = options.first; i < all.size(); i += options.every) places_.push_back(all[i]);
+    if (options.check > 0) metadata_ = all;
+    for (std::size_t i = 0; i < options.check; ++i) places_.push_back(i);
+    for (std::size_t i = options.first; options.check == 0 && i < all.size(); i += options.every)
+      places_.push_back(all[i]);
     void* const shared =
         ::mmap(nullptr, sizeof(Progress), PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
     if (shared == MAP_FAILED) throw std::bad_alloc();
@@ -125,9 +168,9 @@ class Campaign {
       restore();
       ++progress_->next;
     }
-    std::cout << kind_ << ": " << places_.size() << " bits, " << readers_.size() << " readers, "
-              << progress_->refusals << " of " << places_.size() * readers_.size() << " refused, " << findings
-              << " findings" << std::endl;
+    std::cout << kind_ << ": " << places_.size() << (options_.check > 0 ? " edits, " : " bits, ")
+              << readers_.size() << " readers, " << progress_->refusals << " of "
+              << places_.size() * readers_.size() << " refused, " << findings << " findings" << std::endl;
     return findings;
   }
 
@@ -136,6 +179,12 @@ class Campaign {
 
   [[nodiscard]] unsigned bit() const {
     return static_cast<unsigned>(8 * RandomField(options_.seed, RandomStream::dropout).uniform(place()));
+  }
+
+  /// Ends this process, and its file.
+  [[noreturn]] void leave(int code) const {
+    if (options_.check > 0) ::unlink(file_.path().c_str());
+    ::_exit(code);
   }
 
   [[noreturn]] void read_all() {
@@ -147,12 +196,32 @@ class Campaign {
       for (; progress_->next < places_.size(); ++progress_->next) read_one();
     } catch (const std::exception& error) {
       std::strncpy(progress_->text.data(), error.what(), progress_->text.size() - 1);
-      ::_exit(1);
+      leave(1);
     }
-    ::_exit(0);
+    leave(0);
+  }
+
+  /// Whether an accepted file has other contents than the chunks show.
+  [[nodiscard]] bool is_changed(const std::vector<std::byte>& bytes) const {
+    const std::size_t end = seal_begin(bytes_);
+    return bytes.size() < end || std::ranges::any_of(metadata_, [&](std::size_t place) {
+             return place < end && bytes[place] != bytes_[place];
+           });
+  }
+
+  void check_one() {
+    std::mt19937_64 draw(options_.seed << 32U | progress_->next);
+    const std::vector<std::byte> bytes = edited(bytes_, draw);
+    file_.fill(bytes);  // a new file, of this process
+    limit_time();
+    if (!accepts("", [&] { readers_[0](file_.path()); }))
+      ++progress_->refusals;
+    else if (is_changed(bytes))
+      throw BrokenPromise("the damage was not noticed");
   }
 
   void read_one() {
+    if (options_.check > 0) return check_one();
     file_.put(place(), bytes_[place()] ^ std::byte{1} << bit());
     for (progress_->reader = 0; progress_->reader < readers_.size(); ++progress_->reader) {
       limit_time();
@@ -170,17 +239,26 @@ class Campaign {
     ::setitimer(ITIMER_PROF, &timer, nullptr);
   }
 
-  void restore() { file_.put(place(), bytes_[place()]); }
+  void restore() {
+    if (options_.check == 0) file_.put(place(), bytes_[place()]);
+  }
 
   void print_finding(int status) {
-    std::cout << "finding: " << kind_ << ", bit " << bit() << " of byte " << place() << ", reader "
-              << progress_->reader << ": ";
+    std::cout << "finding: " << kind_ << ", ";
+    if (options_.check > 0)
+      std::cout << "edit " << place() << ": ";
+    else
+      std::cout << "bit " << bit() << " of byte " << place() << ", reader " << progress_->reader << ": ";
     if (WIFSIGNALED(status))
       std::cout << (WTERMSIG(status) == SIGPROF ? "more than 10 s" : ::strsignal(WTERMSIG(status)));
     else
       std::cout << progress_->text.data();
     std::cout << std::endl;
     if (options_.keep.empty()) return;
+    if (options_.check > 0) {
+      std::mt19937_64 draw(options_.seed << 32U | progress_->next);
+      file_.fill(edited(bytes_, draw));
+    }
     std::filesystem::copy_file(
         file_.path(), std::filesystem::path(options_.keep) / (kind_ + "-" + std::to_string(place()) + ".h5"),
         std::filesystem::copy_options::overwrite_existing);
@@ -191,7 +269,8 @@ class Campaign {
   const Options& options_;
   std::vector<Hdf5Reader> readers_;
   MemoryFile file_;
-  std::vector<std::size_t> places_;
+  std::vector<std::size_t> metadata_;  ///< of a file that is checked
+  std::vector<std::size_t> places_;    ///< bytes, or numbers of edits
   Progress* progress_ = nullptr;
 };
 
@@ -204,6 +283,7 @@ Options options_of(int argc, char** argv) {
       continue;
     }
     if (i + 1 == argc) throw std::invalid_argument("no value of " + std::string(name));
+    if (name == "--check") options.check = std::stoull(argv[i + 1]);
     if (name == "--every") options.every = std::stoull(argv[i + 1]);
     if (name == "--first") options.first = std::stoull(argv[i + 1]);
     if (name == "--seed") options.seed = std::stoull(argv[i + 1]);
@@ -223,7 +303,8 @@ int main(int argc, char** argv) {
   const fuzz::Options options = fuzz::options_of(argc, argv);
   std::size_t findings = 0;
   for (const fuzz::LandfallFile& file : fuzz::landfall_files())
-    if ((options.kind.empty() || options.kind == file.kind) && !(options.sealed && file.kind == "table"))
+    if ((options.kind.empty() || options.kind == file.kind) &&
+        !((options.sealed || options.check > 0) && file.kind == "table"))
       findings += fuzz::Campaign(file, options).run();
   return findings == 0 ? 0 : 1;
 }
