@@ -275,7 +275,7 @@ def table(options):
     print("|---" * 18 + "|")
     for family, limit, cell, sites in rows(options):
         def brier(name):
-            if name not in sites[0]:
+            if any(name not in site for site in sites):
                 return ""
             return f"{np.concatenate([(site[name].astype(float) - site['t'])**2 for site in sites]).mean():.4f}"
         print(f"| {family} | {limit} | {cell} | {len(sites)} |", " | ".join(map(tenth_text, tenths(sites))),
@@ -294,7 +294,8 @@ def figure(options):
     import matplotlib  # pylint: disable=import-outside-toplevel
     matplotlib.use("Agg")
     from matplotlib import pyplot  # pylint: disable=import-outside-toplevel
-    drawn, axes = pyplot.subplots(3, 3, figsize=(9.5, 9.9), sharex=True, sharey=True)
+    lines = -(-len(options.cells) // 3)
+    drawn, axes = pyplot.subplots(lines, 3, figsize=(9.5, 0.6 + 3.1 * lines), sharex=True, sharey=True, squeeze=False)
     for ax, cell in zip(axes.flat, options.cells):
         ax.fill_between([0, 1], [-0.08, 0.92], [0.1, 1.1], color="0.92", label="wanted")
         ax.plot([0, 1], [0, 1], color="0.5", lw=0.8)
@@ -307,13 +308,16 @@ def figure(options):
                 ax.errorbar(middle, middle + off, 2 * error, color=f"C{number}", marker="o", ms=3, lw=1, elinewidth=0.7, label=family)
         edge, noise = cell.split("-")
         ax.set(title=f"bins of {edge} cm, {noise} mm of noise", xlim=(0, 1), ylim=(0, 1), aspect="equal")
-    for ax in axes[-1]:
+    for ax in axes.flat[len(options.cells):]:
+        ax.set_axis_off()
+    for ax in axes.flat[max(len(options.cells) - 3, 0):len(options.cells)]:
+        ax.xaxis.set_tick_params(labelbottom=True)
         ax.set_xlabel("p_safe, middle of each tenth")
     for ax in axes[:, 0]:
         ax.set_ylabel("share truly safe")
     handles = {label: handle for ax in axes.flat for handle, label in zip(*ax.get_legend_handles_labels())}
-    drawn.legend(handles.values(), handles.keys(), loc="lower center", ncol=5, fontsize=9)
-    drawn.tight_layout(rect=(0, 0.06, 1, 1))
+    drawn.legend(handles.values(), handles.keys(), loc="lower right", fontsize=9)
+    drawn.tight_layout()
     drawn.savefig(options.figure, dpi=100, metadata={"Software": None})
 
 

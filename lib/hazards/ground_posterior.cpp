@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Decisions: D387
+// Decisions: D387, D461
 #include "hazards/ground_posterior.h"
 
 #include <algorithm>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Decisions: D285, D396
+// Decisions: D285, D396, D462, D463
 #include "hazards/safe_probability.h"
 
 #include <algorithm>
