@@ -1,13 +1,15 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Finds the tools and their data, and runs the tools."""
+import contextlib
 import json
 import os
+import re
 import shutil
 import subprocess
 import sys
 import tempfile
 
-from landfall.errors import DataError, ToolError, UsageError
+from landfall.errors import DataError, printable, ToolError, UsageError
 
 # Holds schemas/ and studies/: the folder share of a package that pip installed; else the folder above python/, a clone or PREFIX/share/landfall.
 _HERE = os.path.dirname(os.path.realpath(__file__))
@@ -34,6 +36,17 @@ def run_tool(path, *arguments, **options):
     if result.returncode != 0:
         raise ToolError(result.stderr.strip() or f"{path}: exit code {result.returncode}", result.returncode)
     return result
+
+
+@contextlib.contextmanager
+def naming_input(where):
+    """The message of a tool that gets a configuration on standard input names `where` it comes from instead, as "study.json: /base/scan"."""
+    def place(found):
+        return printable(where + "/" if found.group(1) else where.removesuffix(": ") + ": ")
+    try:
+        yield
+    except ToolError as error:
+        raise ToolError(re.sub("standard input: (/?)", place, str(error)), error.exit_code) from error
 
 
 def check_files(*paths):

@@ -61,6 +61,16 @@ class StudyTest(unittest.TestCase):
             file.write(tree if isinstance(tree, str) else json.dumps(tree))
         return path
 
+    def refused_bases(self):
+        """Bases of tiny.json with a configuration that its tool refuses, each with the message: an object is named by its section, a file by its name."""
+        wrong, tiny = {"noise": {"range_sigma_m": -1}}, self.path("tiny.json")
+        lidar = self.write(wrong, "lidar")
+        for changes, message in (({"scan": wrong}, f"scan-sim: {tiny}: /base/scan/noise/range_sigma_m: -1 is not in [0, 1e6]"),
+                                 ({"scan": "lidar.json"}, f"scan-sim: {lidar}: /noise/range_sigma_m: -1 is not in [0, 1e6]"),
+                                 ({"eval": {"regoin": 1}}, f"dem-eval: {tiny}: /base/eval/regoin: unknown key"),
+                                 ({"terrain": {"from": 5}}, f"{tiny}: /base/terrain/from: 5 is not the name")):
+            yield {**copy.deepcopy(BASE), **changes}, message
+
     def out(self, *names, study_name="tiny", runs="runs"):
         return self.path(runs, "studies", study_name, *names)
 

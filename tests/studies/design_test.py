@@ -89,6 +89,12 @@ class Filters(DesignTest):
         self.assertEqual((found["stage"], found["passes"]), ("error", False))
         self.assertRegex(found["reason"], "max_deflection_deg")
 
+    def test_a_configuration_that_a_tool_refuses(self):
+        for base, message in self.refused_bases():
+            self.write(design_file(base=base))
+            with self.subTest(message):
+                self.assertRegex(self.run_it(code=2).stderr, rf"\Adesign\.py: {re.escape(message)}[^\n]*\n\Z")
+
     def test_costs(self):
         configs = self.problem().configs({**GOOD, "lines": 10})
         self.assertEqual(configs["scan"]["laser"]["scan_time_s"], 0.1)

@@ -240,7 +240,7 @@ BAD = [
 ]
 # Inputs that the tools refuse.
 REFUSED = [
-    (study({"key": "scan.noise.range_sigma", "list": [0.1]}), ["the first case", "scan-sim", "range_sigma"]),
+    (study({"key": "scan.noise.range_sigma", "list": [0.1]}), ["the first case: scan-sim: /scan/noise/range_sigma: "]),
     (study({"key": "scan.noise.dropout_frac", "list": [0.1, 1.5]}), ["dropout_frac = 1.5", "/noise/dropout_frac", "1.5"]),
     (study({"key": "scan.noise.dropout_frac", "linspace": [0, 2, 21]}), ["dropout_frac = 2", "/noise/dropout_frac"]),
     (study({"key": "terrain.grid.resolution_m", "list": [0.1, -1]}), ["resolution_m = -1", "terrain-gen", "/grid/resolution_m"]),

@@ -244,9 +244,9 @@ class Failures(ModelTest):
         self.assertEqual(runs.read_base({"terrain": named}, self.path("sub"), "x")["terrain"], runs.resolved("terrain", plain))
         self.write(named, "sub/t")
         self.assertEqual(runs.read_base({"terrain": "sub/t.json"}, self.folder, "x")["terrain"], runs.resolved("terrain", plain))
-        for wrong, words in [({"center": [1, 2]}, "terrain.from: is needed"), ({"from": 5}, "terrain.from: 5 is not"),
-                             ({"from": "g.tif", "center": 3}, "terrain.center: 3 is not"), ({"from": "none.tif"}, "none.tif"),
-                             ({"from": "g.tif", "base": {"type": "plane"}}, "/base/type")]:
+        for wrong, words in [({"center": [1, 2]}, "x: /base/terrain/from: is needed by /center"), ({"from": 5}, "x: /base/terrain/from: 5 is not"),
+                             ({"from": "g.tif", "center": 3}, "x: /base/terrain/center: 3 is not"), ({"from": "none.tif"}, "none.tif"),
+                             ({"from": "g.tif", "base": {"type": "plane"}}, "terrain-gen: x: /base/terrain/base/type: ")]:
             with self.assertRaises(UsageError) as caught:
                 runs.read_base({"terrain": wrong}, self.folder, "x")
             self.assertIn(words, str(caught.exception))

@@ -6,6 +6,7 @@ import csv
 import json
 import math
 import os
+import re
 import signal
 import subprocess
 import sys
@@ -215,6 +216,12 @@ class Landfall(SensitivityTest):
         page = read(self.path("out", "report.html")).decode()
         self.assertIn(f"{rows['velocity']['first']['value']:.3f}", page)
         self.assertNotRegex(page, r"(src|href)=.?http")
+
+    def test_a_configuration_that_a_tool_refuses(self):
+        for base, message in self.refused_bases():
+            self.file(base=base)
+            with self.subTest(message):
+                self.assertRegex(self.run_it(code=2).stderr, rf"\Asensitivity\.py: {re.escape(message)}[^\n]*\n\Z")
 
     def test_killed_and_resumed_and_two_workers(self):
         """Each gives the bytes of an undisturbed run; what was done is not done again."""

@@ -25,7 +25,7 @@ import weakref
 from landfall import command, files, scan_keys, schema, tools
 from landfall.errors import DataError, printable, ToolError, UsageError
 from landfall.study import results, stages
-from landfall.study.model import read_config, TOOLS
+from landfall.study.model import config_path, read_config, resolved, TOOLS
 
 STAGES = tuple(stage for stage in TOOLS if stage != "draws")
 REFUSALS = (1, 2)  # exit codes of a tool that refuses its input; any other code, such as that of a killed tool, does not blame the input
@@ -41,12 +41,12 @@ def read_base(tree, folder, name, where="/base"):
     for stage in tree:
         if stage not in STAGES:
             raise UsageError(f"{name}: {where}/{stage}: unknown key; the stages are {', '.join(STAGES)}")
-    return {stage: resolved(stage, read_config(tree.get(stage, {}), stage, folder)) for stage in STAGES if stage != "hazard" or stage in tree}
+    return {stage: _read_stage(tree.get(stage, {}), stage, folder, f"{name}: {where}/{stage}") for stage in STAGES if stage != "hazard" or stage in tree}
 
 
-def resolved(stage, config):
-    """A configuration with all defaults. Throws ToolError with the tool's message if it refuses it."""
-    return json.loads(tools.run_tool(tools.find(TOOLS[stage]), "-c", "-", "--print-config", "-q", input=json.dumps(config)).stdout)
+def _read_stage(given, stage, folder, where):
+    place = where if isinstance(given, dict) else f"{config_path(given, stage, folder)}: "
+    return resolved(stage, read_config(given, stage, folder, where), place)
 
 
 def is_redrawn(key, scan):

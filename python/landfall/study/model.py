@@ -187,34 +187,40 @@ def config_path(name, stage, folder):
     return os.path.join(folder, name)
 
 
-def read_config(given, stage, folder):
-    """A stage's configuration, given as an object or by a name (config_path). Throws UsageError, naming the file."""
+def read_config(given, stage, folder, where=""):
+    """A stage's configuration, given as an object or by a name (config_path). Throws UsageError, naming the file, or for an object `where` it is."""
     config = given
     if not isinstance(given, dict):
         path = config_path(given, stage, folder)
-        config, folder = read_json(path), os.path.dirname(os.path.abspath(path))
+        config, folder, where = read_json(path), os.path.dirname(os.path.abspath(path)), f"{path}: "
         if not isinstance(config, dict):
             raise UsageError(f"{path}: {shown(config)} is of type {type_of(config)}, not object")
     config = plain_numbers(with_full_paths(config, os.path.abspath(folder)))
-    return imported_terrain(config, folder) if stage == "terrain" and {"from", "center"} & config.keys() else config
+    return imported_terrain(config, folder, where) if stage == "terrain" and {"from", "center"} & config.keys() else config
 
 
-def imported_terrain(config, folder):
+def imported_terrain(config, folder, where):
     """The configuration, with all defaults, of a terrain that names its raster or mesh and its site by "from" and "center", as a chain file does.
     Throws UsageError with the message of terrain-gen."""
     source, center = config.get("from"), config.get("center")
     if not isinstance(source, str) or not source:
-        raise UsageError("terrain.from: " + ("is needed by terrain.center" if source is None else f"{shown(source)} is not the name of a raster or mesh"))
+        raise UsageError(f"{where}/from: " + ("is needed by /center" if source is None else f"{shown(source)} is not the name of a raster or mesh"))
     words = ["--from", with_full_paths({"path": source}, os.path.abspath(folder))["path"]]
     if center is not None:
         if not isinstance(center, list) or len(center) != 2:
-            raise UsageError(f"terrain.center: {shown(center)} is not an array of 2 numbers")
+            raise UsageError(f"{where}/center: {shown(center)} is not an array of 2 numbers")
         words.append(f"--center={center[0]},{center[1]}")
     rest = {key: value for key, value in config.items() if key not in ("from", "center")}
     try:
-        return json.loads(tools.run_tool(tools.find("terrain-gen"), "-c", "-", *words, "--print-config", "-q", input=json.dumps(rest)).stdout)
+        return resolved("terrain", rest, where, words)
     except ToolError as error:
         raise UsageError(str(error)) from error
+
+
+def resolved(stage, config, where="", words=()):
+    """A configuration with all defaults. Throws ToolError with the tool's message, which names `where` the configuration is."""
+    with tools.naming_input(where):
+        return json.loads(tools.run_tool(tools.find(TOOLS[stage]), "-c", "-", *words, "--print-config", "-q", input=json.dumps(config)).stdout)
 
 
 def configuration(study, stage, indices, repeated=True):

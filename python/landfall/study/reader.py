@@ -69,8 +69,10 @@ class _Reader:
         if isinstance(value, str):
             self.files.append(config_path(value, stage, folder))
         try:
-            return read_config(value, stage, folder)
+            return read_config(value, stage, folder, f"{self.path}: {where}")
         except UsageError as error:
+            if not isinstance(value, str):
+                raise
             return self.fail(where, str(error))
 
     def value(self, key, value, where):

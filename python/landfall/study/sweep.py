@@ -164,7 +164,8 @@ def ask(study, folder, indices, name, asked):
             continue
         asked.add((stage, text))
         try:
-            tool_output(folder, model.TOOLS[stage], "--check", "-c", "-", input=text)
+            with tools.naming_input(f"/{stage}"):
+                tool_output(folder, model.TOOLS[stage], "--check", "-c", "-", input=text)
         except ToolError as error:
             raise UsageError(f"{study.path}: {name}: {error}") from error
 
