@@ -4,7 +4,7 @@ import h5py
 import numpy as np
 
 from landfall import files
-from landfall.errors import DataError
+from landfall.errors import DataError, printable
 
 
 class Table:
@@ -73,8 +73,9 @@ class Table:
 
     def __repr__(self):
         width = max(map(len, self.columns))
-        rows = [f"  {name:{width}}  {'text' if dataset.dtype.kind == 'O' else dataset.dtype}  {self.units[name]:4}  "
-                f"{self.attributes[name].get('long_name', '')}".rstrip() for name, dataset in self._datasets.items()]
+        attributes = self.attributes
+        rows = [printable(f"  {name:{width}}  {'text' if dataset.dtype.kind == 'O' else dataset.dtype}  {str(attributes[name].get('units', '')):4}  "
+                          f"{attributes[name].get('long_name', '')}".rstrip()) for name, dataset in self._datasets.items()]
         return "\n".join([f"<landfall Table> {len(self):,} rows, {len(rows)} columns", *rows])
 
     def close(self):

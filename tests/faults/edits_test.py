@@ -17,7 +17,7 @@ import unittest
 import h5py
 import numpy as np
 from harness import ChainTest, run
-from python_test import IS_LONG, PLOTS, SEED, EachKind, draw, in_child, open_all
+from python_test import IS_LONG, PLOTS, SEED, EachKind, draw, in_child, landfall, open_all
 
 HOSTILE = os.path.join(os.environ["LANDFALL_ROOT"], "..", "shared", "data", "hostile-4")
 SCALES = ("CLASS", "NAME", "REFERENCE_LIST", "DIMENSION_LIST", "DIMENSION_LABELS")
@@ -222,6 +222,15 @@ class EditedFiles(EachKind):
 
     def test_attributes_that_link_layers_to_coordinates(self):
         self.open_each(LINKS, edit_links)
+
+    def test_a_table_with_other_units_and_names_is_printed(self):
+        for value in (np.arange(3), ["a", "b"], h5py.Empty("f8"), "\x1b[31m", "\u202em"):
+            shutil.copy(self.files["scan"], self.damaged)
+            with h5py.File(self.damaged, "a") as file:
+                file["points/z_est"].attrs.update({"units": value, "long_name": value})
+            with self.subTest(value=value), landfall.open(self.damaged) as table:
+                self.assertRegex(repr(table), r"(?m)^  z_est +float64  ")
+                self.assertNotRegex(repr(table), "[\x1b\u202e]")
 
     def test_objects_and_attributes(self):
         self.open_each(ANYTHING, edit_anything)

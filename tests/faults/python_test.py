@@ -80,7 +80,8 @@ def metadata_of(path):
 def contents(opened):
     """All that landfall.open gives: attributes, names, types and values."""
     if isinstance(opened, Table):
-        return [repr(sorted(map(repr, opened.attrs.items()))), repr(opened.attributes), *((name, opened[name].dtype, opened[name].tobytes()) for name in opened)]
+        return [repr(opened), repr(sorted(map(repr, opened.attrs.items()))), repr(opened.attributes),
+                *((name, opened[name].dtype, opened[name].tobytes()) for name in opened)]
     return [repr(opened.attrs), repr(opened.encoding.get("source")),
             *((name, repr(layer.attrs), layer.dims, layer.dtype, layer.values.tobytes()) for name, layer in opened.variables.items())]
 
