@@ -4,6 +4,7 @@
 #include "cli/outcomes.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "base/number_text.h"
 #include "cli/result_tables.h"
@@ -156,8 +157,9 @@ ExitCode report_hazards(Session& session, const std::string& name, const HazardM
   const bool refused = lacks_site || (min_p && !all_pass(own));
   std::string text = name + ": ";
   if (cannot_tell)
-    text += "this map carries no p_safe above " + short_number(static_cast<double>(map.p_cap)) +
-            ", and sites.min_p is " + number_text(*min_p) + " (smaller bins carry more): ";
+    text += "this map carries no p_safe above " +
+            number_text(std::floor(1e4 * static_cast<double>(map.p_cap)) / 1e4) + ", and sites.min_p is " +
+            number_text(*min_p) + " (smaller bins carry more): ";
   else if (lacks_site)
     text += "no site has a p_touchdown of " + number_text(*min_p) + ": ";
   if (!all_pass(own)) text += "missed: " + missed_requirements(own) + "; ";

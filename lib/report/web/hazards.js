@@ -76,7 +76,7 @@ function probability(value) {
 /** Where the evidence carries no larger probability. */
 function atLeast(value, isCapped) {
   const [text, number] = probability(value);
-  return [isCapped ? `at least ${text}` : text, number];
+  return [isCapped ? `\u2265${text}` : text, number];
 }
 
 function siteTable(sites) {
@@ -103,6 +103,9 @@ async function fillSites(section) {
   }
   section.append(htmlElement("p", {}, sites.length === 1 ? "The safe place of least cost." :
       "Safe places of least cost, the best first."), siteTable(sites));
+  if (sites.some((site) => site.p_capped)) {
+    section.append(htmlElement("p", {class: "note"}, "\u2265: at least so much; the map's evidence carries no larger probability."));
+  }
   const drawn = sites.filter((site) => site.crop && site.poses);
   if (drawn.length === 0) {
     section.append(htmlElement("p", {class: "note", id: "no-poses"}, "This method measures slope and roughness without a pose of the lander."));
