@@ -40,7 +40,7 @@ class Changes(StudyTest):
         """A folder with tools that report another version but work the same."""
         folder = self.path("bin-" + version)
         os.mkdir(folder)
-        for tool in ("terrain-gen", "scan-sim", "regrid", "dem-eval"):
+        for tool in ("terrain-gen", "scan-sim", "regrid", "dem-eval", "landfall-info"):
             path = os.path.join(folder, tool)
             with open(path, "w", encoding="utf-8") as file:
                 file.write(f'#!/bin/bash\n[[ "$1" != --version ]] || {{ echo "landfall {tool} {version}"; exit; }}\n'

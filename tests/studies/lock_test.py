@@ -11,7 +11,7 @@ import unittest
 
 from case import BIN, StudyTest, read, study
 
-TOOLS = ("terrain-gen", "scan-sim", "regrid", "dem-eval")
+TOOLS = ("terrain-gen", "scan-sim", "regrid", "dem-eval", "landfall-info")
 PATIENCE_S = 300  # no test takes this long; a busy machine may take a while
 
 
