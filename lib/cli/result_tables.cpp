@@ -112,7 +112,7 @@ std::string site_lines(const HazardMap& map) {
   std::string text = "\nsite     x, m     y, m    cost p_touchdown  slope  roughness  to hazard" +
                      std::string(map.truth ? "  truth\n" : "\n") + print("%49s %10s %10s\n", "deg", "m", "m");
   int rank = 0;
-  std::string capped;
+  std::vector<std::string> capped;
   for (const LandingSite& site : map.sites) {
     text += print("%4d %8.2f %8.2f %7.4f %11s %6.2f %10.3f", ++rank, site.x_m, site.y_m,
                   static_cast<double>(site.cost),
@@ -121,11 +121,11 @@ std::string site_lines(const HazardMap& map) {
     text += site.distance_to_hazard_m ? print(" %10.2f", static_cast<double>(*site.distance_to_hazard_m))
                                       : print(" %10s", "-");
     text += map.truth ? print("  %s\n", truth_text(site.truth)) : "\n";
-    if (is_touchdown_capped(site)) capped += (capped.empty() ? "" : ", ") + std::to_string(rank);
+    if (is_touchdown_capped(site)) capped.push_back(std::to_string(rank));
   }
   if (!map.p_safe) text += map.no_probability + "\n";
   if (!capped.empty())
-    text += "at least so much, since the map carries no larger p_safe: site " + capped + "\n";
+    text += "at least so much, since the map carries no larger p_safe: site " + joined(capped) + "\n";
   return text + map_lines(map.sites);
 }
 

@@ -115,14 +115,14 @@ void move_to_centers(Grid<double>& z, const Grid<float>& seen, const ReturnCentr
 }
 
 /// 1 sigma of the relief of the next finer scale than the finest one, whose variances are given with those of
-/// the next coarser scale: by the same factor less, and not more. Without a coarser scale, the same.
+/// the next coarser scale: by the same factor less, and not more. Without a coarser scale (empty), the same.
 Grid<float> extrapolated(const Grid<float>& finest_m2, const Grid<float>& coarser_m2) {
   auto sigma = Grid<float>::unset(finest_m2.spec());
-  const bool has_coarser = coarser_m2.spec().size() > 0;
+  const Grid<float>& before = coarser_m2.spec().size() > 0 ? coarser_m2 : finest_m2;
   for (std::size_t i = 0; i < sigma.spec().size(); ++i) {
     const float finest = finest_m2.values()[i];
-    const float coarser = has_coarser ? std::max(coarser_m2.values()[i], kMinVariance) : finest;
-    sigma.values()[i] = std::sqrt(finest * std::min(finest / std::max(coarser, kMinVariance), 1.0F));
+    const float factor = finest / std::max(before.values()[i], kMinVariance);
+    sigma.values()[i] = std::sqrt(finest * std::min(factor, 1.0F));
   }
   return sigma;
 }

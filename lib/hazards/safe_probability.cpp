@@ -72,7 +72,9 @@ Sorted sort_places(const MapEvidence& map, const HazardLimits& limits, double sl
 /// Mean and sum of squared departures of a measure over the grounds, one ground after the other (Welford).
 class Moments {
  public:
-  explicit Moments(const GridSpec& spec) : mean_(spec), squares_(spec) {}
+  /// Variances are those of the places within half_bins.
+  Moments(const GridSpec& spec, std::int64_t half_bins)
+      : half_bins_(half_bins), mean_(spec), squares_(spec) {}
 
   /// The places' values on the ground of this number, from 1 on.
   void add(const Grid<double>& values, const BinMask& places, double number) {
@@ -86,24 +88,22 @@ class Moments {
       }
     });
   }
-  /// Student's t of the distance of one more ground to the limit, of the variance of the places within
-  /// half_bins. `grounds` is how many each place was judged on, 0 for none. NaN where a value was.
-  [[nodiscard]] double room(double limit, BinIndex place, const Grid<std::int8_t>& grounds,
-                            std::int64_t half_bins) const {
+  /// Student's t of the distance of one more ground to the limit. `grounds` is how many each place was judged
+  /// on, 0 for none. NaN where a value was.
+  [[nodiscard]] double room(double limit, BinIndex place, const Grid<std::int8_t>& grounds) const {
     const double distance = limit - static_cast<double>(mean_.at(place));
-    return distance / std::sqrt(pooled_variance(place, grounds, half_bins) * (1 + 1.0 / grounds.at(place)));
+    return distance / std::sqrt(pooled_variance(place, grounds) * (1 + 1.0 / grounds.at(place)));
   }
 
  private:
-  [[nodiscard]] double pooled_variance(BinIndex place, const Grid<std::int8_t>& grounds,
-                                       std::int64_t half_bins) const {
+  [[nodiscard]] double pooled_variance(BinIndex place, const Grid<std::int8_t>& grounds) const {
     const GridSpec& spec = squares_.spec();
     double sum = 0;
     int freedom = 0;
-    for (std::int64_t row = std::max<std::int64_t>(place.row - half_bins, 0);
-         row <= std::min(place.row + half_bins, spec.rows - 1); ++row)
-      for (std::int64_t col = std::max<std::int64_t>(place.col - half_bins, 0);
-           col <= std::min(place.col + half_bins, spec.cols - 1); ++col) {
+    for (std::int64_t row = std::max<std::int64_t>(place.row - half_bins_, 0);
+         row <= std::min(place.row + half_bins_, spec.rows - 1); ++row)
+      for (std::int64_t col = std::max<std::int64_t>(place.col - half_bins_, 0);
+           col <= std::min(place.col + half_bins_, spec.cols - 1); ++col) {
         const auto square = static_cast<double>(squares_.at({row, col}));
         const int count = grounds.at({row, col});
         if (count < 2 || std::isnan(square)) continue;
@@ -113,6 +113,7 @@ class Moments {
     return std::max(sum / std::max(freedom, 1), kMinPooled);
   }
 
+  std::int64_t half_bins_;
   Grid<float> mean_, squares_;
 };
 
@@ -170,8 +171,8 @@ SafeProbability safe_probability(MapEvidence map, const LanderStencil& lander, c
                                   std::exchange(map.centroids, std::nullopt));
   map.sigma = {};  // makes room
   const std::int64_t pooled = lander.pad.half_bins() + 1;
-  Moments slope(spec);
-  Moments roughness(spec);
+  Moments slope(spec, pooled);
+  Moments roughness(spec, pooled);
   Grid<std::int8_t> grounds(spec);
   const auto each_open = [&](const auto& work) {
     by_rows(spec, [&](std::int64_t row) {
@@ -190,8 +191,8 @@ SafeProbability safe_probability(MapEvidence map, const LanderStencil& lander, c
     if (k != kFirstGrounds) continue;
     BinMask clear(spec);
     each_open([&](BinIndex place) {
-      const double steep = slope.room(limits.slope_deg, place, grounds, pooled);
-      const double rough = roughness.room(limits.roughness_m, place, grounds, pooled);
+      const double steep = slope.room(limits.slope_deg, place, grounds);
+      const double rough = roughness.room(limits.roughness_m, place, grounds);
       const bool is_safe = steep > kCertain && rough > kCertain;
       clear.at(place) = is_safe || steep < -kCertain || rough < -kCertain ? 1 : 0;
       if (clear.at(place) != 0) sorted.p.at(place) = is_safe ? 1 - kDoubt : kDoubt;
@@ -199,9 +200,8 @@ SafeProbability safe_probability(MapEvidence map, const LanderStencil& lander, c
     each_open([&](BinIndex place) { sorted.open.at(place) = clear.at(place) != 0 ? 0 : 1; });
   }
   each_open([&](BinIndex place) {
-    sorted.p.at(place) =
-        static_cast<float>(student(slope.room(limits.slope_deg, place, grounds, pooled)) *
-                           student(roughness.room(limits.roughness_m, place, grounds, pooled)));
+    sorted.p.at(place) = static_cast<float>(student(slope.room(limits.slope_deg, place, grounds)) *
+                                            student(roughness.room(limits.roughness_m, place, grounds)));
   });
   return capped(std::move(sorted.p), known, lander);
 }
