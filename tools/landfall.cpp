@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// landfall: starts every tool of landfall. Called by the name of a tool (a link to this program), it is that
-// tool.
+// landfall: starts every tool of landfall.
 #include <unistd.h>
 
 #include <algorithm>
@@ -24,52 +23,34 @@
 namespace landfall {
 std::filesystem::path own_folder() { return std::filesystem::read_symlink("/proc/self/exe").parent_path(); }
 
+namespace umbrella {
 namespace {
 
 namespace fs = std::filesystem;
 
-struct Command {
-  cli::CommandEntry entry;
-  ToolFunction* function;
-};
-
 constexpr std::array kCommands = {
-    Command{{"run", "", "Runs the whole chain from one configuration"}, landfall_run::start},
-    Command{{"terrain-gen", "terrain-gen", "Builds the true terrain of a landing site"}, terrain_gen::start},
-    Command{{"scan-sim", "scan-sim", "Scans a terrain with a lander's lidar"}, scan_sim::start},
-    Command{{"regrid", "regrid", "Grids the returns of scans into a DEM"}, regrid::start},
-    Command{{"dem-eval", "dem-eval", "Judges a DEM against landing requirements"}, dem_eval::start},
-    Command{{"hazard-map", "hazard-map", "Finds safe places to land on a DEM"}, hazard_map::start},
-    Command{{"monte-carlo", "monte-carlo", "Draws the errors many times and counts passes"},
-            monte_carlo::start},
-    Command{{"info", "landfall-info", "Describes landfall files"}, landfall_info::start},
-    Command{{"export", "landfall-export", "Converts a landfall file for other programs"},
-            landfall_export::start},
-    Command{{"import", "landfall-import", "Imports points or a DEM to judge them"}, landfall_import::start}};
+    cli::CommandEntry{"run", "", "Runs the whole chain from one configuration"},
+    cli::CommandEntry{"terrain-gen", "terrain-gen", "Builds the true terrain of a landing site"},
+    cli::CommandEntry{"scan-sim", "scan-sim", "Scans a terrain with a lander's lidar"},
+    cli::CommandEntry{"regrid", "regrid", "Grids the returns of scans into a DEM"},
+    cli::CommandEntry{"dem-eval", "dem-eval", "Judges a DEM against landing requirements"},
+    cli::CommandEntry{"hazard-map", "hazard-map", "Finds safe places to land on a DEM"},
+    cli::CommandEntry{"monte-carlo", "monte-carlo", "Draws the errors many times and counts passes"},
+    cli::CommandEntry{"info", "landfall-info", "Describes landfall files"},
+    cli::CommandEntry{"export", "landfall-export", "Converts a landfall file for other programs"},
+    cli::CommandEntry{"import", "landfall-import", "Imports points or a DEM to judge them"},
+    cli::CommandEntry{"study", "", "Runs a parameter study: landfall study FILE [-j N]"},
+    cli::CommandEntry{"help", "", "Lists the commands; with a command, its options"}};
 
-constexpr cli::CommandEntry kStudy = {"study", "", "Runs a parameter study: landfall study FILE [-j N]"};
-constexpr cli::CommandEntry kHelp = {"help", "", "Lists the commands; with a command, its options"};
-
-std::vector<cli::CommandEntry> entries() {
-  std::vector<cli::CommandEntry> all;
-  for (const Command& command : kCommands) all.push_back(command.entry);
-  all.insert(all.end(), {kStudy, kHelp});
-  return all;
-}
-
-const Command* find(const std::string& name) {
-  const auto* const found =
-      std::ranges::find_if(kCommands, [&](const Command& c) { return c.entry.name == name; });
-  return found == kCommands.end() ? nullptr : found;
-}
-
-/// Replaces this process. Returns only by throwing IoError.
-[[noreturn]] void replace_by(const std::string& program, std::vector<std::string> arguments) {
+/// Starts a program beside this one in place of this process. Returns only by throwing IoError.
+[[noreturn]] void start_beside(const std::string& name, const std::vector<std::string>& words) {
+  std::vector<std::string> arguments = {(own_folder() / name).string()};
+  arguments.insert(arguments.end(), words.begin(), words.end());
   std::vector<char*> argv;
   for (std::string& argument : arguments) argv.push_back(argument.data());
   argv.push_back(nullptr);
-  execvp(program.c_str(), argv.data());
-  throw IoError("cannot start " + program + ": " + std::strerror(errno));
+  execv(argv[0], argv.data());
+  throw IoError("cannot start " + arguments[0] + ": " + std::strerror(errno));
 }
 
 /// "landfall help", and "landfall help scan-sim" as `landfall scan-sim --help`.
@@ -85,7 +66,7 @@ int print_completion() {
     code = landfall_run::start(2, argv.data(), nullptr);
     own = output.text();
   }
-  std::cout << cli::umbrella_completion(entries(), own) << std::flush;
+  std::cout << cli::umbrella_completion(kCommands, own) << std::flush;
   return code;
 }
 
@@ -98,22 +79,21 @@ int start(const std::string& name, const std::vector<std::string>& words) {
   }
   if (name == "--print-completion") return print_completion();
   if (name == "--print-man") {
-    std::cout << cli::umbrella_manual(entries()) << std::flush;
+    std::cout << cli::umbrella_manual(kCommands) << std::flush;
     return 0;
   }
-  if (const Command* const command = find(name)) {
-    std::vector<const char*> argv = {command->entry.name};
+  if (name == "run") {
+    std::vector<const char*> argv = {"run"};
     for (const std::string& word : words) argv.push_back(word.c_str());
-    return command->function(static_cast<int>(argv.size()), argv.data(), nullptr);
+    return landfall_run::start(static_cast<int>(argv.size()), argv.data(), nullptr);
   }
-  // A program beside this one that this version does not contain.
-  if (const fs::path beside = own_folder() / ("landfall-" + name); name[0] != '-' && fs::exists(beside)) {
-    std::vector<std::string> arguments = {beside.string()};
-    arguments.insert(arguments.end(), words.begin(), words.end());
-    replace_by(beside.string(), arguments);
-  }
+  for (const cli::CommandEntry& command : kCommands)
+    if (command.name == name) start_beside(command.tool, words);
+  // A program that this version does not know.
+  if (name[0] != '-' && fs::exists(own_folder() / ("landfall-" + name)))
+    start_beside("landfall-" + name, words);
   std::vector<std::string> known;
-  for (const cli::CommandEntry& entry : entries()) known.emplace_back(entry.name);
+  for (const cli::CommandEntry& command : kCommands) known.emplace_back(command.name);
   const std::string near = nearest_word(name, known);
   throw UsageError("'" + shown_word(name) + "' is not a command; " +
                    (near.empty() ? "landfall help lists them" : "did you mean " + near + "?"));
@@ -121,27 +101,21 @@ int start(const std::string& name, const std::vector<std::string>& words) {
 
 int help(const std::vector<std::string>& words) {
   if (!words.empty() && words[0] != "help") return start(words[0], {"--help"});
-  std::cout << cli::umbrella_help(entries()) << std::flush;
+  std::cout << cli::umbrella_help(kCommands) << std::flush;
   return 0;
 }
 
-int start(const std::vector<std::string>& words) {
+}  // namespace
+
+int start(int argc, const char* const* argv, cli::Invocation* /*invocation*/) {
   try {
-    if (words.empty()) throw UsageError("a command is required; landfall help lists them");
-    return start(words[0], {words.begin() + 1, words.end()});
+    if (argc < 2) throw UsageError("a command is required; landfall help lists them");
+    return start(argv[1], {argv + 2, argv + argc});
   } catch (const Error& error) {
     std::cerr << shown_text(std::string("landfall: ") + error.what()) << '\n';
     return static_cast<int>(error.exit_code());
   }
 }
 
-}  // namespace
+}  // namespace umbrella
 }  // namespace landfall
-
-int main(int argc, char** argv) {
-  const std::string name = argc > 0 ? std::filesystem::path(argv[0]).filename().string() : "landfall";
-  const auto* const tool = std::ranges::find_if(
-      landfall::kCommands, [&](const landfall::Command& command) { return command.entry.tool == name; });
-  if (tool != landfall::kCommands.end()) return tool->function(argc, argv, nullptr);
-  return landfall::start({argv + 1, argv + argc});
-}

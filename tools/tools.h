@@ -14,10 +14,14 @@ struct Invocation;
 /// The folder of this program.
 std::filesystem::path own_folder();
 
-/// A tool as a function: `landfall` calls it. Returns the exit code. `invocation` may be null.
+/// A tool as a function: its program and `landfall run` call it. Returns the exit code. `invocation` may be
+/// null.
 using ToolFunction = int(int argc, const char* const* argv, cli::Invocation* invocation);
 
-// Each in a namespace of its own, because their units are compiled together.
+// Each in a namespace of its own: its program's main function calls it (main.cpp).
+namespace umbrella {  // `landfall`
+ToolFunction start;
+}
 namespace terrain_gen {
 ToolFunction start;
 }
@@ -45,7 +49,7 @@ ToolFunction start;
 namespace landfall_import {
 ToolFunction start;
 }
-namespace landfall_run {  // `landfall run`, which has no program of its own
+namespace landfall_run {  // `landfall run`
 ToolFunction start;
 }
 

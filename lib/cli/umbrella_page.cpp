@@ -45,7 +45,7 @@ bool has_tool(const CommandEntry& command) { return *command.tool != '\0'; }
 
 }  // namespace
 
-std::string umbrella_help(const std::vector<CommandEntry>& commands) {
+std::string umbrella_help(std::span<const CommandEntry> commands) {
   std::string text = std::string(kPurpose) + "\n\nlandfall COMMAND [OPTION...]\n\n";
   for (const CommandEntry& command : commands) text += print("  %-12s %s\n", command.name, command.summary);
   return text +
@@ -53,7 +53,7 @@ std::string umbrella_help(const std::vector<CommandEntry>& commands) {
          "Documentation: man landfall, docs/user/landfall.md.\n";
 }
 
-std::string umbrella_manual(const std::vector<CommandEntry>& commands) {
+std::string umbrella_manual(std::span<const CommandEntry> commands) {
   std::string text = manual_head("landfall", "landing lidar simulation: all tools by one name");
   text += ".SH SYNOPSIS\n\\fBlandfall\\fR \\fICOMMAND\\fR [\\fIOPTION\\fR...]\n.SH DESCRIPTION\n" +
           manual_text(kPurpose) + "\n.SH COMMANDS\n";
@@ -65,7 +65,7 @@ std::string umbrella_manual(const std::vector<CommandEntry>& commands) {
   return text + manual_see_also("landfall");
 }
 
-std::string umbrella_completion(const std::vector<CommandEntry>& commands, const std::string& own) {
+std::string umbrella_completion(std::span<const CommandEntry> commands, const std::string& own) {
   std::string names;
   std::string cases;
   for (const CommandEntry& command : commands) {

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <span>
 #include <string>
-#include <vector>
 
 namespace landfall::cli {
 
@@ -14,15 +14,15 @@ struct CommandEntry {
 };
 
 /// The text of `landfall help`.
-[[nodiscard]] std::string umbrella_help(const std::vector<CommandEntry>& commands);
+[[nodiscard]] std::string umbrella_help(std::span<const CommandEntry> commands);
 
 /// The man page of `landfall`.
-[[nodiscard]] std::string umbrella_manual(const std::vector<CommandEntry>& commands);
+[[nodiscard]] std::string umbrella_manual(std::span<const CommandEntry> commands);
 
 /// The bash completion of `landfall`: the first word is a command, the others are completed as those of its
 /// tool, whose completion bash-completion loads on demand. Commands without a program complete file names,
 /// but a command of which `own` contains the function of completion_function() uses that.
-[[nodiscard]] std::string umbrella_completion(const std::vector<CommandEntry>& commands,
+[[nodiscard]] std::string umbrella_completion(std::span<const CommandEntry> commands,
                                               const std::string& own = "");
 
 }  // namespace landfall::cli

@@ -51,7 +51,7 @@ class Information(ToolTest):
         self.assertIn("libhwy", result.stderr, "LD_DEBUG does not list the bindings")
         for line in result.stderr.splitlines():
             if "platform15TimerResolution" in line:
-                self.assertRegex(line, r" to \S*/regrid \[0\]: ")
+                self.assertRegex(line, r" to \S*/liblandfall\.so \[0\]: ")
 
     def test_no_library_is_taken_from_the_current_folder(self):
         for name in ("libpng16.so.16", "libhdf5_serial.so.103"):

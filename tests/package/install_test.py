@@ -55,14 +55,20 @@ class Install(unittest.TestCase):
         self.succeed(os.path.join(self.share, "python", "commands", "plot_dem.py"), self.path("d.h5"), "-o", self.path("d.png"))
         self.assertGreater(os.path.getsize(self.path("d.png")), 1000)
 
+    def copy_without_plugins(self, name, prefix):
+        libraries = os.path.join(prefix, "lib", "landfall")
+        for source, folder in ((self.tool(name), os.path.join(prefix, "bin")),
+                               (os.path.join(self.prefix, "lib", "landfall", "liblandfall.so"), libraries)):
+            os.makedirs(folder, exist_ok=True)
+            shutil.copy(source, folder)
+
     def test_the_plugin_is_found(self):
         with open(self.path("dem.asc"), "w", encoding="ascii") as file:
             file.write("ncols 21\nnrows 21\nxllcorner 0\nyllcorner 0\ncellsize 1\n" + ("5 " * 21 + "\n") * 21)
         site = ["--from", self.path("dem.asc"), "--half-width", "5", "--resolution", "0.5", "--horizontal-scale", "1"]
         self.succeed(self.tool("terrain-gen"), *site, "-o", self.path("site.h5"))
         bare = self.path("bare")  # without the plugin, the message names the paths that were searched
-        os.makedirs(os.path.join(bare, "bin"))
-        shutil.copy(self.tool("terrain-gen"), os.path.join(bare, "bin"))
+        self.copy_without_plugins("terrain-gen", bare)
         result = execute(os.path.join(bare, "bin", "terrain-gen"), *site, "-o", self.path("none.h5"))
         if result.returncode:  # it succeeds if the same version is installed in the prefix of this build
             self.assertTrue(result.stderr.startswith(f"terrain-gen: {self.path('dem.asc')}: rasters need the plugin landfall-gdal.so, "),
@@ -77,8 +83,7 @@ class Install(unittest.TestCase):
         else:
             self.assertIn("cpu", json.loads(result.stdout))
         bare = self.path("bare_info")
-        os.makedirs(os.path.join(bare, "bin"))
-        shutil.copy(self.tool("landfall-info"), os.path.join(bare, "bin"))
+        self.copy_without_plugins("landfall-info", bare)
         result = execute(os.path.join(bare, "bin", "landfall-info"), "--devices")
         if result.returncode:  # it succeeds if the same version is installed in the prefix of this build
             self.assertTrue(result.stderr.startswith("landfall-info: OpenCL devices need the plugin landfall-opencl.so, "), result.stderr)
