@@ -129,6 +129,8 @@ ExitCode conclude(cli::Session& session, const Options& o, const HazardMap& map,
     session.warn(o.map + ": bins of " + number_text(bin_m) +
                  " m are coarser than a tenth of the body's diameter, " + short_number(tenth_m) +
                  " m: p_safe is less sure");
+  if (map.has_sharp_relief)
+    session.warn(o.map + ": rocks or steps stand out of the relief: beside them p_safe is less sure");
   if (session.options().shows_table(o.table)) std::cout << cli::hazard_table(map) << cli::own_table(own);
   std::optional<double> required;
   if (o.require_safe) required = parameters.sites.min_p;
