@@ -146,13 +146,9 @@ ExitCode run(cli::Session& session, const Options& o) {
 
 int start(int argc, const char* const* argv, cli::Invocation* invocation) {
   Options options;
-  cli::Tool tool;
-  tool.name = "dem-eval";
-  tool.summary =
-      "Judges a DEM against landing requirements: coverage, holes, absolute and relative accuracy.";
+  cli::Tool tool("dem-eval");
   tool.description = kDescription;
   tool.examples = kExamples;
-  tool.schema = "eval";
   tool.bind = [&](CLI::App& app) { bind(app, options); };
   tool.check = [](const cli::Session& s) {
     static_cast<void>(evaluation_config(s.config(), s.config_name()));

@@ -219,12 +219,9 @@ ExitCode run(cli::Session& session, const Options& o) {
 
 int start(int argc, const char* const* argv, cli::Invocation* invocation) {
   Options options;
-  cli::Tool tool;
-  tool.name = "hazard-map";
-  tool.summary = "Finds safe places to land on a DEM or terrain, and judges them by the true ground.";
+  cli::Tool tool("hazard-map");
   tool.description = kDescription;
   tool.examples = kExamples;
-  tool.schema = "hazard";
   tool.bind = [&](CLI::App& app) { bind(app, options); };
   tool.check = [](const cli::Session& s) { static_cast<void>(hazard_config(s.config(), s.config_name())); };
   tool.run = [&](cli::Session& session) { return run(session, options); };

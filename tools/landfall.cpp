@@ -17,6 +17,7 @@
 #include "cli/standard_streams.h"
 #include "cli/umbrella_page.h"
 #include "config/schema.h"
+#include "dictionary/tables/tools.h"
 #include "files/provenance.h"
 #include "tools.h"
 
@@ -27,20 +28,6 @@ namespace umbrella {
 namespace {
 
 namespace fs = std::filesystem;
-
-constexpr std::array kCommands = {
-    cli::CommandEntry{"run", "", "Runs the whole chain from one configuration"},
-    cli::CommandEntry{"terrain-gen", "terrain-gen", "Builds the true terrain of a landing site"},
-    cli::CommandEntry{"scan-sim", "scan-sim", "Scans a terrain with a lander's lidar"},
-    cli::CommandEntry{"regrid", "regrid", "Grids the returns of scans into a DEM"},
-    cli::CommandEntry{"dem-eval", "dem-eval", "Judges a DEM against landing requirements"},
-    cli::CommandEntry{"hazard-map", "hazard-map", "Finds safe places to land on a DEM"},
-    cli::CommandEntry{"monte-carlo", "monte-carlo", "Draws the errors many times and counts passes"},
-    cli::CommandEntry{"info", "landfall-info", "Describes landfall files"},
-    cli::CommandEntry{"export", "landfall-export", "Converts a landfall file for other programs"},
-    cli::CommandEntry{"import", "landfall-import", "Imports points or a DEM to judge them"},
-    cli::CommandEntry{"study", "", "Runs a parameter study: landfall study FILE [-j N]"},
-    cli::CommandEntry{"help", "", "Lists the commands; with a command, its options"}};
 
 /// Starts a program beside this one in place of this process. Returns only by throwing IoError.
 [[noreturn]] void start_beside(const std::string& name, const std::vector<std::string>& words) {
@@ -66,7 +53,7 @@ int print_completion() {
     code = landfall_run::start(2, argv.data(), nullptr);
     own = output.text();
   }
-  std::cout << cli::umbrella_completion(kCommands, own) << std::flush;
+  std::cout << cli::umbrella_completion(own) << std::flush;
   return code;
 }
 
@@ -79,7 +66,7 @@ int start(const std::string& name, const std::vector<std::string>& words) {
   }
   if (name == "--print-completion") return print_completion();
   if (name == "--print-man") {
-    std::cout << cli::umbrella_manual(kCommands) << std::flush;
+    std::cout << cli::umbrella_manual() << std::flush;
     return 0;
   }
   if (name == "run") {
@@ -87,13 +74,15 @@ int start(const std::string& name, const std::vector<std::string>& words) {
     for (const std::string& word : words) argv.push_back(word.c_str());
     return landfall_run::start(static_cast<int>(argv.size()), argv.data(), nullptr);
   }
-  for (const cli::CommandEntry& command : kCommands)
-    if (command.name == name) start_beside(command.tool, words);
+  std::vector<std::string> known;
+  for (const dictionary::Tool& tool : dictionary::kTools)
+    if (tool.command == name)
+      start_beside(tool.name, words);
+    else if (*tool.command != '\0')
+      known.emplace_back(tool.command);
   // A program that this version does not know.
   if (name[0] != '-' && fs::exists(own_folder() / ("landfall-" + name)))
     start_beside("landfall-" + name, words);
-  std::vector<std::string> known;
-  for (const cli::CommandEntry& command : kCommands) known.emplace_back(command.name);
   const std::string near = nearest_word(name, known);
   throw UsageError("'" + shown_word(name) + "' is not a command; " +
                    (near.empty() ? "landfall help lists them" : "did you mean " + near + "?"));
@@ -101,7 +90,7 @@ int start(const std::string& name, const std::vector<std::string>& words) {
 
 int help(const std::vector<std::string>& words) {
   if (!words.empty() && words[0] != "help") return start(words[0], {"--help"});
-  std::cout << cli::umbrella_help(kCommands) << std::flush;
+  std::cout << cli::umbrella_help() << std::flush;
   return 0;
 }
 

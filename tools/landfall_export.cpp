@@ -90,9 +90,7 @@ ExitCode run(cli::Session& session, const ExportOptions& o) {
 
 int start(int argc, const char* const* argv, cli::Invocation* invocation) {
   ExportOptions options;
-  cli::Tool tool;
-  tool.name = "landfall-export";
-  tool.summary = "Exports a landfall file to the formats of other programs.";
+  cli::Tool tool("landfall-export");
   tool.examples = kExamples;
   tool.writes_hdf5 = false;
   tool.bind = [&](CLI::App& app) { bind(app, options); };

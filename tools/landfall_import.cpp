@@ -263,9 +263,7 @@ ExitCode run(cli::Session& session, const Options& o) {
 
 int start(int argc, const char* const* argv, cli::Invocation* invocation) {
   Options options;
-  cli::Tool tool;
-  tool.name = "landfall-import";
-  tool.summary = "Imports points and elevation models that landfall did not make, to judge them.";
+  cli::Tool tool("landfall-import");
   tool.description = kDescription;
   tool.examples = kExamples;
   tool.bind = [&](CLI::App& app) { bind(app, options); };

@@ -213,9 +213,7 @@ ExitCode run(cli::Session& session, const Options& o) {
 
 int start(int argc, const char* const* argv, cli::Invocation* invocation) {
   Options options;
-  cli::Tool tool;
-  tool.name = "landfall-info";
-  tool.summary = "Describes landfall files: kind, extent, statistics, configuration, provenance, verdict.";
+  cli::Tool tool("landfall-info");
   tool.description = kDescription;
   tool.examples = kExamples;
   tool.writes = false;

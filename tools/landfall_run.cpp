@@ -17,6 +17,7 @@
 #include "config/chain_config.h"
 #include "config/import_config.h"
 #include "config/stage_sections.h"
+#include "dictionary/tables/stages.h"
 #include "exports/terrain_output.h"
 #include "files/landfall_file.h"
 #include "output/output_path.h"
@@ -108,18 +109,13 @@ std::vector<std::string> shared_options(const cli::CommonOptions& common) {
   return words;
 }
 
-struct StageTool {
-  const char* section;  ///< of the configuration
-  ToolFunction* function;
-};
-
-const StageTool& tool_of(const cli::ChainStage& stage) {
-  static const std::map<std::string, StageTool> tools = {{"terrain-gen", {"terrain", terrain_gen::start}},
-                                                         {"scan-sim", {"scan", scan_sim::start}},
-                                                         {"regrid", {"regrid", regrid::start}},
-                                                         {"dem-eval", {"eval", dem_eval::start}},
-                                                         {"hazard-map", {"hazard", hazard_map::start}}};
-  return tools.at(stage.tool);
+ToolFunction* function_of(const cli::ChainStage& stage) {
+  static const std::map<std::string, ToolFunction*> functions = {{"terrain-gen", terrain_gen::start},
+                                                                 {"scan-sim", scan_sim::start},
+                                                                 {"regrid", regrid::start},
+                                                                 {"dem-eval", dem_eval::start},
+                                                                 {"hazard-map", hazard_map::start}};
+  return functions.at(stage.tool);
 }
 
 /// The result of a stage.
@@ -134,13 +130,14 @@ StageResult run_tool(const cli::Session& session, const cli::ChainStage& stage,
   std::vector<const char*> argv = {stage.tool.c_str()};
   for (const std::string& word : stage.arguments) argv.push_back(word.c_str());
   for (const std::string& word : options) argv.push_back(word.c_str());
-  const StageTool& tool = tool_of(stage);
-  cli::Invocation invocation{.keep_same = keep_same, .section = session.config_name() + ": /" + tool.section};
+  const std::string section =
+      std::ranges::find(dictionary::kStages, stage.tool, &dictionary::Stage::tool)->name;
+  cli::Invocation invocation{.keep_same = keep_same, .section = session.config_name() + ": /" + section};
   const cli::CapturedOutput text;
   // A single output is known by its file_id.
   const BeforeNaming note(stage.side_outputs.empty() ? std::function<void()>()
                                                      : [&] { record.announce(stage); });
-  const int code = tool.function(static_cast<int>(argv.size()), argv.data(), &invocation);
+  const int code = function_of(stage)(static_cast<int>(argv.size()), argv.data(), &invocation);
   return {static_cast<ExitCode>(code), invocation.kept, text.text()};
 }
 
@@ -277,12 +274,9 @@ ExitCode run(cli::Session& session, const Options& o) {
 
 int start(int argc, const char* const* argv, cli::Invocation* invocation) {
   Options options;
-  cli::Tool tool;
-  tool.name = "landfall run";
-  tool.summary = "Runs the whole chain, from the terrain to the landing sites, from one configuration.";
+  cli::Tool tool("landfall run");
   tool.description = kDescription;
   tool.examples = kExamples;
-  tool.schema = "chain";
   tool.writes_folder = true;
   tool.bind = [&](CLI::App& app) { bind(app, options); };
   tool.complete = [&](JsonSource& source) { complete(source, options); };

@@ -144,12 +144,9 @@ ExitCode run(cli::Session& session, const cli::CampaignOptions& o) {
 
 int start(int argc, const char* const* argv, cli::Invocation* invocation) {
   cli::CampaignOptions options;
-  cli::Tool tool;
-  tool.name = "monte-carlo";
-  tool.summary = "Draws a scan or its errors many times, and counts how often its DEM passes.";
+  cli::Tool tool("monte-carlo");
   tool.description = kDescription;
   tool.examples = kExamples;
-  tool.schema = "draws";
   tool.has_seed = true;
   tool.seed_key = "/scan/seed";
   tool.bind = [&](CLI::App& app) { cli::bind_campaign(app, options); };

@@ -134,13 +134,9 @@ ExitCode run(cli::Session& session, const Options& o) {
 
 int start(int argc, const char* const* argv, cli::Invocation* invocation) {
   Options options;
-  cli::Tool tool;
-  tool.name = "regrid";
-  tool.summary =
-      "Grids the returns of one or more scans into a DEM, with the true elevations if the terrain is given.";
+  cli::Tool tool("regrid");
   tool.description = kDescription;
   tool.examples = kExamples;
-  tool.schema = "regrid";
   tool.bind = [&](CLI::App& app) { bind(app, options); };
   tool.expand = [&](JsonSource&, const cli::CommonOptions& common) {
     options.threads = common.threads;

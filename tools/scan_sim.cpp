@@ -161,12 +161,9 @@ ExitCode run(cli::Session& session, const Options& o) {
 
 int start(int argc, const char* const* argv, cli::Invocation* invocation) {
   Options options;
-  cli::Tool tool;
-  tool.name = "scan-sim";
-  tool.summary = "Scans a terrain with a lander's scanning lidar: true and estimated points of every return.";
+  cli::Tool tool("scan-sim");
   tool.description = kDescription;
   tool.examples = kExamples;
-  tool.schema = "scan";
   tool.has_seed = true;
   tool.bind = [&](CLI::App& app) { bind(app, options); };
   tool.check = [](cli::Session& session) {

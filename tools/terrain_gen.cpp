@@ -130,12 +130,9 @@ TerrainContent write(cli::Session& session, const Options& o) {
 
 int start(int argc, const char* const* argv, cli::Invocation* invocation) {
   Options options;
-  cli::Tool tool;
-  tool.name = "terrain-gen";
-  tool.summary = "Builds the true terrain of a landing site: relief, features, imported rasters and meshes.";
+  cli::Tool tool("terrain-gen");
   tool.description = kDescription;
   tool.examples = kExamples;
-  tool.schema = "terrain";
   tool.has_seed = true;
   tool.writes_hdf5 = false;
   tool.bind = [&](CLI::App& app) { bind(app, options); };

@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <map>
 #include <optional>
 #include <utility>
 
@@ -19,6 +18,7 @@
 #include "cli/result_tables.h"
 #include "config/dem_config.h"
 #include "config/resolved_config.h"
+#include "dictionary/tables/tools.h"
 #include "files/field_json.h"
 #include "files/metrics_json.h"
 
@@ -278,11 +278,8 @@ std::string dataset_lines(const std::string& group, const OrderedJson& entries) 
 
 /// The schema of a tool's configuration; empty for other tools.
 std::string schema_of(const std::string& tool) {
-  static const std::map<std::string, std::string> kSchemas = {
-      {"terrain-gen", "terrain"}, {"scan-sim", "scan"},     {"regrid", "regrid"},
-      {"dem-eval", "eval"},       {"hazard-map", "hazard"}, {"monte-carlo", "draws"}};
-  const auto found = kSchemas.find(tool);
-  return found == kSchemas.end() ? "" : found->second;
+  const auto* const found = std::ranges::find(dictionary::kTools, tool, &dictionary::Tool::name);
+  return found == dictionary::kTools.end() ? "" : found->schema;
 }
 
 std::string config_lines(const OrderedJson& d) {

@@ -6,7 +6,6 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
-#include <array>
 #include <sstream>
 
 #include "base/joined.h"
@@ -14,14 +13,11 @@
 #include "cli/tool.h"
 #include "config/schema.h"
 #include "config/schema_keys.h"
+#include "dictionary/tables/tools.h"
 #include "files/provenance.h"
 
 namespace landfall::cli {
 namespace {
-
-constexpr std::array kTools = {"dem-eval",        "hazard-map",      "landfall",      "landfall-run",
-                               "landfall-export", "landfall-import", "landfall-info", "monte-carlo",
-                               "regrid",          "scan-sim",        "terrain-gen"};
 
 /// Escapes text so that roff prints it unchanged, and so that it can be copied into a shell.
 std::string roff(const std::string& text) {
@@ -63,8 +59,7 @@ std::string upper(std::string text) {
 }
 
 /// "landfall-run": a page's name has no blank.
-std::string page_name(const Tool& tool) {
-  std::string name = tool.name;
+std::string page_name(std::string name) {
   std::ranges::replace(name, ' ', '-');
   return name;
 }
@@ -158,31 +153,32 @@ std::string configuration_section(const Tool& tool) {
   return text + indented_keys(schema_keys(embedded_schema(tool.schema)));
 }
 
+/// "--require-pass:" and the like in bold.
+std::string with_bold_options(const std::string& text) {
+  std::string result;
+  std::istringstream words(text);
+  for (std::string word; words >> word;) {
+    const bool has_colon = word.ends_with(':');
+    const std::string option = word.substr(0, word.size() - (has_colon ? 1 : 0));
+    result += (result.empty() ? "" : " ") +
+              (word.starts_with("--") ? bold(option) + (has_colon ? ":" : "") : roff(word));
+  }
+  return result;
+}
+
 std::string exit_section(const Tool& tool) {
   std::string text =
       ".SH EXIT STATUS\n.TP\n.B 0\nDone.\n.TP\n.B 1\nThe content of a data file is wrong, or "
       "reading or writing failed.\n.TP\n.B 2\nA flag or the configuration is wrong, or the output "
       "exists.\n";
-  if (tool.name == "dem-eval")
-    text += ".TP\n.B 3\nWith " + bold("--require-pass") + ": a requirement is missed or cannot be judged.\n";
-  if (tool.name == "hazard-map")
-    text += ".TP\n.B 3\nWith " + bold("--require-safe") +
-            ": no site is safe enough, or the score misses a requirement of the configuration.\n";
-  if (tool.name == "monte-carlo")
-    text += ".TP\n.B 3\nWith " + bold("--require-pass") +
-            ": a draw fails, or the sequential test does not accept.\n";
-  if (tool.name == "landfall run")
-    text += ".TP\n.B 3\nWith " + bold("--require-pass") +
-            ": a requirement is missed or cannot be judged; with " + bold("--require-safe") +
-            ": no site is safe enough.\n";
+  if (!tool.exit_3.empty()) text += ".TP\n.B 3\n" + with_bold_options(tool.exit_3) + "\n";
   return text;
 }
 
 std::string environment_section(const Tool& tool) {
-  constexpr std::array kWithGdal = {"terrain-gen", "landfall-export", "landfall-import"};
-  if (std::ranges::find(kWithGdal, tool.name) == kWithGdal.end()) return "";
-  return ".SH ENVIRONMENT\n.TP\n.B LANDFALL_PLUGIN_DIR\nThe directory of landfall\\-gdal.so, which reads and "
-         "writes rasters; by default that of the installation.\n";
+  if (tool.plugin.empty()) return "";
+  return ".SH ENVIRONMENT\n.TP\n.B LANDFALL_PLUGIN_DIR\nThe directory of " + roff(tool.plugin) +
+         ", which reads and writes rasters; by default that of the installation.\n";
 }
 
 /// Indented lines are commands; the other lines are prose after them.
@@ -218,21 +214,22 @@ std::string manual_head(const std::string& name, const std::string& summary) {
 
 std::string manual_see_also(const std::string& name) {
   std::string text;
-  for (const char* const other : kTools)
-    if (other != name) text += (text.empty() ? "" : ",\n") + std::string(".BR ") + roff(other) + " (1)";
+  for (const dictionary::Tool& other : dictionary::kTools)
+    if (const std::string page = page_name(other.name); *other.summary != '\0' && page != name)
+      text += (text.empty() ? "" : ",\n") + std::string(".BR ") + roff(page) + " (1)";
   return ".SH SEE ALSO\n" + text + "\n";
 }
 
 std::string manual_page(const CLI::App& app, const Tool& tool) {
   const std::vector<OptionView> options = options_of(app);
-  std::string text = manual_head(page_name(tool), name_line(tool)) + synopsis(tool, options);
+  std::string text = manual_head(page_name(tool.name), name_line(tool)) + synopsis(tool, options);
   text += ".SH DESCRIPTION\n" + paragraphs(tool.description.empty() ? tool.summary : tool.description);
   text += option_section(options) + configuration_section(tool) + exit_section(tool) +
           environment_section(tool) + example_section(tool);
   text +=
       ".SH FILES\nEvery file is HDF5; docs/user/files/ of the documentation describes its contents, and\n.BR "
       "landfall\\-info (1)\nprints them.\n";
-  return text + manual_see_also(page_name(tool));
+  return text + manual_see_also(page_name(tool.name));
 }
 
 }  // namespace landfall::cli

@@ -20,6 +20,7 @@
 #include "cli/standard_streams.h"
 #include "config/presets.h"
 #include "config/schema.h"
+#include "dictionary/tables/tools.h"
 #include "files/current_output.h"
 #include "output/temporary_files.h"
 
@@ -245,6 +246,14 @@ std::string option_hint(const CLI::App& app, const Error& error) {
 }
 
 }  // namespace
+
+Tool::Tool(std::string known_name) : name(std::move(known_name)) {
+  const dictionary::Tool& words = *std::ranges::find(dictionary::kTools, name, &dictionary::Tool::name);
+  summary = words.summary;
+  schema = words.schema;
+  exit_3 = words.exit_3;
+  plugin = words.plugin;
+}
 
 int tool_main(int argc, const char* const* argv, const Tool& tool, Invocation* invocation) {
   hold_closed_standard_streams();

@@ -16,12 +16,16 @@ namespace landfall::cli {
 
 /// The declaration of a tool in its source file.
 struct Tool {
+  explicit Tool(std::string known_name);  ///< with what schemas/dictionary/tools.json says of it
+
   std::string name;
   std::string summary;           ///< one line
   std::string description = {};  ///< for the man page: paragraphs, separated by empty lines
   /// Shown under --help: "Examples:", commands indented by two spaces, then lines of prose.
   std::string examples;
   std::string schema;  ///< name for embedded_schema(); empty for a tool without a configuration
+  std::string exit_3;  ///< when it ends with 3; empty if never
+  std::string plugin;  ///< what it may need to read and write rasters; empty if nothing
   bool has_seed = false;
   std::string seed_key = "/seed";       ///< what --seed sets, a JSON pointer
   bool writes_hdf5 = true;              ///< false: the tool checks the extension of its output itself

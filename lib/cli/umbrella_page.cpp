@@ -4,6 +4,7 @@
 #include "cli/completion.h"
 #include "cli/manual.h"
 #include "cli/print.h"
+#include "dictionary/tables/tools.h"
 
 namespace landfall::cli {
 namespace {
@@ -41,40 +42,50 @@ _landfall_folder=${BASH_SOURCE[0]%/*}
 complete -F _landfall_landfall landfall
 )sh";
 
-bool has_tool(const CommandEntry& command) { return *command.tool != '\0'; }
+/// The rows of tools.json that are commands of `landfall`.
+std::vector<dictionary::Tool> commands() {
+  std::vector<dictionary::Tool> found;
+  for (const dictionary::Tool& tool : dictionary::kTools)
+    if (*tool.command != '\0') found.push_back(tool);
+  return found;
+}
+
+bool is_program(const std::string& name) { return name.find(' ') == std::string::npos; }
 
 }  // namespace
 
-std::string umbrella_help(std::span<const CommandEntry> commands) {
+std::string umbrella_help() {
   std::string text = std::string(kPurpose) + "\n\nlandfall COMMAND [OPTION...]\n\n";
-  for (const CommandEntry& command : commands) text += print("  %-12s %s\n", command.name, command.summary);
+  for (const dictionary::Tool& command : commands())
+    text += print("  %-12s %s\n", command.command, command.brief);
   return text +
          "\nlandfall help COMMAND lists a command's options, landfall --version prints the version.\n"
          "Documentation: man landfall, docs/user/landfall.md.\n";
 }
 
-std::string umbrella_manual(std::span<const CommandEntry> commands) {
-  std::string text = manual_head("landfall", "landing lidar simulation: all tools by one name");
+std::string umbrella_manual() {
+  std::string text = manual_head("landfall", dictionary::kTools.front().summary);
   text += ".SH SYNOPSIS\n\\fBlandfall\\fR \\fICOMMAND\\fR [\\fIOPTION\\fR...]\n.SH DESCRIPTION\n" +
           manual_text(kPurpose) + "\n.SH COMMANDS\n";
-  for (const CommandEntry& command : commands)
-    text += ".TP\n\\fB" + manual_text(command.name) + "\\fR\n" + manual_text(command.summary) + ".\n";
+  for (const dictionary::Tool& command : commands())
+    text += ".TP\n\\fB" + manual_text(command.command) + "\\fR\n" + manual_text(command.brief) + ".\n";
   text += ".SH EXIT STATUS\nThat of the tool; 2 for an unknown command.\n.SH EXAMPLES\n.EX\n" +
           manual_text("landfall scan-sim -c preset:paper --terrain terrain.h5 -o scan.h5") + "\n" +
           manual_text("landfall info scan.h5") + "\n.EE\n";
   return text + manual_see_also("landfall");
 }
 
-std::string umbrella_completion(std::span<const CommandEntry> commands, const std::string& own) {
+std::string umbrella_completion(const std::string& own) {
   std::string names;
   std::string cases;
-  for (const CommandEntry& command : commands) {
-    names += (names.empty() ? "" : " ") + std::string(command.name);
-    const std::string function = completion_function("landfall " + std::string(command.name));
-    if (has_tool(command))
-      cases += "    " + std::string(command.name) + ") tool=" + command.tool + " ;;\n";
-    else if (own.find(function) != std::string::npos)
-      cases += "    " + std::string(command.name) + ") tool='landfall " + command.name + "' ;;\n";
+  for (const dictionary::Tool& command : commands()) {
+    const std::string name = command.command;
+    const std::string tool = command.name;
+    names += (names.empty() ? "" : " ") + name;
+    if (is_program(tool))
+      cases += "    " + name + ") tool=" + tool + " ;;\n";
+    else if (own.find(completion_function(tool)) != std::string::npos)
+      cases += "    " + name + ") tool='" + tool + "' ;;\n";
   }
   return own + "# bash completion of landfall\n_landfall_commands='" + names + "'\n" + kUmbrellaBegin +
          cases + kUmbrellaEnd;

@@ -13,6 +13,7 @@
 #include "config/plain_number.h"
 #include "config/presets.h"
 #include "config/schema.h"
+#include "dictionary/tables/stages.h"
 #include "terrain/mesh/mesh_name.h"
 
 namespace landfall {
@@ -120,7 +121,12 @@ void fill_region(Json& section, const Json& area, const std::optional<double>& r
 }  // namespace
 
 const std::vector<std::string>& stage_sections() {
-  static const std::vector<std::string> sections = {"terrain", "scan", "regrid", "eval", "hazard"};
+  static const std::vector<std::string> sections = [] {
+    std::vector<std::string> names;
+    for (const dictionary::Stage& stage : dictionary::kStages)
+      if (stage.is_section) names.emplace_back(stage.name);
+    return names;
+  }();
   return sections;
 }
 

@@ -16,6 +16,7 @@
 #include "base/number_text.h"
 #include "campaign/draw_layers.h"
 #include "campaign/pass_rate.h"
+#include "dictionary/tables/stages.h"
 #include "files/contents.h"
 #include "files/field_json.h"
 #include "files/grid_file.h"
@@ -179,9 +180,9 @@ void write_rows(const LandfallFileWriter& file, const DrawTable& table) {
 
 /// Varied keys begin with the name of their stage; no metric does.
 bool is_varied(const std::string& name) {
-  static constexpr std::array kStages = {"scan.", "regrid.", "eval.", "hazard.", "terrain."};
-  return name == kPairColumn ||
-         std::ranges::any_of(kStages, [&](const char* stage) { return name.starts_with(stage); });
+  return name == kPairColumn || std::ranges::any_of(dictionary::kStages, [&](const dictionary::Stage& stage) {
+           return name.starts_with(stage.name + std::string("."));
+         });
 }
 
 /// Refuses values that no campaign has, because sums of them could overflow.

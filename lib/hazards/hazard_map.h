@@ -121,7 +121,7 @@ struct HazardMap {
   BinMask p_capped;                   ///< only with p_safe, as p_cap
   float p_cap = 0;
   bool has_sharp_relief = false;  ///< sharp_relief.h; only with p_safe
-  std::string p_safe_origin;  ///< how it was made, in words
+  std::string p_safe_origin;      ///< how it was made, in words
   std::string no_probability = kNoProbability;
   Grid<float> p_touchdown;
   Grid<float> cost;

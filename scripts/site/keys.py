@@ -11,12 +11,12 @@ import sys
 ROOT = os.path.abspath(os.path.join(os.path.dirname(__file__), "..", ".."))
 sys.path.insert(0, os.path.join(ROOT, "python"))
 # pylint: disable=wrong-import-position
-from landfall import scan_keys
+from landfall import dictionary, scan_keys
 from landfall.schema import read_json
 
 FOLDER = "docs/reference/keys"
 # The schemas, the pages of their keys and what reads them.
-PAGES = {"terrain": "terrain-gen", "scan": "scan-sim", "regrid": "regrid", "eval": "dem-eval", "hazard": "hazard-map", "draws": "monte-carlo",
+PAGES = {**{stage["schema"]: stage["tool"] for stage in dictionary.stages().values()},
          "chain": "landfall-run", "study": "study", "sensitivity": "sensitivity", "design": "design"}
 ABOUT = {"study": ("a study", "../../user/studies/README.md"), "sensitivity": ("a sensitivity analysis", "../../user/studies/sensitivity.md"),
          "design": ("a search for a design", "../../user/studies/design.md"), "chain": ("`landfall run`", "../../user/landfall.md")}

@@ -13,11 +13,12 @@ import h5py
 import jsonschema
 import numpy as np
 
-from harness import CONFIGS, INPUTS, TOOLS, ChainTest, ToolTest, attributes, read_bytes, run, tool
+from harness import CONFIGS, INPUTS, PROGRAMS, TOOLS, ChainTest, ToolTest, attributes, read_bytes, run, tool
 
 COMMON = ["-c,--config", "--set", "-o,--output", "-O,--overwrite", "-t,--threads", "-q,--quiet", "-v,--verbose",
           "--progress", "--no-progress", "--json", "--print-config", "--print-schema", "--check", "-V,--version",
           "-h,--help", "--compression", "--record-environment", "--log"]
+ALL = [name for name in PROGRAMS if name != "landfall"]
 
 
 class Information(ToolTest):
@@ -32,7 +33,7 @@ class Information(ToolTest):
             self.assertEqual(run(name, "-h").stdout, text)
 
     def test_texts_fit_80_columns(self):
-        for name in [*TOOLS, "landfall-info", "landfall-export", "landfall-import"]:
+        for name in ALL:
             for line in self.succeed(name, "--help").stdout.splitlines():
                 self.assertLessEqual(len(line), 80, f"{name}: {line}")
         for line in self.succeed("scan-sim", "--list-presets").stdout.splitlines():
@@ -140,7 +141,7 @@ class Usage(ToolTest):
 
     def test_arguments_must_be_utf_8(self):
         foreign = os.fsdecode(b"a\xf8")
-        for name in [*TOOLS, "landfall-info", "landfall-export", "landfall-import"]:
+        for name in ALL:
             self.refuse(2, name, foreign + ".h5", words=["argument 1, 'a?.h5'", "UTF-8"])
             self.refuse(2, name, "-q", "-o", foreign, words=["argument 3, 'a?'", "UTF-8"])
         self.refuse(2, "scan-sim", "--check", "--set", f"seed.{foreign}=1", words=["argument 3, 'seed.a?=1'", "UTF-8"])

@@ -8,11 +8,11 @@ import shutil
 import subprocess
 import unittest
 
-from harness import TOOLS, ToolTest, run, tool
+from harness import PROGRAMS, TOOLS, ToolTest, run, tool
 
 ROOT = os.environ["LANDFALL_ROOT"]
-ALL = [*TOOLS, "landfall-info", *(name for name in ("landfall-export", "landfall-import") if os.path.exists(tool(name)))]
-CONFIGURED = {"terrain-gen": "terrain", "scan-sim": "scan", "regrid": "regrid", "dem-eval": "eval", "hazard-map": "hazard", "monte-carlo": "draws"}
+ALL = [name for name in PROGRAMS if name != "landfall"]
+CONFIGURED = {name: PROGRAMS[name]["schema"] for name in TOOLS}
 
 COMPLETE = """
 source "$1"
@@ -122,7 +122,7 @@ class ManPage(ToolTest):
                         "EXAMPLES", "FILES", "SEE ALSO"]
             if name not in CONFIGURED:
                 expected.remove("CONFIGURATION")
-            if name not in ("terrain-gen", "landfall-export", "landfall-import"):  # the others read no rasters
+            if "plugin" not in PROGRAMS[name]:
                 expected.remove("ENVIRONMENT")
             self.assertEqual(heads, expected, name)
 

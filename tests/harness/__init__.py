@@ -14,7 +14,9 @@ import numpy as np
 BIN = os.environ["LANDFALL_BIN"]
 SANITIZED = bool(os.environ.get("LANDFALL_SANITIZE"))  # sanitized builds take many times the time and memory
 LONGEST_S = 1200 if SANITIZED else 120
-TOOLS = ["terrain-gen", "scan-sim", "regrid", "dem-eval", "hazard-map", "monte-carlo"]
+with open(os.path.join(os.path.dirname(__file__), "../../schemas/dictionary/tools.json"), encoding="utf-8") as _file:
+    PROGRAMS = {row["name"]: row for row in json.load(_file)["tools"] if " " not in row["name"]}
+TOOLS = [name for name, row in PROGRAMS.items() if "schema" in row]  # those of a chain
 
 # 400 pulses of 8 x 8 pixels from 50 m: 25,600 rays on a 12 m square of relief.
 TERRAIN = {

@@ -12,7 +12,6 @@ import unittest
 import h5py
 
 BUILD, ROOT = os.environ["LANDFALL_BUILD"], os.environ["LANDFALL_ROOT"]
-TOOLS = ["terrain-gen", "scan-sim", "regrid", "dem-eval", "hazard-map", "monte-carlo", "landfall-info", "landfall-export", "landfall-import", "landfall"]
 
 
 def execute(*command, **options):

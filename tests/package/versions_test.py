@@ -10,6 +10,8 @@ import unittest
 
 import yaml
 
+from harness import PROGRAMS
+
 ROOT = os.environ["LANDFALL_ROOT"]
 SCHEMAS = ["chain", "design", "draws", "eval", "hazard", "regrid", "scan", "sensitivity", "study", "terrain"]
 
@@ -25,7 +27,7 @@ RELEASES = re.findall(r"^## (\S+)(?: - (\S+))?$", text("CHANGELOG.md"), re.MULTI
 
 class Versions(unittest.TestCase):
     def test_tools_and_packages_have_the_version(self):
-        for tool in ["terrain-gen", "scan-sim", "regrid", "dem-eval", "hazard-map", "monte-carlo", "landfall-info", "landfall-export", "landfall-import", "landfall"]:
+        for tool in PROGRAMS:
             words = subprocess.run([os.path.join(os.environ["LANDFALL_BIN"], tool), "--version"], check=True,
                                   capture_output=True, text=True).stdout
             self.assertIn(VERSION, words.split(), tool)

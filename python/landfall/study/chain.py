@@ -11,7 +11,7 @@ from landfall.study.session import inner_name, read_log
 from landfall.study.stages import UPSTREAM
 
 RULE = re.compile(r"\t\$\(call stage,([a-z]+),([0-9a-f]+),[^)]*\) (.*)")
-KINDS = ("terrain", "truth", "scan", "regrid", "eval", "hazard", "draws")
+KINDS = ("terrain", "truth", *list(UPSTREAM)[1:])
 # How many files a step reads: they follow its configuration, and its output follows them.
 INPUTS = {"terrain": 0, "scan": 2, "regrid": 2, "eval": 1, "hazard": 2, "draws": 2}
 OPTIONS = ("--corrected", "--uncertainty")

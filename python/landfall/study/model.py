@@ -7,14 +7,13 @@ import math
 import os
 from dataclasses import dataclass, field
 
-from landfall import tools
+from landfall import dictionary, tools
 from landfall.errors import ToolError, UsageError
 from landfall.schema import default_at, read_json, shown, type_of
 
-TOOLS = {"terrain": "terrain-gen", "scan": "scan-sim", "regrid": "regrid", "eval": "dem-eval", "hazard": "hazard-map", "draws": "monte-carlo"}
+TOOLS = {name: stage["tool"] for name, stage in dictionary.stages().items()}
 STAGES = tuple(TOOLS)
-# Stages that a study has only if its base names them.
-OPTIONAL_STAGES = ("hazard", "draws")
+OPTIONAL_STAGES = tuple(name for name, stage in dictionary.stages().items() if stage.get("is_optional"))
 # Keys of a distribution of draws.vary; what stands before one of them is the varied key, whose dots part no folders.
 DISTRIBUTION = ("type", "mean", "sigma", "low", "high", "values")
 VARY = "draws.vary."

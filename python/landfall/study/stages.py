@@ -22,12 +22,12 @@ import hashlib
 import json
 from dataclasses import dataclass, field
 
-from landfall import scan_keys
+from landfall import dictionary, scan_keys
 from landfall.errors import UsageError
 from landfall.schema import shown
 from landfall.study import model
 
-UPSTREAM = {"terrain": None, "scan": "terrain", "regrid": "scan", "eval": "regrid", "hazard": "regrid", "draws": "scan"}
+UPSTREAM = {name: stage.get("upstream") for name, stage in dictionary.stages().items()}
 # Stages whose files are a case's results, in the order of its files.
 RESULTS = ("eval", "hazard", "draws")
 # The part of a campaign's configuration that it has from the case; of one whose draws trace.
