@@ -23,6 +23,8 @@
 #include "config/presets.h"
 #include "config/resolved_config.h"
 #include "config/schema.h"
+#include "dictionary/tables/stages.h"
+#include "exports/file_export.h"
 #include "exports/quick_look.h"
 #include "files/current_output.h"
 #include "picture/rgb_image.h"
@@ -41,20 +43,20 @@ void add_named_files(const Json& value, std::vector<std::string>& files) {
     for (const Json& element : value) add_named_files(element, files);
 }
 
-/// The formats of other programs that the extension of an output may name.
-constexpr std::array kForeignExtensions = {
-    ".asc", ".csv", ".e57", ".gz",  ".html", ".img", ".jpeg", ".jpg", ".json", ".las", ".laz", ".obj",
-    ".off", ".pcd", ".ply", ".png", ".stl",  ".tif", ".tiff", ".txt", ".vrt",  ".xmf", ".xyz", ".zip"};
-/// Those that landfall-export writes.
-constexpr std::array kExportedExtensions = {".csv", ".las", ".ply", ".png", ".tif", ".tiff", ".xmf"};
+/// The formats of other programs that the extension of an output may name, beside those of landfall-export.
+constexpr std::array kForeignExtensions = {".asc", ".e57", ".gz",  ".img", ".jpeg", ".jpg", ".json", ".laz",
+                                           ".obj", ".off", ".stl", ".txt", ".vrt",  ".xyz", ".zip"};
 
 /// A tool that writes HDF5 would give the file a name that other programs misunderstand.
 void require_hdf5_name(const std::string& tool, const std::string& path) {
   const std::string extension = file_extension(path);
-  if (std::ranges::find(kForeignExtensions, extension) == kForeignExtensions.end()) return;
+  if (std::ranges::find(kForeignExtensions, extension) == kForeignExtensions.end() &&
+      !is_exported("", extension))
+    return;
   const std::string own = std::filesystem::path(path).replace_extension(".h5").string();
   std::string message = "output " + path + ": " + tool + " writes HDF5; name it " + own;
-  if (std::ranges::find(kExportedExtensions, extension) != kExportedExtensions.end())
+  const auto* const stage = std::ranges::find(dictionary::kStages, tool, &dictionary::Stage::tool);
+  if (is_exported(stage == dictionary::kStages.end() ? "" : stage->kind, extension))
     message += ", then run: landfall-export " + own + " -o " + path;
   throw UsageError(message);
 }

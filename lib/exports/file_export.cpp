@@ -35,17 +35,65 @@
 namespace landfall {
 namespace {
 
-/// Whether `words`, separated by spaces, contain this format.
-bool has(std::string_view words, const std::string& format) {
-  return words.find(format) != std::string_view::npos;
+/// An export of one file.
+struct Job {
+  const ExportOptions& options;
+  const OutputOptions& output;
+  const std::string& tool;
+  const ProgressCallback& progress;
+};
+
+// They return a remark about the values in the file, or nothing.
+using PointWriter = std::string(const Job& job, const PointReader& points, ByteSink& sink);
+using GridWriter = std::string(const Job& job, ByteSink& sink);
+using FileWriter = std::string(const Job& job);
+
+/// A format of landfall-export.
+struct ExportFormat {
+  std::string_view name;     ///< its extension without the dot
+  std::string_view also;     ///< another extension
+  const char* scan_options;  ///< the options that apply to a scan; null: scans cannot become this format
+  const char* grid_options;  ///< of the other kinds
+  std::string_view only;     ///< the only kind that can become it; empty: all whose options are given
+  PointWriter* write_points = nullptr;
+  GridWriter* write_grid = nullptr;
+  FileWriter* write_file = nullptr;  ///< in place of the others; all null: runs/cloud_output.h
+};
+
+PointWriter csv_points, las_points, pcd_points, ply_points, xmf_points;
+GridWriter csv_grid, xmf_grid;
+FileWriter geopackage_file, picture_file, geotiff_file;
+
+constexpr ExportFormat kFormats[] = {
+    {"csv", "", "--columns --every --frame --keep-misses", "--every --layers --sites", "", csv_points,
+     csv_grid},
+    {"gpkg", "", nullptr, "--sites", "hazards", nullptr, nullptr, geopackage_file},
+    {"html", "", "--max-points", nullptr, ""},
+    {"las", "", "--every --frame --position --time", nullptr, "", las_points},
+    {"pcd", "", "--columns --every --frame --position", nullptr, "", pcd_points},
+    {"ply", "", "--columns --every --frame --position", nullptr, "", ply_points},
+    {"png", "", "--layers", "--layers", "", nullptr, nullptr, picture_file},
+    {"tif", "tiff", nullptr, "--layers", "", nullptr, nullptr, geotiff_file},
+    {"xmf", "xdmf", "--position", "--layers", "", xmf_points, xmf_grid}};
+
+const ExportFormat& format_named(const std::string& name) {
+  return *std::ranges::find(kFormats, name, &ExportFormat::name);
+}
+
+bool has_extension(const ExportFormat& format, const std::string& extension) {
+  return extension.size() > 1 && (extension.substr(1) == format.name || extension.substr(1) == format.also);
+}
+
+const char* options_of(const ExportFormat& format, const std::string& kind) {
+  return kind == "scan" ? format.scan_options : format.grid_options;
+}
+
+bool is_format_of(const ExportFormat& format, const std::string& kind) {
+  return options_of(format, kind) != nullptr && (format.only.empty() || format.only == kind);
 }
 
 /// ".csv, .gpkg, ...".
-std::string listed_extensions() {
-  std::string text;
-  for (const std::string& format : export_formats()) text += (text.empty() ? "." : ", .") + format;
-  return text;
-}
+std::string listed_extensions() { return "." + joined(export_formats(), ", ."); }
 
 std::string format_of(const ExportOptions& o, const std::string& output) {
   if (output == "-") {
@@ -56,10 +104,8 @@ std::string format_of(const ExportOptions& o, const std::string& output) {
   }
   const std::string extension = file_extension(output);
   std::string named;
-  if (extension == ".xdmf") named = "xmf";
-  if (extension == ".tiff") named = "tif";
-  for (const std::string& known : export_formats())
-    if (extension == "." + known) named = known;
+  for (const ExportFormat& format : kFormats)
+    if (has_extension(format, extension)) named = format.name;
   if (!named.empty() && !o.format.empty() && named != o.format)
     throw UsageError("output " + output + ": its extension contradicts --format " + o.format);
   if (!o.format.empty()) return o.format;
@@ -73,13 +119,6 @@ std::string format_of(const ExportOptions& o, const std::string& output) {
   return named;
 }
 
-/// The formats of a kind of file, in alphabetical order.
-std::vector<std::string> formats_of(const std::string& kind) {
-  if (kind == "scan") return {"csv", "html", "las", "pcd", "ply", "png", "xmf"};
-  if (kind == "hazards") return {"csv", "gpkg", "png", "tif", "xmf"};
-  return {"csv", "png", "tif", "xmf"};
-}
-
 /// Throws UsageError unless a file of this kind can be exported to this format.
 void require_possible(const LandfallFileReader& file, const std::string& format) {
   const std::string& input = file.name();
@@ -87,7 +126,9 @@ void require_possible(const LandfallFileReader& file, const std::string& format)
     throw UsageError(input + " is a mesh terrain, which can become .png; terrain-gen --from " + input +
                      " -o mesh.ply exports the mesh");
   const std::string kind = kind_of(file);
-  const std::vector<std::string> formats = formats_of(kind);
+  std::vector<std::string> formats;
+  for (const ExportFormat& each : kFormats)
+    if (is_format_of(each, kind)) formats.emplace_back(each.name);
   if (std::ranges::find(formats, format) != formats.end()) return;
   std::string listed;
   for (const std::string& each : formats)
@@ -98,24 +139,14 @@ void require_possible(const LandfallFileReader& file, const std::string& format)
 
 /// Throws UsageError for an option that has no effect in an export to this format.
 void require_no_stray_option(const ExportOptions& o, bool is_scan) {
-  struct Option {
-    bool given;
-    const char* name;
-    std::string_view of_scan;  ///< the formats to which it applies
-    std::string_view of_grid;
-  };
-  const Option options[] = {{!o.layers.empty(), "--layers", "png", "csv png tif xmf"},
-                            {!o.columns.empty(), "--columns", "csv pcd ply", ""},
-                            {!o.position.empty(), "--position", "las pcd ply xmf", ""},
-                            {o.every != 1, "--every", "csv las pcd ply", "csv"},
-                            {o.keep_misses, "--keep-misses", "csv", ""},
-                            {o.max_points != 0, "--max-points", "html", ""},
-                            {!o.time.empty(), "--time", "las", ""},
-                            {!o.frame.empty(), "--frame", "csv las pcd ply", ""},
-                            {o.sites, "--sites", "", "csv gpkg"}};
-  for (const Option& option : options)
-    if (option.given && !has(is_scan ? option.of_scan : option.of_grid, o.format))
-      throw UsageError(std::string(option.name) + " does not apply to the export of a " +
+  const std::string_view applies = options_of(format_named(o.format), is_scan ? "scan" : "");
+  const std::pair<bool, std::string_view> options[] = {
+      {!o.layers.empty(), "--layers"}, {!o.columns.empty(), "--columns"}, {!o.position.empty(), "--position"},
+      {o.every != 1, "--every"},       {o.keep_misses, "--keep-misses"},  {o.max_points != 0, "--max-points"},
+      {!o.time.empty(), "--time"},     {!o.frame.empty(), "--frame"},     {o.sites, "--sites"}};
+  for (const auto& [given, name] : options)
+    if (given && applies.find(name) == std::string_view::npos)
+      throw UsageError(std::string(name) + " does not apply to the export of a " +
                        (is_scan ? "scan" : "grid") + " to ." + o.format);
 }
 
@@ -158,8 +189,8 @@ PointReader::Pass properties_pass(const PointReader& points, const ExportOptions
 
 /// Writes the .xmf, and beside it the positions that it refers to, which get their final name first. Returns
 /// a remark on their frame, or nothing.
-std::string export_points_xdmf(const PointReader& points, const ExportOptions& o, const OutputOptions& output,
-                               const std::string& tool, ByteSink& sink) {
+std::string xmf_points(const Job& job, const PointReader& points, ByteSink& sink) {
+  const auto& [o, output, tool, progress] = job;
   // The .xmf only refers to the scan's rows, so that it cannot leave any out.
   if (points.count({true, 1}) != points.row_count())
     throw UsageError(points.file().name() +
@@ -206,16 +237,16 @@ std::string float_remark(const std::optional<MapFrame>& map, double rounding, co
   return remark.empty() ? "" : output + ": " + remark;
 }
 
-/// Returns a remark about the values in the file, or nothing.
-std::string export_las(const PointReader& points, const ExportOptions& o, const std::string& output,
-                       const std::string& tool, ByteSink& sink, const ProgressCallback& progress) {
+std::string las_points(const Job& job, const PointReader& points, ByteSink& sink) {
+  const ExportOptions& o = job.options;
+  const std::string output = job.output.path.string();
   std::string remark = time_remark(points, o, output);
   for (const std::string& each : write_points_las(points,
                                                   {.position = o.position,
                                                   .every = o.every,
                                                   .time = o.time == "gps" ? LasTime::gps : LasTime::scan,
-                                                  .software = tool + " " + program_version()},
-                                                  sink, progress))
+                                                  .software = job.tool + " " + program_version()},
+                                                  sink, job.progress))
     remark += (remark.empty() ? output + ": " : "; ") + each;
   return remark;
 }
@@ -226,45 +257,51 @@ std::string unit_remark(const std::optional<MapFrame>& map) {
   return "elevations are in " + length_unit_name(map->metres_per_height) + ", x and y in " + map->unit;
 }
 
-/// Returns a remark about the values in the file, or nothing.
-std::string export_points(const ExportOptions& o, const PointReader& points, const OutputOptions& output,
-                          const std::string& tool, ByteSink& sink, const ProgressCallback& progress) {
-  if (o.format == "pcd")
-    return float_remark(points.map(), write_points_pcd(points, properties_pass(points, o), sink, progress),
-                        output.path.string());
-  if (o.format == "las") return export_las(points, o, output.path.string(), tool, sink, progress);
-  if (o.format == "csv")
-    write_points_csv(points, {points.choose(o.columns), {!o.keep_misses, o.every}}, sink, progress);
-  else if (o.format == "ply")
-    write_points_ply(points, properties_pass(points, o), sink, progress);
-  else
-    return export_points_xdmf(points, o, output, tool, sink);
+std::string pcd_points(const Job& job, const PointReader& points, ByteSink& sink) {
+  const double rounding = write_points_pcd(points, properties_pass(points, job.options), sink, job.progress);
+  return float_remark(points.map(), rounding, job.output.path.string());
+}
+
+std::string csv_points(const Job& job, const PointReader& points, ByteSink& sink) {
+  const ExportOptions& o = job.options;
+  write_points_csv(points, {points.choose(o.columns), {!o.keep_misses, o.every}}, sink, job.progress);
   return "";
 }
 
-/// Returns a remark about the values in the file, or nothing.
-std::string export_scan(const ExportOptions& o, const OutputOptions& output, const std::string& tool,
-                        ByteSink& sink, const ProgressCallback& progress) {
-  PointReader points(o.input);
-  if (o.format != "xmf")
-    if (std::optional<MapFrame> map = export_map(points, o.frame)) points.place_on(std::move(*map));
-  const std::string remark = export_points(o, points, output, tool, sink, progress);
-  const std::string units = unit_remark(points.map());
-  if (units.empty()) return remark;
-  return (remark.empty() ? output.path.string() + ": " : remark + "; ") + units;
+std::string ply_points(const Job& job, const PointReader& points, ByteSink& sink) {
+  write_points_ply(points, properties_pass(points, job.options), sink, job.progress);
+  return "";
 }
 
-void export_grid(const ExportOptions& o, const OutputOptions& output, ByteSink& sink,
-                 const ProgressCallback& progress) {
+std::string export_scan(const Job& job, const ExportFormat& format, ByteSink& sink) {
+  PointReader points(job.options.input);
+  if (format.name != "xmf")
+    if (std::optional<MapFrame> map = export_map(points, job.options.frame)) points.place_on(std::move(*map));
+  const std::string remark = format.write_points(job, points, sink);
+  const std::string units = unit_remark(points.map());
+  if (units.empty()) return remark;
+  return (remark.empty() ? job.output.path.string() + ": " : remark + "; ") + units;
+}
+
+std::string xmf_grid(const Job& job, ByteSink& sink) {
+  const ExportOptions& o = job.options;
   const GridSource grid(o.input);
-  if (o.format == "xmf") {
-    const std::vector<ContentInfo> layers = o.layers.empty() ? grid.layers() : grid.choose(o.layers);
-    sink.write(grid_xdmf(layers, grid.spec(), xdmf_reference(o.input, output.path)));
-    return;
+  const std::vector<ContentInfo> layers = o.layers.empty() ? grid.layers() : grid.choose(o.layers);
+  sink.write(grid_xdmf(layers, grid.spec(), xdmf_reference(o.input, job.output.path)));
+  return "";
+}
+
+std::string csv_grid(const Job& job, ByteSink& sink) {
+  const ExportOptions& o = job.options;
+  if (o.sites) {
+    write_sites_csv(LandfallFileReader(o.input, {"hazards"}), sink);
+    return "";
   }
+  const GridSource grid(o.input);
   const std::vector<NamedLayer> layers =
-      grid.read(grid.choose(o.layers), [&](double f) { report(progress, f / 4); });
-  write_layers_csv(layers, o.every, sink, [&](double f) { report(progress, (1 + 3 * f) / 4); });
+      grid.read(grid.choose(o.layers), [&](double f) { report(job.progress, f / 4); });
+  write_layers_csv(layers, o.every, sink, [&](double f) { report(job.progress, (1 + 3 * f) / 4); });
+  return "";
 }
 
 /// Adds the input's name to what a writer finds wrong in its content.
@@ -277,8 +314,8 @@ void naming(const std::string& input, const std::function<void()>& write) {
   }
 }
 
-void export_geotiff(const ExportOptions& o, const OutputOptions& output, const std::string& tool,
-                    const ProgressCallback& progress) {
+std::string geotiff_file(const Job& job) {
+  const auto& [o, output, tool, progress] = job;
   const GridSource grid(o.input);
   const std::vector<NamedLayer> layers =
       grid.read(grid.choose(o.layers), [&](double f) { report(progress, f / 2); });
@@ -288,21 +325,36 @@ void export_geotiff(const ExportOptions& o, const OutputOptions& output, const s
         {std::visit([](const auto& values) { return decltype(GeotiffBand::values)(&values); }, layer.values),
          layer.info.units, layer.info.name});
   naming(o.input, [&] { write_geotiff(output, content, [&](double f) { report(progress, (1 + f) / 2); }); });
+  return "";
 }
 
-void export_picture(const ExportOptions& o, const OutputOptions& output, const ProgressCallback& progress) {
+std::string geopackage_file(const Job& job) {
+  const std::string& input = job.options.input;
+  naming(input, [&] { write_sites_geopackage(LandfallFileReader(input, {"hazards"}), job.output); });
+  return "";
+}
+
+std::string picture_file(const Job& job) {
+  const ExportOptions& o = job.options;
   const std::string names = joined(o.layers, ",");
   if (o.layers.size() > 1 || names == "all")
     throw UsageError("a .png shows one layer; --layers names " + names);
-  write_png(output, quick_look(o.input, names, progress));
+  write_png(job.output, quick_look(o.input, names, job.progress));
+  return "";
 }
 
 }  // namespace
 
-const std::vector<std::string>& export_formats() {
-  static const std::vector<std::string> formats = {"csv", "gpkg", "html", "las", "pcd",
-                                                   "ply", "png",  "tif",  "xmf"};
-  return formats;
+std::vector<std::string> export_formats() {
+  std::vector<std::string> names;
+  for (const ExportFormat& format : kFormats) names.emplace_back(format.name);
+  return names;
+}
+
+bool is_exported(const std::string& kind, const std::string& extension) {
+  return std::ranges::any_of(kFormats, [&](const ExportFormat& format) {
+    return has_extension(format, extension) && (kind.empty() || is_format_of(format, kind));
+  });
 }
 
 FileExport::FileExport(ExportOptions options, const std::string& output)
@@ -322,32 +374,18 @@ std::string FileExport::second_output() const {
 
 std::string FileExport::write(const OutputOptions& output, const std::string& tool,
                               const ProgressCallback& progress) const {
-  std::string remark;
-  if (options_.format == "tif") {
-    export_geotiff(options_, output, tool, progress);
-  } else if (options_.format == "png") {
-    export_picture(options_, output, progress);
-  } else if (options_.format == "gpkg") {
-    naming(options_.input,
-           [&] { write_sites_geopackage(LandfallFileReader(options_.input, {"hazards"}), output); });
-  } else {
-    const auto write_to = [&](ByteSink&& sink) {
-      if (options_.sites)
-        write_sites_csv(LandfallFileReader(options_.input, {"hazards"}), sink);
-      else if (kind_ == "scan")
-        remark = export_scan(options_, output, tool, sink, progress);
-      else
-        export_grid(options_, output, sink, progress);
-      sink.finish();
-    };
-    if (output_ == "-") {
-      write_to(StandardOutputSink());
-    } else {
-      OutputPath path(output.path, output.overwrite);
-      write_to(FileSink(path));
-    }
-  }
-  return remark;
+  const Job job{options_, output, tool, progress};
+  const ExportFormat& format = format_named(options_.format);
+  if (format.write_file != nullptr) return format.write_file(job);
+  const auto write_to = [&](ByteSink&& sink) {
+    const std::string remark =
+        kind_ == "scan" ? export_scan(job, format, sink) : format.write_grid(job, sink);
+    sink.finish();
+    return remark;
+  };
+  if (output_ == "-") return write_to(StandardOutputSink());
+  OutputPath path(output.path, output.overwrite);
+  return write_to(FileSink(path));
 }
 
 }  // namespace landfall

@@ -11,7 +11,11 @@
 namespace landfall {
 
 /// The names of the formats, which are their extensions without the dot.
-[[nodiscard]] const std::vector<std::string>& export_formats();
+[[nodiscard]] std::vector<std::string> export_formats();
+
+/// Whether a file of this kind can be exported to a file with this extension (".tif"); of any kind if `kind`
+/// is empty.
+[[nodiscard]] bool is_exported(const std::string& kind, const std::string& extension);
 
 /// The part of a landfall file to export, and the format. Empty members have defaults.
 struct ExportOptions {

@@ -2,6 +2,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The messages of a run beyond errors: its conclusion, warnings, the log, and which output names it refuses."""
 import json
+import re
+import shutil
 import unittest
 
 import h5py
@@ -147,11 +149,19 @@ class OutputNames(ChainTest):
     """The extension of another format is refused with the command that makes that format."""
 
     def test_formats_that_landfall_export_writes(self):
-        for name, file in [("scan-sim", "scan.las"), ("scan-sim", "scan.PLY"), ("regrid", "dem.tif"), ("dem-eval", "e.csv")]:
-            own = file.split(".")[0] + ".h5"
-            self.refuse(2, name, *self.chain.inputs(name), "-o", self.path(file),
-                        words=[f"{name} writes HDF5; name it ", f"landfall-export {self.path(own)} -o {self.path(file)}"],
-                        output=self.path(file))
+        """Of each format, for each kind of file that it can become; the command itself tells which."""
+        formats = re.search(r"--format .*?\{(.*?)\}", self.succeed("landfall-export", "--help").stdout, re.DOTALL)[1].replace(",", " ").split()
+        self.assertIn("html", formats)
+        for name in TOOLS[1:5]:
+            own = self.path("own.h5")
+            shutil.copy(self.chain.output(name), own)
+            for extension in [*formats, "TIFF", "xdmf"]:
+                with self.subTest(f"{name} .{extension}"):
+                    file = self.path("own." + extension)
+                    sites = ["--sites"] if extension == "gpkg" else []
+                    can = "which can become" not in run("landfall-export", own, "-o", self.path("made." + extension), "-O", *sites).stderr
+                    result = self.refuse(2, name, *self.chain.inputs(name), "-o", file, words=[f"{name} writes HDF5; name it {own}"], output=file)
+                    self.assertEqual(f", then run: landfall-export {own} -o {file}" in result.stderr, can)
 
     def test_formats_that_nobody_writes(self):
         result = self.refuse(2, "regrid", self.chain.scan, "-o", self.path("dem.json"), words=["name it "])
