@@ -3,10 +3,13 @@
 #include "evaluation/parameters.h"
 
 #include <limits>
+#include <type_traits>
 
 #include "base/error.h"
+#include "base/fields.h"
 #include "base/number_text.h"
 #include "base/parameter_check.h"
+#include "dictionary/layers.h"
 
 namespace landfall {
 void check(const EvaluationParameters& parameters) {
@@ -25,11 +28,14 @@ void check(const EvaluationParameters& parameters) {
 }
 
 std::optional<double> limit_of_layer(const EvaluationLimits& limits, std::string_view layer) {
-  if (layer == "rel_z" || layer == "e_z") return limits.relative_elevation_m;
-  if (layer == "rel_x" || layer == "rel_y" || layer == "e_x" || layer == "e_y")
-    return limits.relative_horizontal_m;
-  if (layer == "abs_x" || layer == "abs_y") return limits.absolute_horizontal_m;
-  return std::nullopt;
+  const dictionary::Layer* const words = dictionary::find_layer("evaluation", layer);
+  std::optional<double> limit;
+  FieldWalk walk{[&](const std::string& key, const auto& value) {
+    if constexpr (std::is_arithmetic_v<std::remove_cvref_t<decltype(value)>>)
+      if (words != nullptr && key == words->limit) limit = static_cast<double>(value);
+  }};
+  EvaluationLimits::fields(walk, limits);
+  return limit;
 }
 
 Footprint footprint_of(const EvaluationParameters& parameters, double resolution_m) {

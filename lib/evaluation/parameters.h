@@ -27,9 +27,8 @@ struct EvaluationLimits {
                   absolute_horizontal_m, absolute_horizontal_frac)
 };
 
-/// The limit that the scale of an error layer shows: of rel_x .. rel_z and of the errors of single bins, e_x
-/// .. e_z, the limit of the relative error; of abs_x and abs_y that of the absolute horizontal one; none of
-/// others (D241).
+/// The limit that the scale of a layer of an evaluation shows, by schemas/dictionary/layers.json; none of
+/// most.
 [[nodiscard]] std::optional<double> limit_of_layer(const EvaluationLimits& limits, std::string_view layer);
 
 enum class FootprintShape { square, disc };

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "base/error.h"
+#include "dictionary/layers.h"
 #include "files/crs.h"
 #include "files/metrics_json.h"
 #include "hdf5/infinite_values.h"
@@ -180,18 +181,14 @@ std::optional<UncertaintyLayers> read_uncertainty(const std::filesystem::path& p
 }
 
 std::optional<double> stored_limit(const LandfallFileReader& evaluation, const std::string& layer) {
+  const dictionary::Layer* const words = dictionary::find_layer("evaluation", layer);
   const nlohmann::json& config = evaluation.config();
-  if (!config.is_object() || !config.contains("limits") || !config["limits"].is_object()) return std::nullopt;
-  EvaluationLimits limits;
-  for (const auto& [key, limit] : {std::pair("relative_elevation_m", &limits.relative_elevation_m),
-                                   std::pair("relative_horizontal_m", &limits.relative_horizontal_m),
-                                   std::pair("absolute_horizontal_m", &limits.absolute_horizontal_m)}) {
-    const auto found = config["limits"].find(key);
-    if (found == config["limits"].end() || !found->is_number()) return std::nullopt;
-    *limit = found->get<double>();
-    if (!std::isfinite(*limit) || *limit < 0) return std::nullopt;
-  }
-  return limit_of_layer(limits, layer);
+  if (words == nullptr || *words->limit == '\0' || !config.is_object()) return std::nullopt;
+  const nlohmann::json limits = config.value("limits", nlohmann::json());
+  if (!limits.is_object() || !limits.contains(words->limit) || !limits[words->limit].is_number())
+    return std::nullopt;
+  const auto limit = limits[words->limit].get<double>();
+  return std::isfinite(limit) && limit >= 0 ? std::optional(limit) : std::nullopt;
 }
 
 DemInput read_dem(const std::filesystem::path& path) {

@@ -105,21 +105,21 @@ void ReportLayers::take(Axis axis, const AxisLayers& layers) {
   add(described("evaluation", "rel_" + name), layers.relative);
   histograms_[static_cast<std::size_t>(axis)] = {histogram(layers.error, region_, kHistogramClasses),
                                                  histogram(layers.relative, region_, kHistogramClasses)};
-  add_shares(axis, layers);
+  add_shares(axis, name, layers);
 }
 
-void ReportLayers::add_shares(Axis axis, const AxisLayers& layers) {
-  const double limit_m = axis == Axis::z ? limits_.relative_elevation_m : limits_.relative_horizontal_m;
+void ReportLayers::add_shares(Axis axis, const std::string& name, const AxisLayers& layers) {
+  const double limit_m = *limit_of_layer(limits_, "rel_" + name);
   if (shares_.values().empty()) shares_ = Grid<float>(spec_, std::numeric_limits<float>::quiet_NaN());
   for_each_index(spec_.size(), [&](std::size_t i) {
     shares_.values()[i] = larger(shares_.values()[i], share_of_limit(layers.relative.values()[i], limit_m));
   });
   if (axis == Axis::x) absolute_x_ = layers.absolute;
   if (axis != Axis::y) return;
+  const double horizontal_limit_m = *limit_of_layer(limits_, "abs_" + name);
   for_each_index(spec_.size(), [&](std::size_t i) {
     const double horizontal_m = portable::hypot(absolute_x_.values()[i], layers.absolute.values()[i]);
-    shares_.values()[i] =
-        larger(shares_.values()[i], share_of_limit(horizontal_m, limits_.absolute_horizontal_m));
+    shares_.values()[i] = larger(shares_.values()[i], share_of_limit(horizontal_m, horizontal_limit_m));
   });
   absolute_x_ = {};
 }

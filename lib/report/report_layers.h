@@ -70,7 +70,7 @@ class ReportLayers : public LayerSink {
  private:
   template <class T>
   void add(ReportLayer layer, const Grid<T>& values);
-  void add_shares(Axis axis, const AxisLayers& layers);
+  void add_shares(Axis axis, const std::string& name, const AxisLayers& layers);
 
   GridSpec spec_;
   EvaluationLimits limits_;

@@ -80,6 +80,11 @@ def fail_bit(name):
     return next(flag["bit"] for flag in table("requirements")["fail_flags"] if flag["name"] == name)
 
 
+def layer_limit(name):
+    """The key of eval.limits that the scale of a layer of an evaluation shows; None of most."""
+    return next(layer.get("limit") for layer in table("layers")["layers"] if (layer["file"], layer["name"]) == ("evaluation", name))
+
+
 def place_classes(layer):
     """{value: (name, colour)} of `safe` or `outcome`, from the worst to the best."""
     return {entry["value"]: (entry["name"], entry["color"]) for entry in table("maps")["place_classes"] if entry["layer"] == layer}

@@ -53,11 +53,8 @@ class Evaluation:
         self.footprint_m = None if not bins or self.grid is None else (bins - 1) * self.grid.resolution_m
 
     def limit_m(self, layer):
-        """The limit of a layer, as limit_of_layer() of lib/evaluation; None if it has none or the file does not say."""
-        kind, axis = layer.split("_")
-        name = ("" if kind == "abs" and axis == "z" else "absolute_horizontal_m" if kind == "abs" else
-                "relative_elevation_m" if axis == "z" else "relative_horizontal_m")
-        return self.limits.get(name)
+        """The limit of a layer; None if it has none or the file does not say."""
+        return self.limits.get(dictionary.layer_limit(layer))
 
     def has(self, *names):
         return all(self.layers[name] is not None for name in names)
