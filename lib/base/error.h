@@ -11,7 +11,7 @@ enum class ExitCode : int {
   done = 0,
   data_failed = 1,         ///< an input's content is wrong, or reading or writing failed
   usage = 2,               ///< bad flag, bad config, or the output exists
-  requirement_missed = 3,  ///< --require-pass was given and the DEM does not pass
+  requirement_missed = 3,  ///< what --require-pass or --require-safe asks for is missed or cannot be judged
 };
 
 /// The base of all errors that a user can cause or fix. The message names file, key, value, bound and what

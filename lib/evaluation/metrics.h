@@ -5,6 +5,7 @@
 #include <array>
 #include <cstdint>
 #include <optional>
+#include <stdexcept>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -171,12 +172,15 @@ struct RequirementInfo {
   Requirement RequirementMetrics::*requirement;
 };
 
-[[nodiscard]] constexpr RequirementUnit requirement_unit(std::string_view name) {
+/// Another word does not compile.
+[[nodiscard]] consteval RequirementUnit requirement_unit(std::string_view name) {
   if (name == "fraction") return RequirementUnit::fraction;
-  return name == "bins" ? RequirementUnit::bins : RequirementUnit::footprints;
+  if (name == "bins") return RequirementUnit::bins;
+  if (name == "footprints") return RequirementUnit::footprints;
+  throw std::invalid_argument("requirements.json: unit");
 }
 
-[[nodiscard]] constexpr RequirementInfo requirement_info(std::string_view name,
+[[nodiscard]] consteval RequirementInfo requirement_info(std::string_view name,
                                                          Requirement RequirementMetrics::*requirement) {
   const dictionary::Requirement& words =
       *std::ranges::find(dictionary::kRequirements, name, &dictionary::Requirement::name);

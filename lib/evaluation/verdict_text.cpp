@@ -2,8 +2,10 @@
 #include "evaluation/verdict_text.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <iterator>
+#include <string_view>
 
 #include "base/number_text.h"
 
@@ -33,24 +35,64 @@ const char* verdict(const Requirement& requirement) {
   return !requirement.pass ? "not judged" : *requirement.pass ? "pass" : "FAIL";
 }
 
-std::string relative_elevation(const Metrics& m) {
+std::string relative_elevation(const Metrics& m, const EvaluationLimits& /*limits*/) {
   const RelativeMetrics& z = m.accuracy->relative.z;
   return violations(z.violation_count.value_or(0), m.region.bin_count, z.max_m.value_or(0));
 }
 
 /// A footprint is judged along x and along y.
-std::string relative_horizontal(const Metrics& m) {
+std::string relative_horizontal(const Metrics& m, const EvaluationLimits& /*limits*/) {
   const RelativeMetrics& x = m.accuracy->relative.x;
   const RelativeMetrics& y = m.accuracy->relative.y;
   return violations(x.violation_count.value_or(0) + y.violation_count.value_or(0), 2 * m.region.bin_count,
                     std::max(x.max_m.value_or(0), y.max_m.value_or(0)));
 }
 
-std::string absolute_horizontal(const Metrics& m, double limit_m) {
+std::string absolute_horizontal(const Metrics& m, const EvaluationLimits& limits) {
   const HorizontalMetrics& h = m.accuracy->absolute.horizontal;
-  return percent_text(h.within_limit_frac.value_or(0)) + " within " + centimetres(limit_m) + ", 95th pct " +
-         centimetres(h.p95_m.value_or(0));
+  return percent_text(h.within_limit_frac.value_or(0)) + " within " +
+         centimetres(limits.absolute_horizontal_m) + ", 95th pct " + centimetres(h.p95_m.value_or(0));
 }
+
+/// The value of a requirement, which it has, and its limit.
+struct Wording {
+  std::string_view name;
+  std::string (*value)(const Metrics& m, const EvaluationLimits& limits);
+  std::string (*limit)(const EvaluationLimits& limits);
+};
+
+constexpr std::array kWordings = {
+    Wording{"coverage",
+            [](const Metrics& m, const EvaluationLimits& /*limits*/) {
+              return grouped(m.coverage.invalid_count) + " of " + grouped(m.region.bin_count) +
+                     " bins invalid, " + percent_text(m.coverage.invalid_frac);
+            },
+            [](const EvaluationLimits& l) { return percent_text(l.invalid_frac); }},
+    Wording{"hole_size",
+            [](const Metrics& m, const EvaluationLimits& /*limits*/) {
+              return "largest hole " + bins(static_cast<double>(m.coverage.largest_hole_bins));
+            },
+            [](const EvaluationLimits& l) { return bins(static_cast<double>(l.hole_bins)); }},
+    Wording{"hole_distance",
+            [](const Metrics& m, const EvaluationLimits& /*limits*/) {
+              return std::isfinite(m.coverage.max_distance_bins)
+                         ? "to the nearest valid bin " + bins(m.coverage.max_distance_bins)
+                         : "the DEM has no valid bin";
+            },
+            [](const EvaluationLimits& l) { return bins(l.distance_bins); }},
+    Wording{"relative_elevation", relative_elevation,
+            [](const EvaluationLimits& l) { return centimetres(l.relative_elevation_m); }},
+    Wording{"relative_horizontal", relative_horizontal,
+            [](const EvaluationLimits& l) { return centimetres(l.relative_horizontal_m); }},
+    Wording{"absolute_horizontal", absolute_horizontal,
+            [](const EvaluationLimits& l) { return percent_text(l.absolute_horizontal_frac); }}};
+
+constexpr const Wording* wording_of(std::string_view name) {
+  return std::ranges::find(kWordings, name, &Wording::name);
+}
+static_assert(std::ranges::all_of(kRequirementInfo, [](const RequirementInfo& info) {
+  return wording_of(info.name) != kWordings.end();
+}));
 
 /// In place of a value.
 std::string no_value(const Metrics& m, const Requirement& requirement) {
@@ -102,31 +144,12 @@ std::vector<VerdictText> own_texts(const OwnVerdicts& verdicts) {
 }
 
 std::vector<VerdictText> verdict_texts(const Metrics& m, const EvaluationLimits& limits) {
-  const RequirementMetrics& r = m.requirements;
-  std::vector<VerdictText> texts = {
-      {{"",
-        grouped(m.coverage.invalid_count) + " of " + grouped(m.region.bin_count) + " bins invalid, " +
-            percent_text(m.coverage.invalid_frac),
-        percent_text(limits.invalid_frac), ""},
-       {"", "largest hole " + bins(static_cast<double>(m.coverage.largest_hole_bins)),
-        bins(static_cast<double>(limits.hole_bins)), ""},
-       {"",
-        std::isfinite(m.coverage.max_distance_bins)
-            ? "to the nearest valid bin " + bins(m.coverage.max_distance_bins)
-            : "the DEM has no valid bin",
-        bins(limits.distance_bins), ""},
-       {"", r.relative_elevation.value ? relative_elevation(m) : "", centimetres(limits.relative_elevation_m),
-        ""},
-       {"", r.relative_horizontal.value ? relative_horizontal(m) : "",
-        centimetres(limits.relative_horizontal_m), ""},
-       {"", r.absolute_horizontal.value ? absolute_horizontal(m, limits.absolute_horizontal_m) : "",
-        percent_text(limits.absolute_horizontal_frac), ""}}};
-  for (std::size_t i = 0; i < kRequirementInfo.size(); ++i) {
-    const RequirementInfo& info = kRequirementInfo[i];
-    texts[i].name = info.name;
-    texts[i].verdict = verdict(r.*info.requirement);
-    if (texts[i].value.empty()) texts[i].value = no_value(m, r.*info.requirement);
-    if (info.at_least) texts[i].limit.insert(0, ">= ");
+  std::vector<VerdictText> texts;
+  for (const RequirementInfo& info : kRequirementInfo) {
+    const Requirement& requirement = m.requirements.*info.requirement;
+    const Wording& wording = *wording_of(info.name);
+    texts.push_back({info.name, requirement.value ? wording.value(m, limits) : no_value(m, requirement),
+                     (info.at_least ? ">= " : "") + wording.limit(limits), verdict(requirement)});
   }
   std::ranges::move(own_texts(m.own_requirements), std::back_inserter(texts));
   return texts;

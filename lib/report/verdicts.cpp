@@ -73,11 +73,12 @@ std::string verdict_banner_html(const Metrics& metrics) {
     if (!requirement.pass) ++unjudged;
     if (requirement.pass == false) ++missed;
   }
-  if (missed > 0) text = std::to_string(missed) + " of 6 requirements missed";
+  const std::string all = std::to_string(kRequirementInfo.size());
+  if (missed > 0) text = std::to_string(missed) + " of " + all + " requirements missed";
   if (unjudged > 0)
-    text +=
-        (text.empty() ? "" : ", ") + std::to_string(unjudged) + " of 6 not judged: " + missing_text(metrics);
-  if (text.empty()) text = "all 6 requirements met";
+    text += (text.empty() ? "" : ", ") + std::to_string(unjudged) + " of " + all +
+            " not judged: " + missing_text(metrics);
+  if (text.empty()) text = "all " + all + " requirements met";
   const OwnVerdicts& own = metrics.own_requirements;
   if (!all_pass(own))
     text += ", " + own_missed_text(own);
