@@ -138,7 +138,9 @@ ExitCode conclude(cli::Session& session, const Options& o, const HazardMap& map,
 }
 
 ExitCode run_in_strips(cli::Session& session, const Options& o, const HazardParameters& parameters) {
-  if (parameters.z_sigma_m) throw UsageError("z_sigma_m: gives the map 1-sigmas, which --layers leaves out");
+  if (parameters.z_sigma_m)
+    throw UsageError(session.config_name() +
+                     ": /z_sigma_m: gives the map 1-sigmas, which --layers leaves out");
   const OutputOptions output = session.output({o.map});
   const auto sites_file = session.side_output("--sites", o.sites, {o.map});
   HazardStripReader reader(o.map);

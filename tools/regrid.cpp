@@ -106,7 +106,8 @@ nlohmann::json content_options(const DemRequest& layers, const MeetingRules& rul
 RegridConfig checked_config(const cli::Session& session, const DemRequest& layers) {
   const RegridConfig config = regrid_config(session.config(), session.config_name());
   if ((layers.uncertainty || layers.corrected) && config.method != Method::bilinear_nearest)
-    throw UsageError("--uncertainty and --corrected need the method bilinear_nearest");
+    throw UsageError(session.config_name() + ": /method: " + session.config().at("method").dump() +
+                     " with --uncertainty or --corrected, which need \"bilinear_nearest\"");
   return config;
 }
 

@@ -95,7 +95,9 @@ EngineKind engine_kind(const std::string& name) {
 Scene scanned_scene(cli::Session& session, const Options& o, const RangeFile* ranges, bool needs_surface) {
   if (ranges != nullptr && o.terrain.empty()) {
     if (needs_surface)
-      throw UsageError("--terrain is required with --ranges-from where /noise/incidence_sigma_rad is not 0");
+      throw UsageError(session.config_name() + ": /noise/incidence_sigma_rad: " +
+                       session.config().at("noise").at("incidence_sigma_rad").dump() +
+                       " with --ranges-from needs --terrain");
     return {ranges->terrain()};
   }
   SceneRequest request{o.terrain};
@@ -106,12 +108,14 @@ Scene scanned_scene(cli::Session& session, const Options& o, const RangeFile* ra
   return scene;
 }
 
-void require_echoes_to_keep(const Receiver& receiver) {
-  if (!receiver.sees_waveforms()) throw UsageError("--keep-echoes needs a receiver (/receiver/type)");
+void require_echoes_to_keep(const Receiver& receiver, const std::string& config_name) {
+  if (!receiver.sees_waveforms())
+    throw UsageError(config_name + ": /receiver/type: \"none\" has no echoes for --keep-echoes");
   if (!receiver.hears_kept_echoes())
     throw UsageError(
-        "--keep-echoes keeps the echoes of first, last and strongest; /receiver/type geiger and "
-        "/receiver/returns all need whole waveforms");
+        config_name +
+        ": /receiver: --keep-echoes keeps the echoes of first, last and strongest; /receiver/type "
+        "geiger and /receiver/returns all need whole waveforms");
 }
 
 ExitCode run(cli::Session& session, const Options& o) {
@@ -127,7 +131,7 @@ ExitCode run(cli::Session& session, const Options& o) {
   ScanModel model = scan_model(session.config(), session.config_name(), recording_table_loader(provenance));
   std::unique_ptr<RangeFile> ranges;
   if (!o.ranges_from.empty()) ranges = std::make_unique<RangeFile>(o.ranges_from);
-  if (o.keep_echoes) require_echoes_to_keep(model.lidar.receiver);
+  if (o.keep_echoes) require_echoes_to_keep(model.lidar.receiver, session.config_name());
   const Scene scene = scanned_scene(session, o, ranges.get(), model.lidar.range_errors.needs_incidence());
   session.count("engine", scene.engine_name);
   provenance.add_input("terrain", scene.file_id, scene.chain);

@@ -82,7 +82,7 @@ def sound_files(paths):
 def run(tool, config, inputs, output, options):
     """Runs a tool as landfall.run does. Returns (the path of its output or None, what it printed)."""
     with tempfile.TemporaryDirectory(prefix="landfall-configs-") as folder:
-        arguments, standard_input = _configs(config, folder)
+        arguments, standard_input, names = _configs(config, folder)
         arguments = [*(_path(name, "an input") for name in inputs), *arguments]
         for name, value in options.items():
             arguments += option_words("--" + name.replace("_", "-"), value)
@@ -91,26 +91,32 @@ def run(tool, config, inputs, output, options):
         try:
             done = run_tool(find(tool), *arguments, input=standard_input)
         except ToolError as error:
-            raise ToolError(str(error).replace(folder + os.sep, ""), error.exit_code) from error
+            message = str(error)
+            for name, where in names.items():
+                message = message.replace(name, where)
+            raise ToolError(message, error.exit_code) from error
     sys.stderr.write(done.stderr)
     return None if output is None else os.fspath(output), done.stdout
 
 
 def _configs(config, folder):
-    """The -c arguments of one configuration or of several that are merged in order, and the text of standard input: the first dict.
-    Other dicts are written to files in `folder`."""
-    arguments, standard_input = [], ""
+    """The -c arguments of one configuration or of several that are merged in order, the text of standard input: the first dict, and names of dicts
+    in messages. Other dicts are written to files in `folder`."""
+    arguments, standard_input, names = [], "", {}
+    several = isinstance(config, (list, tuple)) and len(config) > 1
     for number, one in enumerate(config if isinstance(config, (list, tuple)) else [] if config is None else [config], 1):
         if not isinstance(one, dict):
             name = _config_name(_path(one, "a configuration", "a dict, the path of a JSON file or the name of a preset"))
         elif not standard_input:
             name, standard_input = "-", _json(one)
+            names["standard input"] = f"configuration {number}" if several else "the configuration"
         else:
             name = os.path.join(folder, f"configuration-{number}.json")
             with open(name, "w", encoding="utf-8") as file:
                 file.write(_json(one))
+            names[name] = f"configuration {number}"
         arguments += ["-c", name]
-    return arguments, standard_input
+    return arguments, standard_input, names
 
 
 def _path(value, what, expected="a path"):

@@ -370,7 +370,9 @@ class Runs(Chain):
         self.assertEqual((noise["range_sigma_m"], noise["dropout_frac"]), (0.03, 0.1))
         with self.assertRaises(landfall.ToolError) as context:
             landfall.run("scan-sim", ["paper", {}, {"zzzzzzzz": 1}], check=True)
-        self.assertIn("scan-sim: preset:paper + standard input + configuration-3.json: /zzzzzzzz: unknown key", str(context.exception))
+        self.assertIn("scan-sim: preset:paper + configuration 2 + configuration 3: /zzzzzzzz: unknown key", str(context.exception))
+        with self.assertRaisesRegex(landfall.ToolError, r"\Aregrid: the configuration: /resolution_m: -1 is not in \(0, 1e9\]\Z"):
+            landfall.run("regrid", {"resolution_m": -1}, check=True)
 
     def test_every_error_is_of_the_package(self):
         for words, call in [("a configuration is a dict, the path of a JSON file or the name of a preset, not of type int", lambda: landfall.run("scan-sim", 3)),
