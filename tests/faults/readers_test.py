@@ -1,10 +1,14 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Readers whose libraries do not find their data: the same result, or one message that names the variable."""
+import io
 import os
 import struct
 import sys
 import unittest
+
+import h5py
+import numpy as np
 
 sys.dont_write_bytecode = True
 # pylint: disable=wrong-import-position
@@ -29,6 +33,19 @@ class Libraries(unittest.TestCase):
         # Each of the variables is looked at by some reader; the others need no file of GDAL_DATA.
         self.assertEqual({name for name, count in refused.items() if count},
                          {"PROJ_LIB", "PROJ_DATA", "PROJ_AUX_DB", "UDUNITS2_XML_PATH"})
+
+
+    def test_options_of_gdal_change_nothing(self):
+        for judge in surroundings.try_options(self.workshop):
+            self.assertEqual((judge.broken, judge.counts["refused"]), ([], 0), judge.messages)
+
+    def test_keys_of_a_crs_without_a_code_have_its_unit(self):
+        def extent(label):
+            whole = next(files for one, files in self.workshop.whole.items() if one.label == label)
+            with h5py.File(io.BytesIO(whole["a.h5"])) as file:
+                return np.ptp(file["points/x_est" if "points" in file else "x"])
+        for own, coded in (("points, keys of a CRS without a code", "points, GeoTIFF keys"), ("raster, own.tif", "raster, feet.tif")):
+            self.assertAlmostEqual(extent(own) / extent(coded), 1, delta=1e-5)  # feet of two kinds
 
 
 class UnknownCodes(ToolTest):

@@ -4,6 +4,7 @@ import json
 import os
 import shutil
 import sqlite3
+import struct
 import subprocess
 import sys
 
@@ -34,20 +35,38 @@ READERS = [
     task("landfall-info", "landfall-info {in}/placed.h5 --json"),
     task("comparison", "landfall-info --compare {in}/placed.h5 {in}/other.h5 --json"),
 ]
+RASTER = "terrain-gen --from {in}/%s --vertical-scale 1 --datum none -o {out}/a.h5"
+DECIDED_BY_OPTIONS = [
+    *(one for one in READERS if one.label in ("points, GeoTIFF keys", "raster, feet.tif", "polygon, ring.geojson", "export .tif")),
+    task("points, keys of a CRS without a code", "landfall-import --keep-noise {in}/own.las --vertical-scale 1 -o {out}/a.h5", "a.h5"),
+    *(task(f"raster, {name}", RASTER % name, "a.h5") for name in ("own.tif", "point.tif", "sidecar.png")),
+    task("raster, heights in feet", "terrain-gen --from {in}/heights.tif --datum none -o {out}/a.h5", "a.h5"),
+    *(task(f"raster, {name}", RASTER % name + " --horizontal-scale 1", "a.h5") for name in ("digits.asc", "rows.nc")),
+]
+# By each of them GDAL reads one of the files above as another one, or writes another one; the last group refuses instead.
+OPTIONS = [
+    {"GTIFF_POINT_GEO_IGNORE": "TRUE", "GTIFF_REPORT_COMPD_CS": "NO", "GTIFF_LINEAR_UNITS": "BROKEN", "GTIFF_IMPORT_FROM_EPSG": "NO",
+     "AAIGRID_DATATYPE": "Int32", "GDAL_NETCDF_BOTTOMUP": "NO", "GDAL_TIFF_ENDIANNESS": "BIG", "GDAL_TIFF_DEFLATE_SUBCODEC": "ZLIB"},
+    {"GTIFF_SRS_SOURCE": "EPSG", "GDAL_DISABLE_READDIR_ON_OPEN": "EMPTY_DIR", "OSR_ADD_TOWGS84_ON_IMPORT_FROM_EPSG": "YES",
+     "OSR_DEFAULT_AXIS_MAPPING_STRATEGY": "AUTHORITY_COMPLIANT", "AAIGRID_DATATYPE": "Float64", "GDAL_NETCDF_IGNORE_XY_AXIS_NAME_CHECKS": "YES"},
+    {"GDAL_GEOREF_SOURCES": "NONE", "GDAL_PAM_ENABLED": "NO", "GDAL_SKIP": "GTiff", "OGR_SKIP": "GeoJSON", "CPL_DEBUG": "ON"},
+]
 
 
-def raster(path, crs, driver="GTiff", at=FEET_AT):
-    values = np.add.outer(np.arange(31.0), np.arange(31.0)).astype("f4")
-    with rasterio.open(path, "w", driver=driver, width=31, height=31, count=1, dtype="float32", crs=rasterio.CRS.from_string(crs),
+def raster(path, crs, driver="GTiff", at=FEET_AT, dtype="float32", **tags):
+    values = np.add.outer(np.arange(31.0), np.arange(31.0)).astype(dtype)
+    with rasterio.open(path, "w", driver=driver, width=31, height=31, count=1, dtype=dtype, crs=rasterio.CRS.from_user_input(crs),
                        transform=rasterio.Affine(1, 0, at[0], 0, -1, at[1] + 31)) as file:
+        file.update_tags(**tags)
         file.write(values, 1)
 
 
 class ReaderWorkshop(Workshop):
-    """Also has files whose meaning depends on the data of PROJ, GDAL and UDUNITS."""
+    """Also has files whose meaning depends on the data of PROJ, GDAL and UDUNITS, or on options of GDAL."""
+    rounds = 1
 
     def __init__(self, binaries):
-        super().__init__(binaries, tasks=READERS)
+        super().__init__(binaries, tasks=[*READERS, *DECIDED_BY_OPTIONS[4:]])
 
     def path(self, name):
         return os.path.join(self.inputs, name)
@@ -69,6 +88,7 @@ class ReaderWorkshop(Workshop):
         super().make_inputs()
         self.make_points()
         self.make_rasters()
+        self.make_files_decided_by_options()
         for name, crs in (("placed", f"EPSG:{FEET}"), ("other", "EPSG:6539")):
             self.tool(f"landfall-import {{in}}/feet.tif --crs {crs} --vertical-scale 1 -o {{in}}/{name}.h5")
         self.tool("landfall-import {in}/feet.las --vertical-scale 1 -o {in}/points.h5")
@@ -94,6 +114,22 @@ class ReaderWorkshop(Workshop):
         unit = {"units": "dam"}
         foreign_rasters.netcdf(self.path("km.nc"), x_attributes=unit, y_attributes=unit)
 
+    def make_files_decided_by_options(self):
+        own = "+proj=tmerc +lat_0=40 +lon_0=-74 +x_0=300000 +y_0=0 +datum=NAD83 +units=ft"
+        raster(self.path("own.tif"), own, at=(984250, 0))
+        raster(self.path("point.tif"), f"EPSG:{FEET}", AREA_OR_POINT="Point")
+        raster(self.path("heights.tif"), f"EPSG:{FEET}+6360")
+        raster(self.path("sidecar.png"), f"EPSG:{FEET}", "PNG", dtype="uint8")
+        foreign_rasters.netcdf(self.path("rows.nc"), y=foreign_rasters.offsets(31)[::-1])
+        rows = [" ".join(f"{1.23456789012 * (x + 2 * y):.11f}" for x in range(31)) for y in range(31)]
+        self.write("digits.asc", "\n".join(["ncols 31", "nrows 31", "xllcorner 100", "yllcorner 200", "cellsize 1", *rows, ""]))
+        numbers = (-74.0, 40.0, 984250.0, 0.0, 1.0)
+        keys = [1024, 0, 1, 1, 2048, 0, 1, 4269, 3072, 0, 1, 32767, 3074, 0, 1, 32767, 3075, 0, 1, 1, 3076, 0, 1, 9003,
+                *(word for i, key in enumerate((3080, 3081, 3082, 3083, 3092)) for word in (key, 34736, 1, i))]
+        self.write("own.las", clouds.las(clouds.las_points(60), offset=(984250.0, 0.0, 0.0), records=[
+            clouds.las_vlr("LASF_Projection", 34735, np.array([1, 1, 0, len(keys) // 4, *keys], "<u2").tobytes()),
+            clouds.las_vlr("LASF_Projection", 34736, struct.pack("<5d", *numbers))]))
+
 
 def try_libraries(workshop):
     """Libraries without their data, or with data that they cannot use: the same result or a refusal, never another number."""
@@ -103,12 +139,24 @@ def try_libraries(workshop):
     with sqlite3.connect(os.path.join(folder, "proj.db")) as database:
         database.execute("UPDATE metadata SET value = 0 WHERE key = 'DATABASE.LAYOUT.VERSION.MINOR'")
     database.close()
-    for name in ("PROJ_LIB", "PROJ_DATA"):
-        yield try_environment(workshop, f"{name} names a folder without proj.db", {name: "/nowhere"}, tasks=READERS)
-        yield try_environment(workshop, f"{name} names a proj.db of another version", {name: folder}, tasks=READERS)
+    yield try_environment(workshop, "PROJ_LIB names a folder without proj.db", {"PROJ_LIB": "/nowhere"}, tasks=READERS)
+    yield try_environment(workshop, "PROJ_DATA names a proj.db of another version", {"PROJ_DATA": folder}, tasks=READERS)
     yield try_environment(workshop, "PROJ_AUX_DB names no file", {"PROJ_AUX_DB": "/nowhere/aux.db"}, tasks=READERS)
-    for name in ("GDAL_DATA", "GDAL_DRIVER_PATH", "UDUNITS2_XML_PATH"):
-        yield try_environment(workshop, f"{name} names nothing", {name: "/nowhere"}, tasks=READERS)
+    yield try_environment(workshop, "UDUNITS2_XML_PATH names nothing", {"UDUNITS2_XML_PATH": "/nowhere"}, tasks=READERS)
+    yield try_environment(workshop, "GDAL_DATA and GDAL_DRIVER_PATH name nothing", {"GDAL_DATA": "/nowhere", "GDAL_DRIVER_PATH": "/nowhere"}, tasks=READERS)
+
+
+def try_options(workshop):
+    """Options of GDAL, in the environment or in its configuration file: the same result."""
+    for options in OPTIONS:
+        yield try_environment(workshop, f"{', '.join(options)}", options, tasks=DECIDED_BY_OPTIONS)
+    folder = os.path.join(workshop.folder, "home")
+    os.makedirs(os.path.join(folder, ".gdal"), exist_ok=True)
+    with open(os.path.join(folder, ".gdal", "gdalrc"), "w", encoding="utf-8") as file:
+        file.write("[configoptions]\nGTIFF_POINT_GEO_IGNORE=TRUE\n")
+    point = [one for one in DECIDED_BY_OPTIONS if "point.tif" in one.label]
+    yield try_environment(workshop, "a configuration file of GDAL in HOME", {"HOME": folder}, tasks=point)
+    yield try_environment(workshop, "GDAL_CONFIG_FILE", {"GDAL_CONFIG_FILE": os.path.join(folder, ".gdal", "gdalrc")}, tasks=point)
 
 
 def comma_locale(workshop):
@@ -184,4 +232,5 @@ def try_surroundings(workshop, library):
     yield try_closed(workshop, "all three closed, with -v --progress", 0, 1, 2, verbose=True)
     readers = ReaderWorkshop(workshop.binaries)
     yield from try_libraries(readers)
+    yield from try_options(readers)
     readers.remove()

@@ -18,11 +18,13 @@ namespace {
 constexpr std::size_t kHeadroomOfGdal = std::size_t{192} << 20U;
 
 const GdalPlugin& find_plugin() {
-  return *static_cast<const GdalPlugin*>(load_plugin({.file = "landfall-gdal.so",
-                                                      .name = "GDAL",
-                                                      .needed_by = "rasters need",
-                                                      .symbol = kGdalPluginSymbol,
-                                                      .headroom = kHeadroomOfGdal}));
+  const auto& found = *static_cast<const GdalPlugin*>(load_plugin({.file = "landfall-gdal.so",
+                                                                   .name = "GDAL",
+                                                                   .needed_by = "rasters need",
+                                                                   .symbol = kGdalPluginSymbol,
+                                                                   .headroom = kHeadroomOfGdal}));
+  found.ignore_options();
+  return found;
 }
 
 /// Never unloaded because GDAL keeps pointers into it. The next call repeats a search that failed.

@@ -17,7 +17,7 @@ namespace landfall {
 
 /// While one lives, GDAL's drivers tell on this thread what they skip by default: wrong checksums of DTED,
 /// damaged or truncated JPEG data, and the vertical CRS of GeoTIFF 1.0. A value that the user has set
-/// (environment, configuration file) stays.
+/// (environment) stays.
 class StrictReading {
  public:
   StrictReading() {

@@ -25,6 +25,7 @@ struct MapFrame;
 /// The functions of the plugin. Loader and plugin must be of one build: `version` detects a stale file.
 struct GdalPlugin {
   const char* version;
+  void (*ignore_options)();  ///< to be called first
   DemRaster (*read_dem)(const DemBase& dem, const GridSpec& site, RasterLinks links);
   SiteSize (*fit_dem_site)(const DemBase& dem, const SiteRequest& request, RasterLinks links);
   std::vector<std::string> (*named_files)(const std::string& path, RasterLinks links);

@@ -26,6 +26,7 @@
 #include "terrain/gdal/plugin.h"
 #include "terrain/gdal/raster_files.h"
 #include "terrain/gdal/raster_statement.h"
+#include "terrain/gdal/registry.h"
 #include "terrain/gdal/window_reader.h"
 
 namespace landfall {
@@ -222,6 +223,7 @@ std::string site_of_raster(const DemBase& dem, RasterLinks links) {
 
 extern "C" const landfall::GdalPlugin landfall_gdal_plugin;
 const landfall::GdalPlugin landfall_gdal_plugin{LANDFALL_VERSION,
+                                                &landfall::ignore_gdal_options,
                                                 &landfall::read_dem,
                                                 &landfall::fit_dem_site,
                                                 &landfall::named_files,

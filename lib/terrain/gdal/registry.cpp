@@ -1,15 +1,20 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Decisions: D449
 #include "terrain/gdal/registry.h"
 
 #include <cpl_conv.h>
 #include <cpl_error.h>
+#include <cpl_vsi.h>
 #include <gdal_priv.h>
 #include <ogr_srs_api.h>
+#include <unistd.h>
 
 #include <algorithm>
+#include <cstdlib>
 #include <mutex>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace landfall {
@@ -32,6 +37,38 @@ constexpr const char* kPolygonDrivers[] = {"GeoJSON", "GeoJSONSeq", "TopoJSON", 
 
 /// The drivers among them whose libraries open files without the guard (file_guard.h).
 constexpr const char* kUnguardedDrivers[] = {"netCDF", "HDF5", "HDF5Image", "BAG"};
+
+/// The beginnings of the variables that GDAL may read: folders of data and of temporary files, access to a
+/// network that the path of a raster names, and checks that a user switches off. None changes a number.
+constexpr std::string_view kPassedVariables[] = {"GDAL_DATA=",
+                                                 "GDAL_DRIVER_PATH=",
+                                                 "HOME=",
+                                                 "TMPDIR=",
+                                                 "CPL_TMPDIR=",
+                                                 "DTED_VERIFY_CHECKSUM=",
+                                                 "GDAL_ERROR_ON_LIBJPEG_WARNING=",
+                                                 "AWS_",
+                                                 "AZURE_",
+                                                 "CPL_AWS_",
+                                                 "CPL_AZURE_",
+                                                 "CPL_CURL_",
+                                                 "CPL_GCE_",
+                                                 "CPL_GS_",
+                                                 "CPL_VSIL_CURL_",
+                                                 "CURL_CA_BUNDLE=",
+                                                 "GDAL_CURL_",
+                                                 "GDAL_HTTP_",
+                                                 "GOOGLE_",
+                                                 "GS_",
+                                                 "OSS_",
+                                                 "OS_",
+                                                 "SSL_CERT_FILE=",
+                                                 "SWIFT_",
+                                                 "WEBHDFS_"};
+
+/// A configuration file of GDAL's.
+constexpr const char* kOptionsFile = "/vsimem/landfall-gdalrc";
+constexpr std::string_view kOptions = "[directives]\nignore-env-vars=yes\n";
 
 bool names_network(const std::string& path) {
   return path.find("/vsi") != std::string::npos || path.find("://") != std::string::npos;
@@ -93,6 +130,22 @@ std::mutex& registry_lock() {
 }
 
 }  // namespace
+
+void ignore_gdal_options() {
+  for (char** variable = environ; *variable != nullptr; ++variable) {
+    const std::string_view text = *variable;
+    const auto begins = [&](std::string_view beginning) { return text.starts_with(beginning); };
+    if (const auto end = text.find('='); std::ranges::any_of(kPassedVariables, begins))
+      CPLSetConfigOption(std::string(text.substr(0, end)).c_str(), *variable + end + 1);
+  }
+  VSILFILE* const file = VSIFOpenL(kOptionsFile, "wb");
+  VSIFWriteL(kOptions.data(), 1, kOptions.size(), file);
+  VSIFCloseL(file);
+  CPLSetConfigOption("GDAL_CONFIG_FILE", kOptionsFile);  // instead of those of the system and of the user
+  // GDAL 3.6 would look it up again and again to say that it ignores it, until the stack ends.
+  unsetenv("CPL_DEBUG");  // NOLINT(concurrency-mt-unsafe): once, at the first use of GDAL
+  CPLLoadConfigOptionsFromFile(kOptionsFile, FALSE);
+}
 
 void prepare_gdal_to_read(const std::string& path, Unguarded unguarded) {
   const std::lock_guard guard(registry_lock());

@@ -9,6 +9,10 @@ namespace landfall {
 /// (file_guard.h).
 enum class Unguarded { withheld, offered };
 
+/// Makes GDAL ignore options of the environment and of its configuration files, by which the same file would
+/// be another one: half a pixel aside, or in another unit. To be called before any other use of GDAL.
+void ignore_gdal_options();
+
 /// Makes GDAL ready to open `path`: its block cache bounded, its messages off stderr on every thread, and no
 /// drivers but raster_drivers(), for what a raster names too: none that calls another machine or reads this
 /// program's memory. Unless the path itself names a virtual file system ("/vsi") or a URL ("://"), /vsicurl/
