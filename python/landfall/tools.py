@@ -5,6 +5,7 @@ import json
 import os
 import re
 import shutil
+import signal
 import subprocess
 import sys
 import tempfile
@@ -34,7 +35,8 @@ def run_tool(path, *arguments, **options):
     except OSError as error:
         raise ToolError(f"{path}: {error.strerror}") from error
     if result.returncode != 0:
-        raise ToolError(result.stderr.strip() or f"{path}: exit code {result.returncode}", result.returncode)
+        how = "was killed (SIGKILL), as when memory runs out" if result.returncode == -signal.SIGKILL else f"exit code {result.returncode}"
+        raise ToolError(result.stderr.strip() or f"{path}: {how}", result.returncode)
     return result
 
 

@@ -54,8 +54,8 @@ class CampaignFaultsTest(CampaignTest):
         return [self.chain.scan, "--terrain", self.chain.terrain, "-c", self.mc, "-v", "-o", self.out(output), *options]
 
     def start(self, *options, output="draws.h5", **environment):
-        """With the clock that runs fast, unless the environment says otherwise."""
-        environment = {**os.environ, "LD_PRELOAD": self.library, "FAULT_SPEED": FAST, **environment}
+        """With a clock of durations that runs fast, unless the environment says otherwise, and a clock of the day that jumps by a day at each look."""
+        environment = {**os.environ, "LD_PRELOAD": self.library, "FAULT_SPEED": FAST, "FAULT_CLOCK": "~43200", **environment}
         return subprocess.Popen([tool("monte-carlo"), *self.arguments(*options, output=output)], env=environment, stderr=subprocess.PIPE,
                                 text=True, preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL))
 

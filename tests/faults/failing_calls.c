@@ -6,7 +6,7 @@
 //   FAULT_ACTION  an error number; -N: signal N just before the call; short: half of the bytes; again: EINTR
 //   FAULT_STICKY  1: every later call fails as well, as on a disk that stays full
 //   FAULT_LOG     a file to which "calls bytes" is written at the end of the run
-//   FAULT_CLOCK   seconds that are added to the clock
+//   FAULT_CLOCK   seconds that are added to the clock; ~N: that are added and subtracted, in turn
 //   FAULT_SPEED   how many times faster the clock of durations runs
 #define _GNU_SOURCE
 #include <dlfcn.h>
@@ -198,8 +198,10 @@ int fclose(FILE *file) {
 }
 
 static time_t clock_error(void) {
+  static atomic_int looks;
   const char *seconds = getenv("FAULT_CLOCK");
-  return seconds ? atol(seconds) : 0;
+  if (!seconds) return 0;
+  return *seconds != '~' ? atol(seconds) : atomic_fetch_add(&looks, 1) % 2 ? -atol(seconds + 1) : atol(seconds + 1);
 }
 int clock_gettime(clockid_t clock, struct timespec *now) {
   const int result = REAL(clock_gettime)(clock, now);

@@ -221,8 +221,8 @@ def try_surroundings(workshop, library):
     if comma:
         yield try_environment(workshop, "a locale with a decimal comma (de_DE)", comma)
     yield try_environment(workshop, "another time zone (TZ)", {"TZ": "Pacific/Chatham"})
-    for what, seconds in (("behind", -10**9), ("ahead", 10**9)):
-        yield try_environment(workshop, f"a clock that is 30 years {what}", {"LD_PRELOAD": library, "FAULT_CLOCK": str(seconds)})
+    for what, seconds in (("is 30 years behind", -10**9), ("is 30 years ahead", 10**9), ("jumps by 60 years forth and back", f"~{10**9}")):
+        yield try_environment(workshop, f"a clock that {what}", {"LD_PRELOAD": library, "FAULT_CLOCK": str(seconds)})
     yield try_environment(workshop, "no HOME, no TMPDIR, no PATH", {}, ("HOME", "TMPDIR", "PATH"))
     yield try_environment(workshop, "a TMPDIR that does not exist", {"TMPDIR": "/nowhere"})
     yield try_no_folder(workshop)

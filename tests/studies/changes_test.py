@@ -23,6 +23,7 @@ class Changes(StudyTest):
         self.write(tree)
         self.make("study-results", "-j2")
         first = self.rows()
+        self.age_by(86400)  # as if made while the clock was a day ahead
         self.write({**study()["base"]["scan"], "seed": 9}, "scan")
         self.make("study-results", "-j2")
         second = self.rows()
@@ -31,6 +32,11 @@ class Changes(StudyTest):
         self.write_trajectory(51)
         self.make("study-results", "-j2")
         self.assertEqual([self.runs_of(step, since=before) for step in ("terrain", "scan")], [0, 4])
+
+    def age_by(self, seconds):
+        for where, _, names in os.walk(self.path("runs")):
+            for path in (os.path.join(where, name) for name in names):
+                os.utime(path, (os.stat(path).st_mtime + seconds,) * 2)
 
     def write_trajectory(self, height):
         with open(self.path("waypoints.csv"), "w", encoding="utf-8") as file:
@@ -88,6 +94,27 @@ class Outputs(StudyTest):
         self.write(study())
         result = self.make("study-results", self.runner("exit 0\n"), "STAGE_PATIENCE=0", code=2)
         self.assertRegex(result.stderr, r"run-stage: \S+/terrain/[0-9a-f]{16}\.h5: the command exited 0 and did not make it")
+
+    def test_a_command_that_is_killed(self):
+        self.write(study())
+        result = self.make("study-results", self.runner("kill -KILL $$\n"), code=2)
+        self.assertRegex(result.stderr, r"FAILED \(exit 137\): terrain of [^\n]*\n    run-stage: a command was killed \(SIGKILL\), as when memory runs out")
+
+    @unittest.skipUnless(os.geteuid() == 0, "only root can be another user")
+    def test_no_further_process_allowed(self):
+        """A limit on the processes of a user (ulimit -u), which root does not have."""
+        self.write(study())
+        os.chmod(self.folder, 0o777)
+        user = ["setpriv", "--reuid=54321", "--regid=54321", "--clear-groups"]
+        make = {"capture_output": True, "text": True, "env": self.environment(), "check": False}
+        if subprocess.run([*user, f"{BIN}/terrain-gen", "--version"], **make).returncode != 0:
+            self.skipTest("other users cannot start the tools")
+        result = subprocess.run([*user, "prlimit", "--nproc=1", *self.make_command("study-results")], **make)
+        self.assertEqual((result.returncode, os.path.exists(self.out("results.csv"))), (2, False), result.stderr)
+        self.assertIn("Resource temporarily unavailable", result.stderr)
+        self.assertNotIn("Traceback", result.stderr)
+        result = subprocess.run([*user, *self.make_command("study-results")], **make)
+        self.assertEqual((result.returncode, len(self.rows())), (0, 1), result.stderr)
 
     def test_old_outputs_do_not_count(self):
         self.write(study())

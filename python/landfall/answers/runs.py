@@ -200,7 +200,7 @@ class Runner:
             except ToolError as error:
                 if error.exit_code in REFUSALS:
                     raise ToolError(self._steady(str(error)), error.exit_code) from error
-                raise DataError(f"{tool} was killed ({error}); run the same command again to continue") from error
+                raise DataError(f"{error}; run the same command again to continue") from error
 
     def _steady(self, message):
         """The message without names of files that exist only during this run."""

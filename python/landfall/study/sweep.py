@@ -10,16 +10,18 @@
   sweep.py prune DIR                               removes files that the plan does not name any more
 
 Called by Makefile.studies alone:
-  sweep.py begin DIR                               removes temporary files that killed processes have left
+  sweep.py begin DIR                               removes temporary files that killed processes have left, ends times in the future
   sweep.py tidy DIR                                removes shared files that no stage needs any more
 """
 import argparse
+import contextlib
 import glob
 import json
 import os
 import re
 import shlex
 import sys
+import time
 
 from landfall import tools
 from landfall.command import Parser, write_text
@@ -31,6 +33,7 @@ from landfall.study.names import counted
 MAX_CHECKS_PER_AXIS = 100
 # Top-level keys that a study has, and no configuration of a single tool.
 STUDY_KEYS = {"base", "axes", "repeat"}
+FUTURE_NS = 10 * 10**9  # clocks of network file systems differ by less
 # One process at a time works in a study's folder, under this lock, which Makefile.studies takes too.
 LOCKED = os.path.join(os.path.dirname(os.path.realpath(__file__)), "..", "..", "..", "studies", "runners", "locked")
 
@@ -244,6 +247,18 @@ def begin(options):
             match = TEMPORARY.fullmatch(name)
             if match and not os.path.exists(f"/proc/{match['part'] or match['figure']}"):
                 os.remove(os.path.join(folder, name))
+    end_future(options.folder)
+
+
+def end_future(folder):
+    """Files made while a clock was ahead would be newer than what has changed since, and make would keep them: they become the oldest, in their order."""
+    latest_ns = time.time_ns() + FUTURE_NS
+    files = [(file, session.age(file)) for where, _, found in os.walk(folder) for file in (os.path.join(where, name) for name in found)]
+    times = {age: 10**18 + 1000 * number for number, age in enumerate(sorted({age for _, age in files if age > latest_ns}))}
+    for file, age in files:
+        if age in times:
+            with contextlib.suppress(FileNotFoundError):  # of what a killed make has left running
+                os.utime(file, ns=(times[age], times[age]))
 
 
 # status, collect, tidy, prune
