@@ -175,10 +175,18 @@ monte-carlo scan.h5 --terrain terrain.h5 -c mc.json -v -t 1 --draws $A:$B -o par
         return self.squeue("-n", "landfall", "-t", "running,pending", "-o", "%i")
 
     def test_the_batch_runner_returns_exit_code_and_messages(self):
-        result = subprocess.run([os.path.join(ROOT, "studies", "runners", "slurm-batch"), "bash", "-c", "echo 'out  put'; echo oops >&2; exit 3"],
-                                capture_output=True, text=True, cwd=self.folder, env=self.environment(), timeout=60, check=False)
-        self.assertEqual((result.returncode, result.stdout, result.stderr), (3, "out  put\n", "oops\n"))
-        self.assertEqual(os.listdir(self.folder), [])
+        """In folders whose names have meanings for shells and Slurm, with such words and variables."""
+        words = ["out  put", "a\nb", "$(touch hacked)", "`touch hacked`", "'", '"', "--help", "%j", "*", "\\", ""]
+        for name in ("plain", "-a %j $(touch hacked)\n'b\";", "b\\a%j"):
+            folder = self.path(name)
+            os.mkdir(folder)
+            result = subprocess.run([os.path.join(ROOT, "studies", "runners", "slurm-batch"), "bash", "-c",
+                                     'printf "<%s>" "$@" "$HOSTILE"; echo oops >&2; exit 3', "bash", *words], capture_output=True, text=True, cwd=folder,
+                                    env={**self.environment(), "HOSTILE": "\n$(touch hacked)"}, timeout=60, check=False)
+            given = "".join(f"<{word}>" for word in (*words, "\n$(touch hacked)"))
+            self.assertEqual((result.returncode, result.stdout, result.stderr), (3, given, "oops\n"), name)
+            self.assertEqual(os.listdir(folder), [])
+            os.rmdir(folder)
         refused = subprocess.run([os.path.join(ROOT, "studies", "runners", "slurm-batch"), "true"], capture_output=True, text=True, timeout=60,
                                  cwd=self.folder, env={**self.environment(), "SLURM_BATCH_OPTIONS": "-p nowhere"}, check=False)
         self.assertNotEqual(refused.returncode, 0)
