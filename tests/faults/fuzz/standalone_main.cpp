@@ -4,7 +4,7 @@
 //   fuzz_X [--words DICTIONARY] PATH...
 //   LANDFALL_FUZZ_RUNS  mutations, 2000 by default
 //   LANDFALL_FUZZ_SEED  their seed, 1 by default
-// An input that is a finding (a foreign exception, a signal, more than 30 s or 2 GiB) is written to
+// An input that is a finding (a foreign exception, a signal, more than 30 s or 512 MiB) is written to
 // finding-TARGET in the working folder, and the exit code is 1.
 //
 // Fuzz targets run in every build, libFuzzer in one. A second build of the libraries, with clang and
@@ -57,7 +57,7 @@ void install(const std::string& target) {
   std::copy_n(name.begin(), std::min(name.size(), finding_name.size() - 1), finding_name.begin());
   for (const int number : {SIGALRM, SIGSEGV, SIGBUS, SIGFPE, SIGABRT}) std::signal(number, on_signal);
 #if !defined(LANDFALL_SANITIZED)  // a sanitizer reserves far more than it uses
-  constexpr rlim_t kMaxMemory_bytes = rlim_t{2} << 30U;
+  constexpr rlim_t kMaxMemory_bytes = rlim_t{512} << 20U;
   const rlimit limit{kMaxMemory_bytes, kMaxMemory_bytes};
   ::setrlimit(RLIMIT_DATA, &limit);
 #endif
