@@ -66,10 +66,13 @@ std::vector<std::string> study_command(const std::vector<std::string>& words) {
   return command;
 }
 
+/// Whether make says in a line that a recipe was killed, which therefore has said nothing.
+bool is_about_killed(const std::string& line) { return line.ends_with("] Killed"); }
+
 /// Whether make says in a line only that a recipe failed, about which its command has said more.
 bool is_echo_of_failure(const std::string& line) {
   const bool is_of_make = line.starts_with("make: ") || line.starts_with("make[");
-  const bool names_recipe = line.find(": *** [") != std::string::npos;
+  const bool names_recipe = line.find(": *** [") != std::string::npos && !is_about_killed(line);
   const bool is_count = line.ends_with("*** Waiting for unfinished jobs....") ||
                         line.ends_with(" not remade because of errors.");
   const bool is_lost_plan =
@@ -85,7 +88,9 @@ void pass_on_messages(int messages) {
   std::string line;
   const auto pass_on = [&line] {
     const std::string text = line.ends_with('\n') ? line.substr(0, line.size() - 1) : line;
-    if (!is_echo_of_failure(text) && !line.empty()) std::cerr << shown_text(text) << '\n';
+    if (!is_echo_of_failure(text) && !line.empty())
+      std::cerr << shown_text(text)
+                << (is_about_killed(text) ? ", as when memory runs out; the same command continues\n" : "\n");
     line.clear();
   };
   for (int c = std::fgetc(input); c != EOF; c = std::fgetc(input)) {

@@ -99,6 +99,10 @@ class Outputs(StudyTest):
         self.write(study())
         result = self.make("study-results", self.runner("kill -KILL $$\n"), code=2)
         self.assertRegex(result.stderr, r"FAILED \(exit 137\): terrain of [^\n]*\n    run-stage: a command was killed \(SIGKILL\), as when memory runs out")
+        result = subprocess.run([f"{BIN}/landfall", "study", "results", self.path("tiny.json"), self.runner("kill -KILL $PPID\n")], capture_output=True,
+                                text=True, env=self.environment(), cwd=self.folder, check=False)  # its parent, run-stage
+        self.assertEqual(result.returncode, 2)
+        self.assertRegex(result.stderr, r"\Amake[^\n]*: \*\*\* \[[^\n]*/terrain/[0-9a-f]{16}\.h5\] Killed, as when memory runs out; the same command continues\n\Z")
 
     @unittest.skipUnless(os.geteuid() == 0, "only root can be another user")
     def test_no_further_process_allowed(self):
