@@ -149,7 +149,7 @@ class OutputNames(ChainTest):
     """The extension of another format is refused with the command that makes that format."""
 
     def test_formats_that_landfall_export_writes(self):
-        """Of each format, for each kind of file that it can become; the command itself tells which."""
+        """Each format with each kind of file; the command itself tells which can become which."""
         formats = re.search(r"--format .*?\{(.*?)\}", self.succeed("landfall-export", "--help").stdout, re.DOTALL)[1].replace(",", " ").split()
         self.assertIn("html", formats)
         for name in TOOLS[1:5]:

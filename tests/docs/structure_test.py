@@ -1,6 +1,7 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Checks the pages without running them: run_docs_test.py runs every command, and all links and cited files exist."""
+import json
 import os
 import re
 import sys
@@ -138,6 +139,18 @@ class Structure(unittest.TestCase):
                        if name.endswith((".h", ".cpp", ".py", ".js", ".json", ".cl")) and re.search(rf"\b{example}\b", read(os.path.join(folder, name)))]
             self.assertGreater(len(knowing), 1)
             self.assertEqual([name for name in knowing if not name.startswith(named)], [], row)
+
+    def test_the_worst_name_is_kept_in_few_files(self):
+        """Files of code that hold a name, also as a part of another: whoever adds or renames one touches them. The bounds only sink."""
+        code = [read(os.path.join(folder, name)) for top in ("lib", "tools", "python") for folder, _, files in os.walk(os.path.join(ROOT, top))
+                for name in files if name.endswith((".h", ".cpp", ".cl", ".js", ".py"))]
+        requirements = json.loads(read("schemas/dictionary/requirements.json"))["requirements"]
+        properties = json.loads(read("schemas/scan.schema.json"))["properties"]
+        names = {"requirements": [row["name"] for row in requirements if row["name"] != "coverage"],  # also a word
+                 "limits": {row["worst_limit"] for row in requirements} | {"absolute_horizontal_frac"},
+                 "errors": [*properties["noise"]["properties"], *properties["pointing_error"]["properties"]]}
+        worst = {kind: max(sum(name in text for text in code) for name in some) for kind, some in names.items()}
+        self.assertEqual(worst, {"requirements": 21, "limits": 19, "errors": 22})
 
     def test_decisions_are_in_order_below_their_subjects(self):
         order = {subject: [int(number[1:]) for number in numbers] for subject, _, numbers in self.decisions()}
