@@ -294,16 +294,15 @@ def figure(options):
     import matplotlib  # pylint: disable=import-outside-toplevel
     matplotlib.use("Agg")
     from matplotlib import pyplot  # pylint: disable=import-outside-toplevel
+    found = {row[:3]: tenths(row[3]) for row in rows(options)}
     lines = -(-len(options.cells) // 3)
     drawn, axes = pyplot.subplots(lines, 3, figsize=(9.5, 0.6 + 3.1 * lines), sharex=True, sharey=True, squeeze=False)
     for ax, cell in zip(axes.flat, options.cells):
         ax.fill_between([0, 1], [-0.08, 0.92], [0.1, 1.1], color="0.92", label="wanted")
         ax.plot([0, 1], [0, 1], color="0.5", lw=0.8)
         for number, family in enumerate(options.families):
-            for row in rows(options):
-                if row[:3] != (family, 10, cell):
-                    continue
-                points = [(k / 10 + 0.05, *tenth) for k, tenth in enumerate(tenths(row[3])) if tenth]
+            points = [(k / 10 + 0.05, *tenth) for k, tenth in enumerate(found.get((family, 10, cell), ())) if tenth]
+            if points:
                 middle, off, error = map(np.array, zip(*points))
                 ax.errorbar(middle, middle + off, 2 * error, color=f"C{number}", marker="o", ms=3, lw=1, elinewidth=0.7, label=family)
         edge, noise = cell.split("-")
@@ -316,8 +315,8 @@ def figure(options):
     for ax in axes[:, 0]:
         ax.set_ylabel("share truly safe")
     handles = {label: handle for ax in axes.flat for handle, label in zip(*ax.get_legend_handles_labels())}
-    drawn.legend(handles.values(), handles.keys(), loc="lower right", fontsize=9)
-    drawn.tight_layout()
+    drawn.legend(handles.values(), handles.keys(), loc="upper center", ncol=len(handles), fontsize=9)
+    drawn.tight_layout(rect=(0, 0, 1, 1 - 0.35 / drawn.get_figheight()))
     drawn.savefig(options.figure, dpi=100, metadata={"Software": None})
 
 
