@@ -11,7 +11,7 @@
 #include <string>
 
 #include "base/error.h"
-#include "base/number_text.h"
+#include "base/parameter_check.h"
 #include "base/portable_math.h"
 
 namespace landfall {
@@ -30,17 +30,12 @@ Footprint disc(double radius_m, double resolution_m) {
   return Footprint::disc(static_cast<std::int64_t>(std::floor(bins * bins)));
 }
 
-void require_positive(const std::string& key, double value) {
-  if (!(value > 0 && std::isfinite(value)))
-    throw UsageError("lander/" + key + ": " + number_text(value) + " is not > 0");
-}
-
 const Lander& checked(const Lander& lander, double resolution_m) {
   if (lander.legs != 3 && lander.legs != 4)
     throw UsageError("lander/legs: " + std::to_string(lander.legs) + " is not 3 or 4");
-  require_positive("leg_radius_m", lander.leg_radius_m);
-  require_positive("pad_diameter_m", lander.pad_diameter_m);
-  require_positive("body_radius_m", lander.body_radius_m);
+  require_positive({"lander", "leg_radius_m"}, lander.leg_radius_m);
+  require_positive({"lander", "pad_diameter_m"}, lander.pad_diameter_m);
+  require_positive({"lander", "body_radius_m"}, lander.body_radius_m);
   require_bins({"lander/leg_radius_m", lander.leg_radius_m, 2}, resolution_m);
   return lander;
 }

@@ -69,7 +69,7 @@ TEST(LanderStencil, RefusesWhatCannotStand) {
               ThrowsMessage<UsageError>(HasSubstr("lander/leg_radius_m: 0.09 is less than 2 bins")));
   EXPECT_THAT(refusal({.leg_radius_m = NAN}), ThrowsMessage<UsageError>(HasSubstr("lander/leg_radius_m")));
   EXPECT_THAT(refusal({.pad_diameter_m = 0}),
-              ThrowsMessage<UsageError>(HasSubstr("lander/pad_diameter_m: 0 is not > 0")));
+              ThrowsMessage<UsageError>(HasSubstr("lander/pad_diameter_m: 0 is not finite and positive")));
   EXPECT_THAT(refusal({.body_radius_m = NAN}), ThrowsMessage<UsageError>(HasSubstr("lander/body_radius_m")));
   EXPECT_NO_THROW(refusal({.leg_radius_m = 0.1})());
 }
