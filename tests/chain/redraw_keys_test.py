@@ -6,7 +6,7 @@ import json
 import os
 import unittest
 
-from harness import SCAN, ChainTest, read_bytes, run, with_values
+from harness import SCAN, ChainTest, read_bytes, run, scanner_types, with_values
 
 SCANNERS = {"flash": {}, "gimbal": {"pattern": {"type": "line_search", "rows": 20, "columns": 20, "half_width_m": 4}}, "palmer": {"rate_hz": 40}, "polygon": {"facets": 12, "rate_hz": 3},
             "fsm": {"pattern": {"type": "line_search", "rows": 20, "columns": 20, "half_width_m": 4}},
@@ -131,6 +131,7 @@ class RedrawKeys(ChainTest):
                               "receiver.returns"}, self.counts["refused"])
 
     def test_all_scanners(self):
+        self.assertEqual({*SCANNERS, "table"}, scanner_types())  # a table's keys are files
         for name, values in SCANNERS.items():
             self.counts = {"accepted": set(), "refused": set(), "invalid": set()}
             self.walk({**self.BASE, "scanner": {"type": name, **values}}, ["scanner"])

@@ -8,7 +8,7 @@ import unittest
 import h5py
 import numpy as np
 
-from harness import EVAL, HAZARD, REGRID, SCAN, TERRAIN, ChainTest, columns, config_of, read_bytes, run, with_values
+from harness import EVAL, HAZARD, REGRID, SCAN, TERRAIN, ChainTest, columns, config_of, read_bytes, run, scanner_types, with_values
 from monte_carlo_test import LAYERS, flat
 
 STAGES = ("scan", "regrid", "eval", "hazard", "terrain")
@@ -111,7 +111,9 @@ class Equality(TracedTest):
     def test_all_scanners(self):
         with open(self.path("sweep.csv"), "w", encoding="utf-8") as file:
             file.write("t_s,angle_1_rad,angle_2_rad\n0,-0.05,0.02\n1,0.05,0.01\n2,0.04,-0.03\n")
-        for name, values in {**SCANNERS, "table": {"path": self.path("sweep.csv"), "mechanism": "fsm", "incidence_deg": 20}}.items():
+        scanners = {**SCANNERS, "table": {"path": self.path("sweep.csv"), "mechanism": "fsm", "incidence_deg": 20}}
+        self.assertEqual({*scanners, "fsm"}, scanner_types())  # the fsm is that of the other tests
+        for name, values in scanners.items():
             with self.subTest(name):
                 scan = {**SCAN, "scanner": {"type": name, **values}}
                 config = campaign(scan=scan, draws=2, vary={**GROUND, **DISPERSED})

@@ -55,6 +55,14 @@ INPUTS = {"terrain-gen": [], "scan-sim": ["--terrain", "/nowhere/terrain.h5"], "
           "monte-carlo": ["/nowhere/scan.h5", "--terrain", "/nowhere/terrain.h5"]}
 
 
+def scanner_types():
+    """The types of scanners that scan.schema.json has."""
+    with open(os.path.join(os.path.dirname(__file__), "../../schemas/scan.schema.json"), encoding="utf-8") as file:
+        schema = json.load(file)
+    names = [choice["$ref"].rpartition("/")[2] for choice in schema["properties"]["scanner"]["oneOf"]]
+    return {schema["definitions"][name]["properties"]["type"]["const"] for name in names}
+
+
 def tool(name):
     return os.path.join(BIN, name)
 
