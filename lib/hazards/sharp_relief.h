@@ -2,6 +2,7 @@
 #pragma once
 
 #include "raster/grid.h"
+#include "raster/region.h"
 
 namespace landfall {
 
