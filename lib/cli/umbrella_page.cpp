@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "cli/umbrella_page.h"
 
+#include <vector>
+
 #include "cli/completion.h"
 #include "cli/manual.h"
 #include "cli/print.h"
