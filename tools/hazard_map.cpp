@@ -16,6 +16,7 @@
 #include "config/hazard_config.h"
 #include "files/hazard_file.h"
 #include "files/hazard_strips.h"
+#include "hazards/sharp_relief.h"
 #include "report/hazard_page.h"
 #include "terrain/gdal/gdal_loader.h"
 #include "tools.h"
@@ -122,14 +123,14 @@ void place(cli::Session& session, const std::string& name, HazardMap& map, const
 
 /// Prints what is asked for, and passes on the outcome.
 ExitCode conclude(cli::Session& session, const Options& o, const HazardMap& map,
-                  const HazardParameters& parameters) {
+                  const HazardParameters& parameters, bool is_sharp = false) {
   const OwnVerdicts own = own_verdicts(map, parameters);
   const double tenth_m = parameters.lander.body_radius_m / 5;
   if (const double bin_m = map.safe.spec().resolution_m; map.p_safe && bin_m > tenth_m)
     session.warn(o.map + ": bins of " + number_text(bin_m) +
                  " m are coarser than a tenth of the body's diameter, " + short_number(tenth_m) +
                  " m: p_safe is less sure");
-  if (map.has_sharp_relief)
+  if (is_sharp)
     session.warn(o.map + ": rocks or steps stand out of the relief: beside them p_safe is less sure");
   if (session.options().shows_table(o.table)) std::cout << cli::hazard_table(map) << cli::own_table(own);
   std::optional<double> required;
@@ -214,7 +215,7 @@ ExitCode run(cli::Session& session, const Options& o) {
     if (score_file) score_file->commit();
     if (report_file) report_file->commit();
   });
-  return conclude(session, o, map, parameters);
+  return conclude(session, o, map, parameters, map.p_safe && has_sharp_relief(input.z, map.region));
 }
 
 }  // namespace

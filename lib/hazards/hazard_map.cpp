@@ -12,7 +12,6 @@
 #include "base/number_text.h"
 #include "hazards/map_judge.h"
 #include "hazards/safe_probability.h"
-#include "hazards/sharp_relief.h"
 
 namespace landfall {
 namespace {
@@ -76,7 +75,6 @@ void add_probability(HazardMap& map, HazardInput& input, const HazardParameters&
   map.p_safe = std::move(found.p);
   map.p_capped = std::move(found.capped);
   map.p_cap = found.cap;
-  map.has_sharp_relief = has_sharp_relief(input.z, map.region);
   const double reach_m =
       static_cast<double>(safe_probability_reach(judge.lander())) * input.z.spec().resolution_m;
   map.p_safe_origin =

@@ -120,8 +120,7 @@ struct HazardMap {
   std::optional<Grid<float>> p_safe;  ///< safe_probability(); none without z_sigma
   BinMask p_capped;                   ///< only with p_safe, as p_cap
   float p_cap = 0;
-  bool has_sharp_relief = false;  ///< sharp_relief.h; only with p_safe
-  std::string p_safe_origin;      ///< how it was made, in words
+  std::string p_safe_origin;  ///< how it was made, in words
   std::string no_probability = kNoProbability;
   Grid<float> p_touchdown;
   Grid<float> cost;

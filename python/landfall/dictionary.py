@@ -33,11 +33,6 @@ def stages():
     return {stage["name"]: stage for stage in table("stages")["stages"]}
 
 
-def programs():
-    """The names of the programs."""
-    return [tool["name"] for tool in table("tools")["tools"] if " " not in tool["name"]]
-
-
 @dataclass(frozen=True)
 class Requirement:
     """`value`: its metric, empty for a sum of two; `worst`: the metrics of which the largest uses up eval.limits.`worst_limit`."""

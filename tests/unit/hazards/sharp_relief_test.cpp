@@ -5,7 +5,8 @@
 
 #include <cmath>
 #include <limits>
-#include <random>
+
+#include "map_noise.h"
 
 namespace landfall {
 namespace {
@@ -13,23 +14,18 @@ namespace {
 constexpr std::int64_t kBins = 200;
 constexpr double kEdge = 0.05;
 
-/// Noise of 1 sigma on ground of the function `height` of x and y.
+/// Ground of the function `height` of x and y, with noise of 1 sigma.
 template <typename Height>
 Grid<double> noisy(double sigma_m, const Height& height) {
   Grid<double> z(GridSpec::centered(kBins / 2 * kEdge, kEdge));
-  std::mt19937_64 generator(3);
-  std::normal_distribution<double> noise(0, sigma_m);
   for (std::int64_t row = 0; row < z.spec().rows; ++row)
     for (std::int64_t col = 0; col < z.spec().cols; ++col)
-      z.at({row, col}) = height(z.spec().x(col), z.spec().y(row)) + noise(generator);
+      z.at({row, col}) = height(z.spec().x(col), z.spec().y(row));
+  add_noise(z, sigma_m, 3);
   return z;
 }
 
-BinMask all_bins(const Grid<double>& z) {
-  BinMask region(z.spec());
-  for (auto& value : region.values()) value = 1;
-  return region;
-}
+BinMask all_bins(const Grid<double>& z) { return BinMask(z.spec(), 1); }
 
 double rolling(double x, double y) { return 0.2 * std::sin(x) * std::cos(1.3 * y) + 0.1 * x; }
 
