@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The ray engines on the same rays, one thread, in one run, and the heightfield engine on two threads and one
-// in turns; the ratios of their rates come last. The engine opencl is among them where there is a device,
-// which uses all cores if it is the CPU itself, and traces many pulses in a call.
+// in turns; the ratios of their rates come last.
 //   bench_rays [--benchmark_filter=relief ...]
 // Times move with whatever else the machine does: each engine's best of three repetitions counts.
 #include <benchmark/benchmark.h>
@@ -20,7 +19,6 @@
 #include <thread>
 #include <vector>
 
-#include "opencl/opencl_engine.h"
 #include "ray/cgal_engine.h"
 #include "ray/heightfield_engine.h"
 #ifdef LANDFALL_BENCH_EMBREE
@@ -33,7 +31,6 @@ namespace {
 using Terrain = std::shared_ptr<const TriangulatedGrid>;
 
 constexpr std::size_t kPulseRays = 18 * 18;
-constexpr std::string_view kDevice = "opencl";
 constexpr const char* kByTwo = "/heightfield_2_threads";
 constexpr const char* kRate = "items_per_second";
 constexpr const char* kByOneRate = "by_one_thread_per_second";
@@ -131,16 +128,6 @@ const std::vector<Scene>& scenes() {
   return all;
 }
 
-bool has_device() {
-  try {
-    static_cast<void>(default_device(opencl_devices()));
-    return true;
-  } catch (const DeviceError& error) {
-    std::cout << "without the engine opencl: " << error.what() << '\n';
-    return false;
-  }
-}
-
 const std::vector<EngineKind>& engine_kinds() {
   static const std::vector<EngineKind> all = [] {
     std::vector<EngineKind> kinds = {
@@ -150,9 +137,6 @@ const std::vector<EngineKind>& engine_kinds() {
 #endif
         {"cgal", [](Terrain terrain) { return make_cgal_engine(std::move(terrain)); }},
     };
-    if (has_device())
-      kinds.push_back(
-          {kDevice.data(), [](Terrain terrain) { return make_opencl_engine(std::move(terrain)); }});
     return kinds;
   }();
   return all;
@@ -177,7 +161,7 @@ const RayEngine& engine_over(const Scene& scene, const EngineKind& kind) {
 void trace(benchmark::State& state, const Scene& scene, const EngineKind& kind) {
   const RayEngine& engine = engine_over(scene, kind);
   const std::vector<Ray> rays = scan_of(scene);
-  const std::size_t most = std::max(kPulseRays, engine.efficient_rays());
+  constexpr std::size_t most = kPulseRays;
   std::vector<double> ranges(rays.size());
   for (auto _ : state)
     for (std::size_t begin = 0; begin < rays.size(); begin += most) {
@@ -283,12 +267,9 @@ int main(int argc, char** argv) {
     add(std::string(scene.name) + kByTwo, [&](benchmark::State& state) {
       trace_by_two(state, scene);
     })->UseManualTime();
-    for (const EngineKind& kind : engine_kinds()) {
-      auto* const timed = add(std::string(scene.name) + "/" + kind.name,
-                              [&](benchmark::State& state) { trace(state, scene, kind); });
-      if (kind.name == kDevice)
-        timed->MeasureProcessCPUTime()->UseRealTime();  // not this thread does the work
-    }
+    for (const EngineKind& kind : engine_kinds())
+      add(std::string(scene.name) + "/" + kind.name,
+          [&](benchmark::State& state) { trace(state, scene, kind); });
   }
   BestRates rates;
   benchmark::RunSpecifiedBenchmarks(&rates);

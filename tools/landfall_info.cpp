@@ -48,7 +48,7 @@ Files are read in pieces, so that the memory does not depend on their size. A fi
 
 --seal adds the seal to files that other programs wrote or changed, after the checks of --check. The seal shows any damage that follows. A file that has one stays as it is.
 
---devices lists the devices on which scan-sim --engine opencl can trace rays, with double precision and a measured speed, and the speed of this CPU.)";
+--devices lists the OpenCL devices, and on which of them monte-carlo --engine opencl can draw errors: those with double precision that round as this CPU does.)";
 
 struct Options {
   std::vector<std::string> files;
@@ -85,9 +85,7 @@ void bind(CLI::App& app, Options& o) {
                "there is one");
   app.add_flag("--seal", o.seal,
                "Check the files, and add the seal that shows later damage where it is missing");
-  app.add_flag(
-      "--devices", o.devices,
-      "List the OpenCL devices instead: memory, double precision, and rays per second beside the CPU's");
+  app.add_flag("--devices", o.devices, "List the OpenCL devices instead: memory, double precision, use");
   cli::bind_meeting_options(app, o.rules);
 }
 
@@ -99,13 +97,11 @@ nlohmann::ordered_json describe(cli::Session& session, const Options& o, const s
   return description;
 }
 
-ExitCode list_devices(cli::Session& session, const Options& o) {
+ExitCode list_devices(const Options& o) {
   if (!o.files.empty() || o.no_statistics || o.config || o.check || o.seal || o.compare || !o.at.empty())
     throw UsageError("--devices describes no file; omit files, --no-statistics, --config and --check");
-  nlohmann::ordered_json measured;
-  session.phase("measure",
-                [&](const ProgressCallback& progress) { measured = cli::measure_devices(progress); });
-  std::cout << shown_lines(o.json ? measured.dump(2) + "\n" : cli::devices_text(measured));
+  const nlohmann::ordered_json list = cli::device_list();
+  std::cout << shown_lines(o.json ? list.dump(2) + "\n" : cli::devices_text(list));
   return ExitCode::done;
 }
 
@@ -201,7 +197,7 @@ ExitCode show_bin(cli::Session& session, const Options& o) {
 }
 
 ExitCode run(cli::Session& session, const Options& o) {
-  if (o.devices) return list_devices(session, o);
+  if (o.devices) return list_devices(o);
   if (o.compare) return compare(session, o);
   if (!o.at.empty()) return show_bin(session, o);
   if (o.files.empty()) throw UsageError("a file to describe is required");

@@ -51,10 +51,8 @@ void bind(CLI::App& app, Options& o) {
   app.add_option(
          "--engine", o.engine,
          "Ray engine: heightfield (fast, grids only), cgal (AABB tree with exact predicates; slower, needs "
-         "more memory), auto (cgal for a mesh, otherwise heightfield), opencl (heightfield on an OpenCL "
-         "device with double precision; the same file), or opencl-or-cpu (auto if no device can be used). "
-         "Ranges agree within 1e-9 m")
-      ->check(CLI::IsMember({"auto", "heightfield", "cgal", "opencl", "opencl-or-cpu"}))
+         "more memory), or auto (cgal for a mesh, otherwise heightfield). Ranges agree within 1e-9 m")
+      ->check(CLI::IsMember({"auto", "heightfield", "cgal"}))
       ->capture_default_str();
   app.add_option(
          "--ranges-from", o.ranges_from,
@@ -83,12 +81,9 @@ nlohmann::json options_json(const Options& o) {
 }
 
 EngineKind engine_kind(const std::string& name) {
-  static const std::map<std::string, EngineKind> kinds = {{"heightfield", EngineKind::heightfield},
-                                                          {"cgal", EngineKind::cgal},
-                                                          {"opencl", EngineKind::opencl},
-                                                          {"opencl-or-cpu", EngineKind::opencl_or_cpu}};
-  const auto found = kinds.find(name);
-  return found == kinds.end() ? EngineKind::automatic : found->second;
+  return name == "heightfield" ? EngineKind::heightfield
+         : name == "cgal"      ? EngineKind::cgal
+                               : EngineKind::automatic;
 }
 
 /// Ranges from a file need no terrain, unless the errors depend on its surface.
@@ -156,7 +151,6 @@ ExitCode run(cli::Session& session, const Options& o) {
     writer.commit(simulation.detector(), simulation.dead_map());
   });
   if (scene.engine) session.count("rays_per_s", static_cast<double>(simulation.ray_count()) / scan_s);
-  if (scene.device_use) cli::report_device(session, *scene.device_use);
   cli::report_scan(session, simulation, writer);
   return ExitCode::done;
 }

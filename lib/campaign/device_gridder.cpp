@@ -35,11 +35,6 @@ namespace {
 constexpr std::int64_t kChunkBeams = std::int64_t{1} << 20U;
 constexpr std::size_t kPulsesPerPiece = 64;
 
-const OpenClDrawsPlugin& plugin() {
-  static const auto& found = *static_cast<const OpenClDrawsPlugin*>(load_opencl_plugin(kOpenClDrawsSymbol));
-  return found;
-}
-
 DevicePose device_pose(const Transform<DemFrame, LidarFrame>& pose) {
   DevicePose out{};
   for (std::size_t i = 0; i < 9; ++i)
@@ -224,7 +219,7 @@ std::unique_ptr<DeviceDraws> DeviceGridder::empty_scan(const Simulation& simulat
     for (std::size_t k = begin; k < end; ++k)
       truth[k] = device_pose(simulation.true_lidar(static_cast<std::int64_t>(k)));
   });
-  return plugin().load({.resolution_m = grid_.resolution_m,
+  return opencl_plugin().load({.resolution_m = grid_.resolution_m,
                         .first_row = static_cast<double>(grid_.first_row),
                         .first_col = static_cast<double>(grid_.first_col),
                         .rows = static_cast<double>(grid_.rows),

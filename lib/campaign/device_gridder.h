@@ -12,7 +12,7 @@
 #include "gridding/accumulator.h"
 #include "gridding/method.h"
 #include "opencl/device_draws.h"
-#include "opencl/opencl_engine.h"
+#include "opencl/devices.h"
 #include "simulation/simulation.h"
 
 namespace landfall {

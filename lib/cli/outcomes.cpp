@@ -50,15 +50,6 @@ void report_terrain(Session& session, const TerrainContent& terrain) {
   for (const std::string& warning : terrain.warnings) session.warn(warning);
 }
 
-void report_device(Session& session, const DeviceUse& use) {
-  if (!use.device().empty()) {
-    session.count("device", use.device());
-    session.count("device_ray_count", use.rays());
-    session.count("undecided_ray_count", use.undecided());
-  }
-  if (const auto failure = use.failure()) session.warn(*failure + "; the CPU traced the rays instead");
-}
-
 void report_draw_device(Session& session, const DeviceUse& use) {
   if (!use.device().empty()) {
     session.count("device", use.device());
@@ -139,7 +130,7 @@ ExitCode report_evaluation(Session& session, const std::string& dem, const Evalu
 }
 
 ExitCode report_hazards(Session& session, const std::string& name, const HazardMap& map,
-                        const OwnVerdicts& own, std::optional<double> min_p) {
+                        const RequirementVerdicts& own, std::optional<double> min_p) {
   const PlaceCounts counts = count_places(map.safe, map.region);
   session.count("places", {{"safe", counts.safe}, {"hazard", counts.hazard}, {"unknown", counts.unknown}});
   session.count("sites", sites_json(map)["sites"]);

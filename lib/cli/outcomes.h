@@ -8,7 +8,7 @@
 #include "exports/terrain_output.h"
 #include "files/scan_file.h"
 #include "hazards/hazard_map.h"
-#include "opencl/opencl_engine.h"
+#include "opencl/devices.h"
 #include "runs/dem_output.h"
 #include "simulation/simulation.h"
 
@@ -22,10 +22,7 @@ void report_terrain(Session& session, const TerrainContent& terrain);
 /// Warns where more than 1 % of the rays missed the terrain.
 void report_scan(Session& session, const Simulation& simulation, const ScanWriter& writer);
 
-/// Adds the device and its rays to the counts. Warns if the CPU had to replace it.
-void report_device(Session& session, const DeviceUse& use);
-
-/// The same for draws.
+/// Adds the device and its draws to the counts. Warns if the CPU had to replace it.
 void report_draw_device(Session& session, const DeviceUse& use);
 
 /// Also passes on the warnings about the sigmas.
@@ -58,6 +55,6 @@ void warn_of_assumptions(Session& session, const std::string& dem, const Metrics
 /// With `min_p`, a site of that p_touchdown and the user's own requirements are required: returns
 /// requirement_missed, and always says why, without. `name` begins the messages.
 [[nodiscard]] ExitCode report_hazards(Session& session, const std::string& name, const HazardMap& map,
-                                      const OwnVerdicts& own, std::optional<double> min_p);
+                                      const RequirementVerdicts& own, std::optional<double> min_p);
 
 }  // namespace landfall::cli

@@ -49,7 +49,7 @@ std::string arithmetic_problem(const cl::Device& device) {
   std::vector<double> found(kResults * count);
   const cl::Context context(device);
   const cl::CommandQueue queue(context, device);
-  cl::Kernel kernel(compiled(context, device, KernelFile::walk), "arithmetic");
+  cl::Kernel kernel(compiled(context, device, KernelFile::scene), "arithmetic");
   const cl::Buffer in(context, CL_MEM_READ_ONLY, given.size() * sizeof(double));
   const cl::Buffer out(context, CL_MEM_WRITE_ONLY, found.size() * sizeof(double));
   queue.enqueueWriteBuffer(in, CL_FALSE, 0, given.size() * sizeof(double), given.data());
@@ -154,7 +154,7 @@ cl::Program compiled(const cl::Context& context, const cl::Device& device, Kerne
     return std::string(embedded::kKernels[static_cast<std::size_t>(of)].text);
   };
   cl::Program::Sources texts = {text_of(file)};
-  if (file != KernelFile::walk) texts.insert(texts.begin(), text_of(KernelFile::scene));
+  if (file != KernelFile::scene) texts.insert(texts.begin(), text_of(KernelFile::scene));
   cl::Program program(context, texts);
   try {
     program.build({device}, "-cl-std=CL1.2");

@@ -59,7 +59,7 @@ class FinishesQueue {
 [[nodiscard]] const std::vector<OpenClDevice>& described_devices();
 
 /// In the order of embedded::kKernels.
-enum class KernelFile { walk, draws, verdict, scene };
+enum class KernelFile { scene, draws, verdict };
 
 /// The kernels of a file for a device, behind scene.cl for draws and verdicts. Throws cl::Error; DeviceError,
 /// without the device's name, with the compiler's message.

@@ -139,6 +139,8 @@ class ClDraws final : public DeviceDraws {
   std::optional<ClVerdict> verdict_;
 };
 
+std::vector<OpenClDevice> devices() { return described_devices(); }
+
 std::unique_ptr<DeviceDraws> load(const DeviceScene& scene, std::span<const DevicePose> truth,
                                   std::size_t number) {
   const cl::Device device = all_devices().at(number);
@@ -152,5 +154,5 @@ std::unique_ptr<DeviceDraws> load(const DeviceScene& scene, std::span<const Devi
 }  // namespace
 }  // namespace landfall
 
-extern "C" const landfall::OpenClDrawsPlugin landfall_opencl_draws;
-const landfall::OpenClDrawsPlugin landfall_opencl_draws{LANDFALL_VERSION, landfall::load};
+extern "C" const landfall::OpenClPlugin landfall_opencl_plugin;
+const landfall::OpenClPlugin landfall_opencl_plugin{LANDFALL_VERSION, landfall::devices, landfall::load};

@@ -129,16 +129,4 @@ class DeviceDraws {
   virtual void take_sums(const DeviceSums& out) = 0;
 };
 
-/// The functions of the plugin landfall-opencl.so that draw errors.
-struct OpenClDrawsPlugin {
-  const char* version;
-  /// A scan without beams on the device of the given number (OpenClPlugin::devices). `truth`: the true pose
-  /// of each pulse.
-  std::unique_ptr<DeviceDraws> (*load)(const DeviceScene& scene, std::span<const DevicePose> truth,
-                                       std::size_t device);
-};
-
-/// The name of the plugin's object of type OpenClDrawsPlugin.
-inline constexpr const char* kOpenClDrawsSymbol = "landfall_opencl_draws";
-
 }  // namespace landfall

@@ -9,8 +9,6 @@
 #include <vector>
 
 #include "base/error.h"
-#include "opencl/device_ground.h"
-#include "ray/engine.h"
 
 namespace landfall {
 
@@ -35,24 +33,19 @@ struct OpenClDevice {
   [[nodiscard]] bool is_usable() const { return problem.empty(); }
 };
 
-/// A heightfield in the memory of a device.
-class DeviceWalk {
- public:
-  virtual ~DeviceWalk() = default;
-  [[nodiscard]] virtual const OpenClDevice& device() const = 0;
-  /// ranges[i] of rays[i]: as walk_packets() (ray/packet_walk.h), though other rays may be kUndecided. From
-  /// any number of threads; calls then overlap. Throws DeviceError if the device fails.
-  virtual void walk(std::span<const Ray> rays, std::span<double> ranges) const = 0;
-};
+struct DeviceScene;
+struct DevicePose;
+class DeviceDraws;
 
 /// The functions of the plugin landfall-opencl.so, the only part that is linked with libOpenCL.
 struct OpenClPlugin {
   const char* version;
   /// All devices of all platforms, in the order of the OpenCL library; none if no driver is installed.
   std::vector<OpenClDevice> (*devices)();
-  /// Copies a field, which may be destroyed afterwards, to a device: that of the given number among
-  /// devices(), which must be usable. Throws DeviceError if the device or its memory fails.
-  std::unique_ptr<DeviceWalk> (*load)(const DeviceField& field, std::size_t device);
+  /// A scan without beams (opencl/device_draws.h) on the device of the given number among devices(), which
+  /// must be usable. `truth`: the true pose of each pulse.
+  std::unique_ptr<DeviceDraws> (*load)(const DeviceScene& scene, std::span<const DevicePose> truth,
+                                       std::size_t device);
 };
 
 /// The name of the plugin's one object, of type OpenClPlugin.

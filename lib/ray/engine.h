@@ -26,10 +26,6 @@ class RayEngine {
   /// have the same size. Engines are tuned for calls that pass the rays of one pulse in pixel order; any set
   /// of rays is allowed.
   virtual void first_hits(std::span<const Ray> rays, std::span<double> ranges) const = 0;
-
-  /// The number of rays with which a call is efficient: a caller that has more pulses to trace passes several
-  /// of them at once. 0: a call for each pulse.
-  [[nodiscard]] virtual std::size_t efficient_rays() const { return 0; }
 };
 
 }  // namespace landfall

@@ -171,11 +171,6 @@ void WindowedTerrain::first_hits(std::span<const Ray> rays, std::span<double> ra
   }
 }
 
-std::size_t WindowedTerrain::efficient_rays() const {
-  const std::shared_ptr<const Window> window = current();
-  return window && window->engine ? window->engine->efficient_rays() : 0;
-}
-
 bool WindowedTerrain::off_terrain(double x_m, double y_m) const {
   const GridSpec& spec = terrain_.spec;
   const double s = spec.resolution_m;

@@ -55,8 +55,6 @@ class WindowedTerrain final : public TerrainSurface, public RayEngine {
   void require(const GroundBox& box) const;
 
   void first_hits(std::span<const Ray> rays, std::span<double> ranges) const override;
-  /// That of the window's engine; 0 before there is a window.
-  [[nodiscard]] std::size_t efficient_rays() const override;
   [[nodiscard]] double elevation(double x_m, double y_m) const override;
   [[nodiscard]] double highest_m() const override { return terrain_.highest_m; }
   [[nodiscard]] Eigen::Vector3d normal(const Eigen::Vector3d& point) const override;

@@ -8,7 +8,6 @@
 
 #include "base/progress.h"
 #include "files/terrain_file.h"
-#include "opencl/opencl_engine.h"
 #include "ray/windowed_terrain.h"
 
 namespace landfall {
@@ -20,16 +19,14 @@ enum class SceneUse {
   rays,      ///< also an engine that traces rays to it
 };
 
-/// opencl_or_cpu: opencl, or automatic if no device can be used or the terrain is a mesh.
-enum class EngineKind { automatic, heightfield, cgal, opencl, opencl_or_cpu };
+enum class EngineKind { automatic, heightfield, cgal };
 
 /// The terrain of a run. This folder lies above files and ray because it joins them: a file reader needs no
 /// ray engine, and a ray engine needs no file.
 struct Scene : TerrainIdentity {
   std::shared_ptr<const TerrainSurface> surface{};  ///< null if only the identity was requested
   std::shared_ptr<const RayEngine> engine{};        ///< null unless rays were requested
-  std::string engine_name = "none";                 ///< "heightfield", "cgal", "opencl" or "flat"
-  std::shared_ptr<const DeviceUse> device_use{};    ///< null unless an OpenCL engine was requested
+  std::string engine_name = "none";                 ///< "heightfield", "cgal" or "flat"
   /// The same object as `surface` if only the part in use of a large terrain is loaded; else null.
   std::shared_ptr<const WindowedTerrain> window{};
 };
@@ -45,8 +42,7 @@ struct SceneRequest {
 [[nodiscard]] Scene traced_scene(const TerrainInput& terrain);
 
 /// Opens level ground, a grid, a grid that is loaded in part, or a mesh. Throws FormatError as read_terrain()
-/// and open_large_terrain() do, UsageError if heightfield or opencl is requested for a mesh, and DeviceError
-/// as make_opencl_engine() does.
+/// and open_large_terrain() do, and UsageError if heightfield is requested for a mesh.
 [[nodiscard]] Scene open_scene(const SceneRequest& request, const ProgressCallback& progress = {});
 
 }  // namespace landfall

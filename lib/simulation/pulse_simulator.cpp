@@ -98,42 +98,10 @@ void PulseSimulator::simulate(const PulseInput& pulse, std::size_t slot, PulseBa
   steer_to_trace(pulse, workspace.aimed);
   make_rays(pulse, workspace.aimed, workspace.traced);
   trace(workspace.traced.rays, workspace.traced.hits_m);
-  finish(pulse, slot, batch, workspace);
-}
-
-/// From the ranges of the engine to the rows of the batch.
-void PulseSimulator::finish(const PulseInput& pulse, std::size_t slot, PulseBatch& batch,
-                            PulseWorkspace& workspace) const {
-  PulseWorkspace& w = workspace;
-  if (!w.aimed.state.blanked) spread_over(traced_beams(w.aimed, w.traced), w.traced.hits_m);
-  combine_samples(pulse.time.pulse, w.aimed, w.traced, w.received);
-  record(pulse, slot, batch, w);
-}
-
-std::size_t PulseSimulator::pulses_per_call() const {
-  return engine_ == nullptr ? 1 : std::max<std::size_t>(1, engine_->efficient_rays() / rays_per_pulse());
-}
-
-void PulseSimulator::simulate_together(std::span<const PulseInput> pulses, std::size_t first_slot,
-                                       PulseBatch& batch, std::span<PulseWorkspace> workspaces) const {
-  assert(pulses.size() == workspaces.size());
-  std::vector<Ray> rays;
-  for (std::size_t i = 0; i < pulses.size(); ++i) {
-    TracedPulse& traced = workspaces[i].traced;
-    steer_to_trace(pulses[i], workspaces[i].aimed);
-    make_rays(pulses[i], workspaces[i].aimed, traced);
-    rays.insert(rays.end(), traced.rays.begin(), traced.rays.end());
-  }
-  std::vector<double> hits_m;
-  trace(rays, hits_m);
-  auto next = hits_m.cbegin();
-  for (std::size_t i = 0; i < pulses.size(); ++i) {
-    TracedPulse& traced = workspaces[i].traced;
-    const auto end = next + static_cast<std::ptrdiff_t>(traced.rays.size());
-    traced.hits_m.assign(next, end);
-    next = end;
-    finish(pulses[i], first_slot + i, batch, workspaces[i]);
-  }
+  if (!workspace.aimed.state.blanked)
+    spread_over(traced_beams(workspace.aimed, workspace.traced), workspace.traced.hits_m);
+  combine_samples(pulse.time.pulse, workspace.aimed, workspace.traced, workspace.received);
+  record(pulse, slot, batch, workspace);
 }
 
 void PulseSimulator::replay(const PulseInput& pulse, const TrueRanges& truth, std::size_t slot,

@@ -164,13 +164,6 @@ class PulseSimulator {
   void simulate(const PulseInput& pulse, std::size_t slot, PulseBatch& batch,
                 PulseWorkspace& workspace) const;
 
-  /// The number of pulses that the engine traces efficiently in one call; at least 1.
-  [[nodiscard]] std::size_t pulses_per_call() const;
-  /// Fills the slots from `first_slot` on with these pulses, one for each workspace. All their rays go to the
-  /// engine in one call. The result is that of simulate() for each pulse.
-  void simulate_together(std::span<const PulseInput> pulses, std::size_t first_slot, PulseBatch& batch,
-                         std::span<PulseWorkspace> workspaces) const;
-
   /// simulate() without tracing: the true ranges come from an earlier run, one per pixel, NaN for a miss, and
   /// so do the echoes if the receiver sees waveforms; it must then hear kept echoes.
   void replay(const PulseInput& pulse, const TrueRanges& truth, std::size_t slot, PulseBatch& batch,
@@ -194,7 +187,6 @@ class PulseSimulator {
   void make_rays(const PulseInput& pulse, const AimedPulse& aimed, TracedPulse& traced) const;
   void require_above_ground(const PulseInput& pulse, std::span<const Ray> rays) const;
   void trace(std::span<const Ray> rays, std::vector<double>& hits_m) const;
-  void finish(const PulseInput& pulse, std::size_t slot, PulseBatch& batch, PulseWorkspace& workspace) const;
   /// Uses up the hits: they are sorted in place.
   void combine_samples(std::int64_t pulse, const AimedPulse& aimed, TracedPulse& traced,
                        ReceivedPulse& received) const;

@@ -108,18 +108,9 @@ void Simulation::simulate(PulseSpan pulses, PulseBatch& batch, bool keep_echoes)
 }
 
 void Simulation::simulate_slots(PulseSpan pulses, std::size_t first_slot, PulseBatch& batch) const {
-  const auto count = static_cast<std::size_t>(pulses.count);
-  std::vector<PulseWorkspace> workspaces(std::min(simulator_.pulses_per_call(), count));
-  std::vector<PulseInput> inputs;
-  for (std::size_t i = 0; i < count; i += inputs.size()) {
-    inputs.clear();
-    for (std::size_t k = i; k < std::min(i + workspaces.size(), count); ++k)
-      inputs.push_back(pulse(pulses.first + static_cast<std::int64_t>(k)));
-    if (inputs.size() == 1)
-      simulator_.simulate(inputs.front(), first_slot + i, batch, workspaces.front());
-    else
-      simulator_.simulate_together(inputs, first_slot + i, batch, std::span(workspaces).first(inputs.size()));
-  }
+  PulseWorkspace workspace;
+  for (std::size_t i = 0; i < static_cast<std::size_t>(pulses.count); ++i)
+    simulator_.simulate(pulse(pulses.first + static_cast<std::int64_t>(i)), first_slot + i, batch, workspace);
 }
 
 PulseBatch Simulation::simulate(PulseSpan pulses) const {

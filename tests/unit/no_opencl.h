@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "opencl/opencl_engine.h"
+#include "opencl/devices.h"
 
 namespace landfall {
 

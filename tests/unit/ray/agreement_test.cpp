@@ -11,7 +11,6 @@
 #include <random>
 
 #include "brute_force.h"
-#include "no_opencl.h"
 #include "ray/cgal_engine.h"
 #include "ray/heightfield_engine.h"
 #include "scenes.h"
@@ -25,12 +24,7 @@ struct EngineKind {
   const char* name;
   std::unique_ptr<RayEngine> (*make)(Terrain);
 };
-/// Without opencl, which opencl_engine_test.cpp says that it skips, where there is no device.
-std::vector<EngineKind> fast_engines() {
-  std::vector<EngineKind> engines = {{"cgal", make_cgal}, {"heightfield", make_heightfield}};
-  if (no_opencl().empty()) engines.push_back({"opencl", make_opencl});
-  return engines;
-}
+std::vector<EngineKind> fast_engines() { return {{"cgal", make_cgal}, {"heightfield", make_heightfield}}; }
 
 std::vector<EngineKind> all_engines() {
   std::vector<EngineKind> engines = fast_engines();

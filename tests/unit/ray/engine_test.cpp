@@ -12,7 +12,6 @@
 
 #include "base/exact_arithmetic.h"
 #include "brute_force.h"
-#include "no_opencl.h"
 #include "ray/cgal_engine.h"
 #include "ray/heightfield_engine.h"
 #include "scenes.h"
@@ -27,9 +26,6 @@ struct TestedEngine {
 
 class Engine : public testing::TestWithParam<TestedEngine> {
  protected:
-  void SetUp() override {
-    if (GetParam().make == make_opencl && !no_opencl().empty()) GTEST_SKIP() << no_opencl();
-  }
   [[nodiscard]] static double range(const Terrain& terrain, const Ray& ray) {
     return ranges_of(*GetParam().make(terrain), {ray}).front();
   }
@@ -38,8 +34,7 @@ class Engine : public testing::TestWithParam<TestedEngine> {
 INSTANTIATE_TEST_SUITE_P(
     All, Engine,
     testing::Values(TestedEngine{"brute_force", make_brute_force_engine<TriangulatedGrid>},
-                    TestedEngine{"cgal", make_cgal}, TestedEngine{"heightfield", make_heightfield},
-                    TestedEngine{"opencl", make_opencl}),
+                    TestedEngine{"cgal", make_cgal}, TestedEngine{"heightfield", make_heightfield}),
     [](const auto& tested) { return std::string(tested.param.name); });
 
 Terrain flat(double elevation_m = 0) {

@@ -8,7 +8,6 @@
 #include <filesystem>
 #include <iostream>
 
-#include "no_opencl.h"
 #include "ray/cgal_engine.h"
 #include "ray/heightfield_engine.h"
 #include "ray/packet_walk.h"
@@ -185,21 +184,6 @@ TEST_P(ManyRays, LanesAnswerAsDescent) {
   std::cout << traced << " rays, the lanes decide " << decided << ", different " << different << '\n';
   EXPECT_EQ(different, 0U);
   EXPECT_GT(decided, traced / 2);
-}
-
-TEST_P(ManyRays, DeviceAnswersAsHeightfield) {
-  if (!no_opencl().empty()) GTEST_SKIP() << no_opencl();
-  const auto use = std::make_shared<DeviceUse>();
-  const std::vector<Ray> rays = random_rays(test_rays());
-  const std::vector<double> ranges = ranges_of(*make_opencl_engine(terrain_, {.use = use}), rays);
-  const std::vector<double> expected = ranges_of(*make_heightfield_engine(terrain_), rays);
-  std::size_t different = 0;
-  for (std::size_t i = 0; i < rays.size(); ++i)
-    if (!same_bits(ranges[i], expected[i])) ++different;
-  std::cout << rays.size() << " rays, the device leaves " << use->undecided() << " to the CPU, different "
-            << different << '\n';
-  EXPECT_EQ(different, 0U);
-  EXPECT_LT(use->undecided(), rays.size() / 2);
 }
 
 TEST_P(ManyRays, AnswersAsCgal) {

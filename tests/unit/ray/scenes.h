@@ -16,7 +16,6 @@
 #include <vector>
 
 #include "constants.h"
-#include "opencl/opencl_engine.h"
 #include "ray/cgal_engine.h"
 #include "ray/engine.h"
 #include "ray/heightfield_engine.h"
@@ -53,9 +52,6 @@ inline std::vector<double> ranges_of(const RayEngine& engine, const std::vector<
 
 inline std::unique_ptr<RayEngine> make_heightfield(Terrain terrain) {
   return make_heightfield_engine(std::move(terrain));
-}
-inline std::unique_ptr<RayEngine> make_opencl(Terrain terrain) {
-  return make_opencl_engine(std::move(terrain));
 }
 inline std::unique_ptr<RayEngine> make_cgal(Terrain terrain) { return make_cgal_engine(std::move(terrain)); }
 

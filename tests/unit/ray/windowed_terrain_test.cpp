@@ -11,7 +11,6 @@
 #include "base/error.h"
 #include "base/parallel.h"
 #include "base/random.h"
-#include "no_opencl.h"
 #include "ray/heightfield_engine.h"
 
 namespace landfall {
@@ -111,21 +110,6 @@ TEST(WindowedTerrain, AnswersAreThoseOfTheWholeTerrainBitForBit) {
       }
     EXPECT_LE(loads.windows.size(), 6U) << p;
   }
-}
-
-TEST(WindowedTerrain, OfADeviceAnswersAlikeAndAsksForManyRays) {
-  if (!no_opencl().empty()) GTEST_SKIP() << no_opencl();
-  Loads loads;
-  const WindowedTerrain window(large(loads), [](std::shared_ptr<const TriangulatedGrid> surface) {
-    return make_opencl_engine(std::move(surface));
-  });
-  EXPECT_EQ(window.efficient_rays(), 0U);
-  const auto rays = rays_around(-120, -170, 12, 1);
-  EXPECT_TRUE(same_ranges(
-      ranges_of_calls(window, rays),
-      ranges_of_calls(*make_heightfield_engine(whole_surface(CellOrigin::of_windows(kGrid, 4.4))), rays)));
-  EXPECT_GT(loads.windows.size(), 1U);
-  EXPECT_GT(window.efficient_rays(), 1000U);
 }
 
 TEST(WindowedTerrain, AWindowIsAPartAndGrows) {

@@ -11,7 +11,6 @@
 
 #include "base/error.h"
 #include "files/mesh_terrain_file.h"
-#include "no_opencl.h"
 #include "refusal.h"
 #include "temporary_folder.h"
 
@@ -83,31 +82,6 @@ TEST_F(SceneFiles, AGridIsTracedByEitherEngine) {
     expect_identity(scene, kCrs);
     expect_slope(scene);
   }
-}
-
-TEST_F(SceneFiles, ADeviceTracesAGridIfItIsAskedFor) {
-  if (!no_opencl().empty()) GTEST_SKIP() << no_opencl();
-  for (const EngineKind kind : {EngineKind::opencl, EngineKind::opencl_or_cpu})
-    for (const std::int64_t nodes : {62, 63}) {
-      const Scene scene = open_scene({.terrain = grid_, .engine = kind, .max_loaded_nodes = nodes});
-      EXPECT_EQ(scene.engine_name, "opencl");
-      EXPECT_EQ(scene.window != nullptr, nodes == 62);
-      ASSERT_NE(scene.device_use, nullptr);
-      expect_slope(scene);
-      EXPECT_GE(scene.device_use->rays(), 2U);
-      EXPECT_FALSE(scene.device_use->device().empty());
-      EXPECT_FALSE(scene.device_use->failure());
-    }
-  EXPECT_EQ(open_scene({.terrain = grid_}).device_use, nullptr);
-}
-
-TEST_F(SceneFiles, ADeviceTracesNoMesh) {
-  EXPECT_EQ(refusal([&] { return open_scene({.terrain = mesh_, .engine = EngineKind::opencl}); }),
-            mesh_.string() + ": is a mesh, which the engine opencl cannot trace; use cgal or auto");
-  const Scene scene = open_scene({.terrain = mesh_, .engine = EngineKind::opencl_or_cpu});
-  EXPECT_EQ(scene.engine_name, "cgal");
-  EXPECT_EQ(scene.device_use->failure(), "the terrain is a mesh, which the engine opencl cannot trace");
-  expect_slope(scene);
 }
 
 TEST_F(SceneFiles, ALargeGridIsLoadedInPart) {

@@ -301,61 +301,6 @@ TEST(PulseSimulator, SubpixelsShareTheirPulsesCall) {
   EXPECT_EQ(engine.calls[0].size(), 4U);
 }
 
-// A beam is lost, odd pulses are blanked.
-TEST(PulseSimulator, PulsesTracedTogetherAreThoseTracedAlone) {
-  constexpr std::size_t kPulses = 5;
-  for (const int subpixels : {1, 3}) {
-    const RecordingEngine engine;
-    const PulseSimulator simulator(
-        lidar_of(perspective_detector({.rows = 1, .columns = 3, .subpixels = subpixels}),
-                 std::make_unique<OddScanner>(), {.range_sigma_m = 0.1}),
-        &engine, {});
-    PulseBatch alone;
-    PulseBatch together;
-    for (PulseBatch* batch : {&alone, &together}) batch->resize(kPulses + 1, 3);
-    PulseWorkspace workspace;
-    std::vector<PulseInput> pulses;
-    for (std::size_t i = 0; i < kPulses; ++i) {
-      pulses.push_back(at({{}, {{0, 0, 500 - 7 * static_cast<double>(i)}}}, static_cast<std::int64_t>(i)));
-      simulator.simulate(pulses.back(), i + 1, alone, workspace);
-    }
-    EXPECT_EQ(engine.calls.size(), 3U);
-    std::vector<PulseWorkspace> workspaces(kPulses);
-    simulator.simulate_together(pulses, 1, together, workspaces);
-    ASSERT_EQ(engine.calls.size(), 4U);
-    EXPECT_EQ(engine.calls[3].size(),
-              engine.calls[0].size() + engine.calls[1].size() + engine.calls[2].size());
-    EXPECT_EQ(together.pulses, alone.pulses);
-    EXPECT_EQ(together.points.status, alone.points.status);
-    EXPECT_THAT(together.points.range_true,
-                testing::Pointwise(testing::NanSensitiveDoubleEq(), alone.points.range_true));
-    EXPECT_THAT(together.points.x_est,
-                testing::Pointwise(testing::NanSensitiveDoubleEq(), alone.points.x_est));
-    EXPECT_NE(together.points.range_true[3], together.points.range_true[9]);
-  }
-}
-
-TEST(PulseSimulator, AnEngineSaysHowManyPulsesItWants) {
-  class Hungry final : public PlaneEngine {
-   public:
-    [[nodiscard]] std::size_t efficient_rays() const override { return 100; }
-  };
-  const PlaneEngine plain;
-  const Hungry hungry;
-  const auto wanted = [](const RayEngine* engine, int columns, int subpixels) {
-    return PulseSimulator(
-               lidar_of(perspective_detector({.rows = 1, .columns = columns, .subpixels = subpixels}),
-                        std::make_unique<Flash>()),
-               engine, {})
-        .pulses_per_call();
-  };
-  EXPECT_EQ(wanted(nullptr, 1, 1), 1U);
-  EXPECT_EQ(wanted(&plain, 1, 1), 1U);
-  EXPECT_EQ(wanted(&hungry, 1, 1), 100U);
-  EXPECT_EQ(wanted(&hungry, 6, 2), 4U);
-  EXPECT_EQ(wanted(&hungry, 1000, 1), 1U);
-}
-
 TEST(PulseSimulator, ReplayRedrawsOnlyTheErrors) {
   const PlaneEngine engine;
   const PulseSimulator simulator(lidar_of(perspective_detector({.rows = 3, .columns = 3}),

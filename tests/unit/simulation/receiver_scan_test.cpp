@@ -294,28 +294,6 @@ TEST(ReceiverScan, ReplayOfLaterEchoesEqualsTheTrace) {
   EXPECT_EQ(replayed.later_echoes, traced.later_echoes);
 }
 
-TEST(ReceiverScan, PulsesTracedTogetherAreThoseTracedAlone) {
-  const Step ground(1);
-  const Instrument instrument{.receiver = {.type = ReceiverType::leading_edge}, .pixels = 5, .subpixels = 3};
-  const PulseSimulator simulator(lidar_of(instrument), &ground, &ground);
-  PulseBatch alone;
-  PulseBatch together;
-  for (PulseBatch* batch : {&alone, &together})
-    batch->resize(3, simulator.rows_per_pulse(), PointContent::all, simulator.columns());
-  std::vector<PulseInput> pulses;
-  PulseWorkspace workspace;
-  for (std::size_t i = 0; i < 3; ++i) {
-    const Pose pose{{}, {{0.03 * static_cast<double>(i), 0, 500}}};
-    pulses.push_back(
-        {.time = {static_cast<std::int64_t>(i), 0}, .truth = pose, .estimate = pose, .nominal = pose});
-    simulator.simulate(pulses.back(), i, alone, workspace);
-  }
-  std::vector<PulseWorkspace> workspaces(3);
-  simulator.simulate_together(pulses, 0, together, workspaces);
-  EXPECT_EQ(together.points, alone.points);
-  EXPECT_NE(together.points.range_measured[1], together.points.range_measured[6]);
-}
-
 TEST(ReceiverScan, NeedsTheSurface) {
   const FlatGround ground;
   EXPECT_THROW(PulseSimulator(lidar_of({}), &ground, nullptr), UsageError);

@@ -234,24 +234,6 @@ TEST(Simulation, BatchesAndThreadsChangeNothing) {
   }
 }
 
-TEST(Simulation, AnEngineMayTraceSeveralPulsesInACall) {
-  class Hungry final : public RecordingEngine {
-   public:
-    [[nodiscard]] std::size_t efficient_rays() const override { return 18 * 7 + 5; }
-  };
-  const PlaneEngine plane;
-  const Hungry hungry;
-  const auto scan = [] { return fsm_scan(18, {.rows = 10, .columns = 10}, {}, kAllErrors); };
-  const PulseBatch expected = Simulation(scan(), &plane).simulate({5, 40});
-  const PulseBatch found = Simulation(scan(), &hungry).simulate({5, 40});
-  expect_same_bits(found.points.x_est, expected.points.x_est);
-  EXPECT_EQ(found.points.status, expected.points.status);
-  EXPECT_EQ(found.pulses, expected.pulses);
-  ASSERT_EQ(hungry.calls.size(), 6U);  // 7 pulses each, and the 5 that are left
-  EXPECT_EQ(hungry.calls[0].size(), 7U * 18);
-  EXPECT_EQ(hungry.calls[5].size(), 5U * 18);
-}
-
 TEST(Simulation, BatchMemoryCanBeUsedAgain) {
   const PlaneEngine engine;
   const Simulation simulation(fsm_scan(4), &engine);
