@@ -63,15 +63,6 @@ return {pairs, scroll: page.scrollWidth - page.clientWidth,
 """
 
 
-# The drawings that exist when the browser reports the page as loaded: a program that prints it then prints no more.
-AT_LOAD = """
-window.addEventListener("load", () => {
-  window.drawnAtLoad = [...document.querySelectorAll("svg, canvas")].map((e) => e.tagName + e.childElementCount + "," + (e.width?.baseVal?.value ?? e.width));
-});
-"""
-DRAWN = "return [...document.querySelectorAll('svg, canvas')].map((e) => e.tagName + e.childElementCount + ',' + (e.width?.baseVal?.value ?? e.width))"
-
-
 @functools.cache
 def case_and_window():
     """The case and the browser of a test program."""

@@ -2,7 +2,7 @@
 
 // A page that shows the points of a scan.
 
-import {CloudView, columnOf} from "./cloud_view.js";
+import {CloudView, columnOf, readColumns} from "./cloud_view.js";
 import {horizontalColorBar} from "./colorbar.js";
 import {buttonElement, choiceElement, htmlElement, swatchEntry} from "./elements.js";
 import {counted} from "./numbers.js";
@@ -149,4 +149,7 @@ function fillCloud(section) {
   onThemeChange(() => view.draw());
 }
 
-startPage(() => {}, () => fillCloud(document.getElementById("cloud")));
+startPage(() => {}, async () => {
+  await readColumns();
+  fillCloud(document.getElementById("cloud"));
+});

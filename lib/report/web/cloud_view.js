@@ -12,14 +12,14 @@ import {colorOf, flagColor, parseColor, scaleOf} from "./scales.js";
 const NO_WIDE_CODE = 0xffffffff;
 
 /** The halves of the codes, packed apart; null where all are 0. */
-function halfOf(name) {
+async function halfOf(name) {
   const element = document.getElementById("layer-" + name);
   return element === null ? null : unpackCodes(element.textContent, report.count);
 }
 
 /** The values of all points, NaN where one has none; scales.js takes it for a raster. */
-function readColumn(layer) {
-  const [low, high] = ["low", "high"].map((half) => halfOf(`${layer.name}-${half}`));
+async function readColumn(layer) {
+  const [low, high] = await Promise.all(["low", "high"].map((half) => halfOf(`${layer.name}-${half}`)));
   const codes = Uint32Array.from(low);
   if (high !== null) high.forEach((part, i) => { codes[i] += 65536 * part; });
   return {layer, codes, value: (index) => codes[index] === NO_WIDE_CODE ? NaN : layer.offset + codes[index] * layer.step};
@@ -27,12 +27,14 @@ function readColumn(layer) {
 
 const unpacked = new Map();
 
-/** A column of the report, unpacked on first use; null if it has none of this name. */
+/** Unpacks all columns. */
+export async function readColumns() {
+  for (const layer of report.layers) unpacked.set(layer.name, await readColumn(layer));
+}
+
+/** A column of the report, behind readColumns(); null if it has none of this name. */
 export function columnOf(name) {
-  const layer = report.layers.find((candidate) => candidate.name === name);
-  if (!layer) return null;
-  if (!unpacked.has(name)) unpacked.set(name, readColumn(layer));
-  return unpacked.get(name);
+  return unpacked.get(name) ?? null;
 }
 
 /** The value between the lowest and the highest below which this share of the values lies, from a sample. */

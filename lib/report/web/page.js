@@ -62,7 +62,7 @@ export async function startPage(fillTexts, fillDrawings = null) {
     fillContents();
     for (const table of document.querySelectorAll("main table.sortable")) makeSortable(table);
     if (fillDrawings) await fillDrawings();
-    // The observers of the views would do it with the next frame, after the browser has reported the page as loaded.
+    // The observers of the views would do it with the next frame.
     for (const fit of fits) fit();
     // After the next frame all panels have their width.
     await new Promise((resolve) => { requestAnimationFrame(() => requestAnimationFrame(resolve)); });

@@ -2,7 +2,6 @@
 
 // The maps of the report unpacked: 16-bit codes, value = offset + code * step; maps in larger blocks, and blocks as the pixels of a canvas.
 
-import {inflated} from "./inflate.js";
 import {report} from "./report_data.js";
 
 const NO_VALUE_CODE = 65535;
@@ -59,8 +58,9 @@ class Raster {
 }
 
 /** Undoes what packed() in lib/report/quantised.h describes. */
-export function unpackCodes(text, count) {
-  const bytes = inflated(Uint8Array.from(atob(text), (character) => character.charCodeAt(0)), 2 * count);
+export async function unpackCodes(text, count) {
+  const packed = new Blob([Uint8Array.from(atob(text), (character) => character.charCodeAt(0))]);
+  const bytes = new Uint8Array(await new Response(packed.stream().pipeThrough(new DecompressionStream("deflate"))).arrayBuffer());
   const codes = new Uint16Array(count);
   let code = 0;
   for (let i = 0; i < count; ++i) {
@@ -73,11 +73,11 @@ export function unpackCodes(text, count) {
 
 const rasters = new Map();
 
-/** The map of a layer of `grid`, unpacked on first use. A promise that is kept at once, before the page's load event. */
-export async function rasterOf(layer, grid) {
+/** The map of a layer of `grid`, unpacked on first use. */
+export function rasterOf(layer, grid) {
   if (!rasters.has(layer.id)) {
     const text = document.getElementById("layer-" + layer.id).textContent;
-    rasters.set(layer.id, new Raster(layer, grid, unpackCodes(text, grid.cell_rows * grid.cell_cols)));
+    rasters.set(layer.id, unpackCodes(text, grid.cell_rows * grid.cell_cols).then((codes) => new Raster(layer, grid, codes)));
   }
   return rasters.get(layer.id);
 }
