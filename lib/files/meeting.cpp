@@ -135,11 +135,12 @@ class Check {
     }
     SiteTransform to_first = site_transform(second_.crs_wkt, first_.crs_wkt);
     SiteTransform to_second = site_transform(first_.crs_wkt, second_.crs_wkt);
-    if (!to_first || !to_second)
+    if (!to_first.move || !to_second.move)
       return refuse("its CRS cannot be converted to that of " + first_.name +
                     ": convert one of the sources, or take both as one frame with --same-frame");
-    meeting_.placement = Placement({0, 0, raised_m()}, std::move(to_first), std::move(to_second));
+    meeting_.placement = Placement({0, 0, raised_m()}, std::move(to_first.move), std::move(to_second.move));
     say("is reprojected from its own site frame into that of " + first_.name);
+    if (!to_first.datum_shift.empty()) say(to_first.datum_shift);
   }
 
   const dictionary::Meeting& kind_;
@@ -152,7 +153,7 @@ class Check {
 
 }  // namespace
 
-Placement::Placement(const std::array<double, 3>& shift_m, SiteTransform to_first, SiteTransform to_second)
+Placement::Placement(const std::array<double, 3>& shift_m, SitePointMover to_first, SitePointMover to_second)
     : shift_m_(shift_m), to_first_(std::move(to_first)) {
   if (!to_second) return;
   const auto lock = std::make_shared<std::mutex>();

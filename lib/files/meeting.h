@@ -32,8 +32,8 @@ struct Sited {
 class Placement {
  public:
   Placement() = default;
-  explicit Placement(const std::array<double, 3>& shift_m, SiteTransform to_first = {},
-                     SiteTransform to_second = {});
+  explicit Placement(const std::array<double, 3>& shift_m, SitePointMover to_first = {},
+                     SitePointMover to_second = {});
 
   [[nodiscard]] bool is_identity() const;
   [[nodiscard]] bool is_reprojected() const { return static_cast<bool>(to_first_); }
@@ -48,7 +48,7 @@ class Placement {
 
  private:
   std::array<double, 3> shift_m_{};
-  SiteTransform to_first_, to_second_;
+  SitePointMover to_first_, to_second_;
 };
 
 struct Meeting {

@@ -27,10 +27,7 @@ BinMask mask_of(const RegionSource& source, const RegionMap& map, Provenance& pr
 std::vector<Polygon> polygons_of(const RegionSource& source, const RegionMap& map, Provenance& provenance) {
   if (source.path.empty()) return source.polygons;
   PolygonFile file = polygon_file({source.path, source.layer, map.crs_wkt, map.rules.same_frame});
-  std::vector<std::string> assumed;
-  if (file.crs_name.empty() && !map.rules.same_frame)
-    assumed.emplace_back("has no CRS: its coordinates are x and y of the DEM frame");
-  record(source, map, content_id(source.path), std::move(assumed), provenance);
+  record(source, map, content_id(source.path), std::move(file.assumed), provenance);
   return std::move(file.polygons);
 }
 

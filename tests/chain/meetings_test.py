@@ -10,7 +10,7 @@ import unittest
 import h5py
 import numpy as np
 
-from harness import ToolTest, columns
+from harness import ToolTest, columns, read_bytes
 from harness.commands import run_command
 
 sys.path.insert(0, os.path.join(os.environ["LANDFALL_ROOT"], "python"))
@@ -96,18 +96,28 @@ class Scans(MeetingTest):
         self.assertEqual(self.warnings("regrid", *scans, "--same-frame", "-o", self.path("d.h5"), *GRID), "")
         self.assertGreater(np.nanmax(columns(self.path("d.h5"))["z_spread"]), 0.4)
 
-    def test_another_zone_is_reprojected(self):
+    def reprojected(self, crs):
+        """What regrid says of a strip and of the same points in another CRS; the DEMs of the strip and of both."""
         a, _ = self.strips()
-        done = subprocess.run(["gdaltransform", "-s_srs", UTM, "-t_srs", "EPSG:32631", "-output_xy"], check=True, capture_output=True, text=True,
-                              input=open(a, encoding="ascii").read().partition("\n")[2].replace(",", " "))
+        done = subprocess.run(["gdaltransform", "-s_srs", UTM, "-t_srs", crs, "-output_xy"], check=True, capture_output=True, text=True,
+                              input=read_bytes(a).decode().partition("\n")[2].replace(",", " "))
         x, y = np.array([line.split() for line in done.stdout.splitlines()], float).T
         west = self.cloud("west.csv", x, y, np.loadtxt(a, delimiter=",", skiprows=1)[:, 2])
-        scans = self.imported(a, "--crs", UTM), self.imported(west, "--crs", "EPSG:32631")
-        self.assertIn("west.h5: is reprojected", self.warnings("regrid", *scans, "-o", self.path("two.h5"), *GRID))
+        scans = self.imported(a, "--crs", UTM), self.imported(west, "--crs", crs)
+        said = self.warnings("regrid", *scans, "-o", self.path("two.h5"), *GRID)
+        self.assertIn("west.h5: is reprojected", said)
         self.succeed("regrid", scans[0], "-o", self.path("one.h5"), *GRID)
-        one, two = columns(self.path("one.h5")), columns(self.path("two.h5"))
+        return said, columns(self.path("one.h5")), columns(self.path("two.h5"))
+
+    def test_another_zone_is_reprojected(self):
+        said, one, two = self.reprojected("EPSG:32631")
+        self.assertNotIn("datum", said)
         self.assertEqual(two["count"].sum(), 2 * one["count"].sum())
         self.assertLess(np.nanmax(np.abs(two["z_est"] - one["z_est"])), 1e-3)
+
+    def test_a_shift_between_datums_is_said(self):
+        said, _, _ = self.reprojected("EPSG:31467")
+        self.assertIn("west.h5: the shift between the datums Deutsches_Hauptdreiecksnetz and WGS_1984 is the best of", said)
 
     def test_a_crs_on_one_side_only(self):
         a, b = self.strips()

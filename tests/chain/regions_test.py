@@ -99,6 +99,27 @@ class OnAMap(ToolTest):
                     np.testing.assert_array_equal(~np.isnan(file["p_touchdown"][()]), inside(file["x"][()], file["y"][()]))
                 self.assertIn("Places are the bins in the polygon;", read_bytes(self.path("h.html")).decode())
 
+    def test_a_shift_between_datums_is_said(self):
+        dem = self.path("utm.h5")
+        self.succeed("terrain-gen", "--set", "grid.half_width_m=2", "--set", "grid.resolution_m=1", "-o", self.path("flat.h5"))
+        with h5py.File(self.path("flat.h5")) as file:
+            cells = "\n".join(" ".join(map(str, row)) for row in file["z"][()])
+        with open(self.path("utm.asc"), "w", encoding="ascii") as file:
+            file.write(f"ncols 5\nnrows 5\nxllcorner 500000\nyllcorner 5400000\ncellsize 1\n{cells}\n")
+        subprocess.run(["gdal_translate", "-q", "-a_srs", "EPSG:32632", self.path("utm.asc"), self.path("utm.tif")], check=True)
+        self.succeed("landfall-import", self.path("utm.tif"), "-o", dem)
+        square = [((500001, 5400001), (500004, 5400001), (500004, 5400004), (500001, 5400004))]
+        on_map = geojson(self.path("utm.geojson"), parts=[square])
+        said = {}
+        for crs in ("EPSG:32632", "EPSG:25832", "EPSG:31467", "EPSG:32631"):
+            path = self.path(f"{crs[5:]}.gpkg")
+            self.ogr("-s_srs", "EPSG:32632", "-t_srs", crs, path, on_map)
+            said[crs] = self.succeed("dem-eval", dem, *region_set(shape="polygon", path=path), "-o", self.path("e.h5"), "-O").stderr
+        shift = "31467.gpkg: the shift between the datums Deutsches_Hauptdreiecksnetz and WGS_1984 is the best of the grids that PROJ finds"
+        self.assertEqual({crs: shift in text for crs, text in said.items()},
+                         {"EPSG:32632": False, "EPSG:25832": False, "EPSG:31467": True, "EPSG:32631": False}, said)
+        self.assertEqual([text.count("datums") for text in said.values()], [0, 0, 1, 0])
+
     def test_files_that_are_refused(self):
         def refuse(path, *words, code=1, **more):
             for tool in ("dem-eval", "hazard-map"):

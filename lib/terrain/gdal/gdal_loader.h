@@ -113,7 +113,7 @@ void write_geopackage(const OutputOptions& options, const PointLayer& layer);
 /// Whether two CRSs are one horizontal CRS, whatever their names and texts.
 [[nodiscard]] bool one_map(const std::string& a_wkt, const std::string& b_wkt);
 
-/// The transformation from one site frame to another; empty where a frame is not tied to a body, between two
+/// The transformation from one site frame to another; without `move` where a frame is not tied to a body, between two
 /// bodies, and between datums of different ellipsoids whose shift is not known.
 [[nodiscard]] SiteTransform site_transform(const std::string& from_wkt, const std::string& to_wkt);
 

@@ -18,6 +18,7 @@
 #include "terrain/gdal/gdal_errors.h"
 #include "terrain/gdal/known_crs.h"
 #include "terrain/gdal/registry.h"
+#include "terrain/gdal/site_relation.h"
 
 namespace landfall {
 namespace {
@@ -93,10 +94,13 @@ class Reader {
   void set_transformation(const OGRSpatialReference* crs) {
     if (request_.same_frame) return;
     require_known_crs(crs, request_.path, errors_, "assign it one that is, or give --same-frame");
-    if (crs == nullptr || crs->IsLocal() != 0 || is_json_without_crs()) return;
+    if (crs == nullptr || crs->IsLocal() != 0 || is_json_without_crs()) {
+      file_.assumed.emplace_back("has no CRS: its coordinates are x and y of the DEM frame");
+      return;
+    }
     if (crs->IsGeocentric() != 0) fail("its CRS is geocentric, not a map");
-    file_.crs_name = crs->GetName() != nullptr ? crs->GetName() : "unnamed";
-    const std::string its = "its coordinates are those of a map (" + file_.crs_name + ")";
+    const std::string name = crs->GetName() != nullptr ? crs->GetName() : "unnamed";
+    const std::string its = "its coordinates are those of a map (" + name + ")";
     site_ = crs_to_export(request_.site_wkt);
     if (site_.IsProjected() == 0) fail(its + ", and the DEM has none" + kToUseXy);
     source_ = *crs;
@@ -104,6 +108,8 @@ class Reader {
     transformation_.reset(OGRCreateCoordinateTransformation(&source_, &site_));
     if (!transformation_)
       fail(its + ", which cannot be converted to the DEM's: " + errors_.reason() + kToUseXy);
+    if (std::string shift = datum_shift(source_, site_); !shift.empty())
+      file_.assumed.push_back(std::move(shift));
   }
 
   void add(const OGRGeometry* geometry) {

@@ -18,7 +18,7 @@ struct PolygonFileRequest {
 /// Polygons in x and y of the DEM frame.
 struct PolygonFile {
   std::vector<Polygon> polygons;
-  std::string crs_name;  ///< of the map that they were reprojected from; empty if they are in the DEM frame
+  std::vector<std::string> assumed{};  ///< sentences without the file's name
 };
 
 /// polygon_file() of gdal_loader.h.

@@ -241,6 +241,10 @@ SampledRaster sample_at_bins(const DemBase& truth, const RasterGrid& grid, Raste
   if (const OGRSpatialReference* const crs = statement.georeference.crs)
     result.crs_wkt = placed_on(kLocalSiteCrsWkt, *crs, {}, 0, vertical_datum_of(*crs));
   result.assumed = statement.assumed;
+  if (to_truth)
+    if (std::string shift = datum_shift(*own_statement.georeference.crs, *statement.georeference.crs);
+        !shift.empty())
+      result.assumed.push_back(std::move(shift));
   std::vector<double> x(static_cast<std::size_t>(grid.spec.cols));
   std::vector<double> y(x.size());
   std::vector<int> done(x.size(), TRUE);

@@ -57,6 +57,16 @@ std::string vertical_datum_of(const OGRSpatialReference& crs) {
   return is_nameless(name) ? "" : name;
 }
 
+std::string datum_shift(const OGRSpatialReference& from, const OGRSpatialReference& to) {
+  if (have_one_ellipsoid(from, to)) return "";
+  const auto name = [](const OGRSpatialReference& crs) {
+    const char* const datum = crs.GetAttrValue("DATUM");
+    return std::string(datum != nullptr ? datum : "unnamed");
+  };
+  return "the shift between the datums " + name(from) + " and " + name(to) +
+         " is the best of the grids that PROJ finds on this machine";
+}
+
 bool is_one_map(const std::string& a_wkt, const std::string& b_wkt) {
   const GdalErrors errors;
   const OGRSpatialReference a = horizontal(a_wkt);
@@ -76,7 +86,7 @@ SiteTransform transform_between(const std::string& from_wkt, const std::string& 
   const std::shared_ptr<OGRCoordinateTransformation> made(
       OGRCreateCoordinateTransformation(&from, &to, options));
   if (!made) return {};
-  return [made](std::span<double> x_m, std::span<double> y_m) {
+  const auto move = [made](std::span<double> x_m, std::span<double> y_m) {
     const GdalErrors silenced;
     std::vector<int> done(x_m.size(), TRUE);
     made->Transform(static_cast<int>(x_m.size()), x_m.data(), y_m.data(), nullptr, done.data());
@@ -84,6 +94,7 @@ SiteTransform transform_between(const std::string& from_wkt, const std::string& 
       if (done[i] == FALSE || !std::isfinite(x_m[i]) || !std::isfinite(y_m[i]))
         x_m[i] = y_m[i] = std::numeric_limits<double>::quiet_NaN();
   };
+  return {move, datum_shift(from, to)};
 }
 
 std::string proj_text_of(const std::string& wkt) {
