@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cerrno>
+#include <csignal>
 #include <cstdlib>
 #include <cstring>
 #include <filesystem>
@@ -20,6 +21,7 @@
 #include "dictionary/tables/tools.h"
 #include "files/provenance.h"
 #include "tools.h"
+#include "watched_child.h"
 
 namespace landfall {
 std::filesystem::path own_folder() { return std::filesystem::read_symlink("/proc/self/exe").parent_path(); }
@@ -57,6 +59,17 @@ int print_completion() {
   return code;
 }
 
+/// `landfall run` in a child, for which memory may run out.
+int run_watched(const std::vector<std::string>& words) {
+  std::vector<const char*> argv = {"run"};
+  for (const std::string& word : words) argv.push_back(word.c_str());
+  const auto run = [&] { return landfall_run::start(static_cast<int>(argv.size()), argv.data(), nullptr); };
+  const ChildEnd end = end_of({"run", run, SIGKILL, 0});
+  if (end.signal == SIGKILL)
+    std::cerr << "landfall run: killed, as when memory runs out; the same command continues" << std::endl;
+  return end_as(end);
+}
+
 int start(const std::string& name, const std::vector<std::string>& words) {
   if (name == "study") return landfall_study::run(words);
   if (name == "help" || name == "-h" || name == "--help") return help(words);
@@ -69,11 +82,7 @@ int start(const std::string& name, const std::vector<std::string>& words) {
     std::cout << cli::umbrella_manual() << std::flush;
     return 0;
   }
-  if (name == "run") {
-    std::vector<const char*> argv = {"run"};
-    for (const std::string& word : words) argv.push_back(word.c_str());
-    return landfall_run::start(static_cast<int>(argv.size()), argv.data(), nullptr);
-  }
+  if (name == "run") return run_watched(words);
   std::vector<std::string> known;
   for (const dictionary::Tool& tool : dictionary::kTools)
     if (tool.command == name)

@@ -20,6 +20,7 @@
 #include "base/error.h"
 #include "base/shown_text.h"
 #include "tools.h"
+#include "watched_child.h"
 
 namespace landfall::landfall_study {
 namespace {
@@ -120,15 +121,6 @@ pid_t filter_messages_of_make() {
   return std::max<pid_t>(child, 0);
 }
 
-volatile std::sig_atomic_t make_process = 0;  // NOLINT(*-avoid-non-const-global-variables): of a handler
-volatile std::sig_atomic_t ended_by = 0;      // NOLINT(*-avoid-non-const-global-variables)
-
-/// make ends its recipes at SIGTERM only.
-extern "C" void end_make(int signal_number) {
-  ended_by = signal_number;
-  if (make_process > 0) ::kill(static_cast<pid_t>(make_process), SIGTERM);
-}
-
 /// The processes whose parent is this one: make, and what outlived its parent.
 std::vector<pid_t> children() {
   std::ifstream list("/proc/self/task/" + std::to_string(::getpid()) + "/children");
@@ -147,34 +139,24 @@ void end_orphans(pid_t filter) {
   }
 }
 
-/// Starts make, which ends with this process, and returns its status when nothing that it started is left.
-int status_of_make(std::vector<std::string> words) {
+/// Starts make, which ends with this process and ends its recipes at SIGTERM only, and returns its end when
+/// nothing that it started is left.
+ChildEnd end_of_make(std::vector<std::string> words) {
   std::vector<char*> argv;
   for (std::string& word : words) argv.push_back(word.data());
   argv.push_back(nullptr);
   ::prctl(PR_SET_CHILD_SUBREAPER, 1);
   const pid_t filter = filter_messages_of_make();
-  const pid_t self = ::getpid();
-  const pid_t make = ::fork();
-  if (make == 0) {
-    ::prctl(PR_SET_PDEATHSIG, SIGTERM);
-    if (::getppid() != self) _exit(1);
+  const auto start = [&] {
     ::execvp(argv[0], argv.data());
     std::cerr << "landfall: cannot start make: " << std::strerror(errno) << std::endl;
-    _exit(1);
-  }
-  if (make < 0) throw IoError(std::string("cannot start make: ") + std::strerror(errno));
-  make_process = make;
-  for (const int each : {SIGINT, SIGTERM, SIGHUP})
-    if (std::signal(each, end_make) == SIG_IGN) std::signal(each, SIG_IGN);
+    return 1;
+  };
+  const ChildEnd end = end_of({"make", start, SIGTERM, SIGTERM});
   if (filter > 0) dup2(kOriginalStderr, STDERR_FILENO);  // the filter reads until the last writer has ended
   if (filter > 0) close(kOriginalStderr);
-  int status = 0;
-  while (::waitpid(make, &status, 0) < 0 && errno == EINTR) {
-  }
-  make_process = 0;
   end_orphans(filter);
-  return status;
+  return end;
 }
 
 constexpr const char* kStudyHelp =
@@ -196,15 +178,9 @@ int run(const std::vector<std::string>& words) {
     std::cout << kStudyHelp << std::flush;
     return 0;
   }
-  const int status = status_of_make(study_command(words));
-  const int signal_number = ended_by != 0         ? static_cast<int>(ended_by)
-                            : WIFSIGNALED(status) ? WTERMSIG(status)
-                                                  : 0;
-  if (signal_number != 0) {
-    std::signal(signal_number, SIG_DFL);
-    std::raise(signal_number);
-  }
-  return WEXITSTATUS(status);
+  ChildEnd end = end_of_make(study_command(words));
+  if (end.interrupted_by != 0) end.signal = end.interrupted_by;  // make itself exits with a code
+  return end_as(end);
 }
 
 }  // namespace landfall::landfall_study

@@ -46,6 +46,8 @@ bool decide(Fate wanted) {
   return fate.compare_exchange_strong(undecided, wanted);
 }
 
+// Came when outputs got their names: the next stage of the process, if there is one, ends by it.
+std::atomic<int> late{0};            // NOLINT(*-avoid-non-const-global-variables)
 std::atomic<bool> deferring{false};  // NOLINT(*-avoid-non-const-global-variables)
 std::atomic<int> deferred{0};  // NOLINT(*-avoid-non-const-global-variables): the signal that came meanwhile
 static_assert(std::atomic<int>::is_always_lock_free);
@@ -84,7 +86,10 @@ void die_of(int signal_number) {
 extern "C" void interrupt(int signal_number) {
   int none = 0;
   if (deferring && deferred.compare_exchange_strong(none, signal_number)) return;
-  if (!decide(Fate::interrupted)) return;
+  if (!decide(Fate::interrupted)) {
+    late = signal_number;
+    return;
+  }
   remove_temporaries();
   write_stderr(farewell.data());
   die_of(signal_number);
@@ -149,6 +154,9 @@ void install_signal_cleanup(const std::string& program) {
   for (const int signal_number : kInterrupts) handle(signal_number, interrupt);
   handle(SIGPIPE, end_silently);
   std::signal(SIGXFSZ, SIG_IGN);
+  Fate before = Fate::naming;
+  fate.compare_exchange_strong(before, Fate::open);
+  if (const int signal_number = late.exchange(0); signal_number != 0) interrupt(signal_number);
 }
 
 DeferredInterrupts::DeferredInterrupts() { deferring = true; }

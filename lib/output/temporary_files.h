@@ -14,7 +14,8 @@ void forget_temporary_file(const std::string& path);
 /// On SIGINT, SIGTERM, SIGHUP and SIGXCPU: removes the registered files, reports this in one line that begins
 /// with `program`, and ends by that signal. On SIGPIPE: the same without the line. A file-size limit (ulimit
 /// -f) becomes a failed write, like a full disk. SIGQUIT, which requests a core dump, keeps the files for
-/// debugging.
+/// debugging. Each stage of a process calls it: outputs of the stage before have their names, and an interrupt
+/// that came meanwhile ends the process now.
 void install_signal_cleanup(const std::string& program);
 
 /// While one exists, the first interrupt does not end the run: requested() is true from then on, and the run

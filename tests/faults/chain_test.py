@@ -45,13 +45,27 @@ class Chain(ToolTest):
         self.assertGreater(count, len(whole))
         for at in range(1, count + 1):
             restore()
-            self.assertEqual(self.disturbed(at, -signal.SIGKILL, *more).returncode, -signal.SIGKILL)
+            killed = self.disturbed(at, -signal.SIGKILL, *more)
+            self.assertEqual(killed.returncode, -signal.SIGKILL)
+            self.assertEqual(killed.stderr.splitlines()[-1], "landfall run: killed, as when memory runs out; the same command continues")
             result = self.chain(*more)
             self.assertEqual((result.returncode, result.stdout), (0, undisturbed.stdout), f"killed before name {at} of {count}: {result.stderr}")
             self.assertEqual(self.files(), whole, f"killed before name {at} of {count}")
 
     def test_the_next_run_continues(self):
         self.check(lambda: shutil.rmtree(self.path("out"), ignore_errors=True))
+
+    def test_an_interrupt_while_outputs_get_names_ends_the_run_before_its_next_stage(self):
+        whole = self.disturbed(0, 0).stdout
+        count, last = int(read_bytes(self.path("calls")).split()[0]), 0
+        for at in range(1, count + 1):
+            shutil.rmtree(self.path("out"))
+            code = self.disturbed(at, -signal.SIGINT).returncode
+            self.assertIn(code, (-signal.SIGINT, 0), f"interrupted before name {at} of {count}")
+            last += code == 0
+            self.assertEqual([name for name in os.listdir(self.path("out")) if name.startswith(".") and name.endswith(".part")], [])
+            self.assertEqual(self.chain().stdout, whole, f"interrupted before name {at} of {count}")
+        self.assertLess(last, count // 2)  # the names of the last stage
 
     def test_the_next_run_of_an_edited_chain_continues(self):
         self.assertEqual(self.chain().returncode, 0)

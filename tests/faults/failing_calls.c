@@ -45,6 +45,7 @@ __attribute__((constructor)) static void start(void) {
 
 __attribute__((destructor)) static void finish(void) {
   const char *log = getenv("FAULT_LOG");
+  if (calls == 0 && log && access(log, F_OK) == 0) return;  // a child that made the calls has written them
   FILE *file = log ? REAL(fopen64)(log, "w") : NULL;
   if (!file) return;
   fprintf(file, "%ld %ld\n", (long)calls, (long)bytes);
