@@ -6,7 +6,7 @@ usage: dictionary_tables.py NAME.json OUTPUT.h
 
 A list of objects becomes a struct and an array of it: "fail_flags": [{"name": .., "bit": ..}] makes kFailFlags of FailFlag and, where
 each has an own name that is an identifier, LANDFALL_FAIL_FLAGS(X), which is X(name) for each. Text is a const char*, "#rrggbb" a
-std::uint32_t; a key that an entry lacks is empty or 0; lists of text are left to other readers. A number becomes a constant.
+std::uint32_t; a key that an entry lacks is empty or 0; a list of texts is one text, separated by spaces. A number becomes a constant.
 """
 import json
 import os
@@ -28,7 +28,9 @@ def typed(value):
         return type(value).__name__.replace("float", "double"), repr(value)
     if isinstance(value, str):
         return ("std::uint32_t", "0x" + value[1:]) if COLOR.fullmatch(value) else ("const char*", json.dumps(value, ensure_ascii=False))
-    if all(COLOR.fullmatch(color) for color in value):
+    if all(isinstance(text, str) for text in value) and not all(map(COLOR.fullmatch, value)):
+        return "const char*", json.dumps(" ".join(value), ensure_ascii=False)
+    if all(isinstance(color, str) for color in value):
         return f"std::array<std::uint32_t, {len(value)}>", "{" + ", ".join("0x" + color[1:] for color in value) + "}"
     return None
 

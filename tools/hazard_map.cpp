@@ -124,7 +124,7 @@ void place(cli::Session& session, const std::string& name, HazardMap& map, const
 /// Prints what is asked for, and passes on the outcome.
 ExitCode conclude(cli::Session& session, const Options& o, const HazardMap& map,
                   const HazardParameters& parameters, bool is_sharp = false) {
-  const OwnVerdicts own = own_verdicts(map, parameters);
+  const RequirementVerdicts own = own_verdicts(map, parameters);
   const double tenth_m = parameters.lander.body_radius_m / 5;
   if (const double bin_m = map.safe.spec().resolution_m; map.p_safe && bin_m > tenth_m)
     session.warn(o.map + ": bins of " + number_text(bin_m) +

@@ -10,9 +10,8 @@ namespace {
 DeviceRule rule_of(const EvaluationParameters& parameters, const Footprint& footprint, TruthAt truth_at) {
   const EvaluationLimits limits = effective_limits(parameters, footprint);
   return {.quantile = parameters.quantile,
-          .relative_horizontal_m = limits.relative_horizontal_m,
-          .relative_elevation_m = limits.relative_elevation_m,
-          .absolute_horizontal_m = limits.absolute_horizontal_m,
+          .relative_m = limits.relative_m,
+          .horizontal_m = limits.horizontal_m,
           .half_bins = footprint.half_bins(),
           .is_square = footprint.is_square() ? 1 : 0,
           .at_centroid = truth_at == TruthAt::centroid ? 1 : 0,

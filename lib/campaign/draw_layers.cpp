@@ -3,6 +3,7 @@
 
 #include <limits>
 
+#include "evaluation/fail_flag.h"
 #include "evaluation/piecewise.h"
 
 namespace landfall {
@@ -19,10 +20,10 @@ Grid<float> layer_of(const GridSpec& spec, const auto& value) {
 }  // namespace
 
 std::array<FailureMap, 4> failure_maps(const DrawMaps& maps) {
-  return {{{"p_fail_rel_x", "relative_horizontal", maps.fail_rel_x},
-           {"p_fail_rel_y", "relative_horizontal", maps.fail_rel_y},
-           {"p_fail_rel_z", "relative_elevation", maps.fail_rel_z},
-           {"p_fail_absolute", "absolute_horizontal", maps.fail_absolute}}};
+  return {{{"p_fail_rel_x", requirement_of(fail_relative_x), maps.fail_rel_x},
+           {"p_fail_rel_y", requirement_of(fail_relative_y), maps.fail_rel_y},
+           {"p_fail_rel_z", requirement_of(fail_relative_z), maps.fail_rel_z},
+           {"p_fail_absolute", requirement_of(fail_absolute_horizontal), maps.fail_absolute}}};
 }
 
 Grid<float> share_of_draws(const Grid<std::int32_t>& count, std::int64_t draws, const BinMask* region) {

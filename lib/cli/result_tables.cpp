@@ -37,7 +37,7 @@ std::string accuracy_lines(const AccuracyMetrics& m, const EvaluationLimits& lim
          axes_line("relative error, 95th percentile", m.relative, &RelativeMetrics::p95_m) +
          axes_line("relative error, largest", m.relative, &RelativeMetrics::max_m) +
          axes_line("relative error, limit",
-                   {limits.relative_horizontal_m, limits.relative_horizontal_m, limits.relative_elevation_m});
+                   {limits.relative_m[0], limits.relative_m[1], limits.relative_m[2]});
 }
 
 std::string statistics_lines(const StatisticsMetrics& m) {
@@ -59,9 +59,9 @@ std::string region_text(const RegionMetrics& region) {
 }
 
 /// The names, then those of the own requirements that are missed.
-std::string listed(std::vector<std::string> names, const OwnVerdicts& own) {
-  for (const OwnVerdict& verdict : own.all)
-    if (!verdict.pass) names.push_back(verdict.requirement.name);
+std::string listed(std::vector<std::string> names, const RequirementVerdicts& own) {
+  for (const RequirementVerdict& verdict : own.all)
+    if (verdict.pass == false) names.push_back(verdict.requirement.name);
   return joined(names);
 }
 
@@ -184,19 +184,19 @@ std::string verdict_table(const Metrics& metrics, const EvaluationLimits& limits
 
 std::string missed_requirements(const Metrics& metrics) {
   std::vector<std::string> names;
-  for (const RequirementInfo& info : kRequirementInfo)
-    if (!(metrics.requirements.*info.requirement).pass.value_or(false)) names.emplace_back(info.name);
+  for (const RequirementVerdict& verdict : metrics.requirements.all)
+    if (!verdict.pass.value_or(false)) names.push_back(verdict.requirement.name);
   return listed(names, metrics.own_requirements);
 }
 
-std::string own_table(const OwnVerdicts& own) {
+std::string own_table(const RequirementVerdicts& own) {
   if (own.all.empty()) return "";
   std::string text = "\n" + row({"requirement", "measured", "limit", "verdict"});
   for (const VerdictText& requirement : own_texts(own)) text += row(requirement);
   return text;
 }
 
-std::string missed_requirements(const OwnVerdicts& own) { return listed({}, own); }
+std::string missed_requirements(const RequirementVerdicts& own) { return listed({}, own); }
 
 std::string score_lines(const HazardScore::Counts& n, const HazardScore::Rates& rates) {
   return "\n" +

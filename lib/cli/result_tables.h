@@ -15,10 +15,10 @@ namespace landfall::cli {
 
 /// The names of the requirements that are missed or cannot be judged, separated by ", ".
 [[nodiscard]] std::string missed_requirements(const Metrics& metrics);
-[[nodiscard]] std::string missed_requirements(const OwnVerdicts& own);
+[[nodiscard]] std::string missed_requirements(const RequirementVerdicts& own);
 
 /// The user's own requirements on another result, as in verdict_table(); empty without any.
-[[nodiscard]] std::string own_table(const OwnVerdicts& own);
+[[nodiscard]] std::string own_table(const RequirementVerdicts& own);
 
 /// The places of the region by their safety, the sites, and the comparison with the truth, as lines of text.
 [[nodiscard]] std::string hazard_table(const HazardMap& map);

@@ -290,7 +290,7 @@ void DrawsConfig::require_scanned(const Json& resolved) const {
 
 void DrawsConfig::check_requirements() const {
   const std::string where = name_ + ": /eval";
-  std::vector<OwnRequirement> all = evaluation_config(stages_.eval, where).own_requirements;
+  std::vector<Requirement> all = evaluation_config(stages_.eval, where).own_requirements;
   const std::vector<ResultField> decisive = decisive_fields();
   for (std::size_t i = 0; metrics_ == MetricsKind::verdict && i < all.size(); ++i)
     if (std::ranges::find(decisive, all[i].metric, &ResultField::path) == decisive.end())
@@ -298,8 +298,8 @@ void DrawsConfig::check_requirements() const {
                        "/metric: \"metrics\": \"verdict\" does not compute " + all[i].metric +
                        "; set /metrics to \"full\"");
   if (!has_hazards()) return;
-  for (const OwnRequirement& own : hazard_config(stages_.hazard, name_ + ": /hazard").own_requirements)
-    if (std::ranges::find(all, own.name, &OwnRequirement::name) != all.end())
+  for (const Requirement& own : hazard_config(stages_.hazard, name_ + ": /hazard").own_requirements)
+    if (std::ranges::find(all, own.name, &Requirement::name) != all.end())
       throw UsageError(name_ + ": /hazard/requirements: \"" + own.name +
                        "\" is the name of a requirement of /eval too");
 }

@@ -58,8 +58,8 @@ void check_metric(const std::string& metric, const std::string& where, const Res
                    (near.empty() ? "" : "; did you mean \"" + near + "\"?"));
 }
 
-OwnRequirement requirement_of(const Json& json, const std::string& where, const ResultFields& result) {
-  OwnRequirement requirement{.name = json.at("name"), .metric = json.at("metric")};
+Requirement requirement_of(const Json& json, const std::string& where, const ResultFields& result) {
+  Requirement requirement{.name = json.at("name"), .metric = json.at("metric")};
   check_name(requirement.name, where);
   check_metric(requirement.metric, where, result);
   const bool has_max = json.contains("max");
@@ -73,16 +73,16 @@ OwnRequirement requirement_of(const Json& json, const std::string& where, const 
 
 }  // namespace
 
-std::vector<OwnRequirement> own_requirements(const Json& resolved, const std::string& where,
-                                             const ResultFields& result) {
-  std::vector<OwnRequirement> requirements;
+std::vector<Requirement> own_requirements(const Json& resolved, const std::string& where,
+                                          const ResultFields& result) {
+  std::vector<Requirement> requirements;
   if (!resolved.contains("requirements")) return requirements;
   const Json& list = resolved.at("requirements");
   for (std::size_t i = 0; i < list.size(); ++i) {
     const std::string here = where + "/requirements/" + std::to_string(i);
     requirements.push_back(requirement_of(list[i], here, result));
     const std::string& name = requirements.back().name;
-    if (std::ranges::count(requirements, name, &OwnRequirement::name) > 1)
+    if (std::ranges::count(requirements, name, &Requirement::name) > 1)
       throw UsageError(here + "/name: \"" + name + "\" is the name of another requirement");
   }
   return requirements;

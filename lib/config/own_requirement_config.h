@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "dictionary/own_requirements.h"
+#include "dictionary/requirement.h"
 
 namespace landfall {
 
@@ -19,8 +19,7 @@ struct ResultFields {
 /// for messages: "eval.json: ". Throws UsageError for a metric that is not a number of the result, for a
 /// requirement that has both of max and min or neither, and for a name that is not 1 to 40 letters, digits,
 /// '_', '-' and spaces, occurs twice, or is that of a requirement that every evaluation has.
-[[nodiscard]] std::vector<OwnRequirement> own_requirements(const nlohmann::json& resolved,
-                                                           const std::string& where,
-                                                           const ResultFields& result);
+[[nodiscard]] std::vector<Requirement> own_requirements(const nlohmann::json& resolved,
+                                                        const std::string& where, const ResultFields& result);
 
 }  // namespace landfall

@@ -38,9 +38,9 @@ std::int64_t measure_distances(Coverage& coverage, double limit_bins) {
   for (std::size_t i = 0; i < coverage.invalid.spec().size(); ++i) {
     const std::int32_t id = coverage.hole_id.values()[i];
     if (id == 0) continue;
-    const double distance = distance_bins(coverage.squared_distance.values()[i]);
+    const double distance = bins_apart(coverage.squared_distance.values()[i]);
     Hole& hole = coverage.holes[static_cast<std::size_t>(id - 1)];
-    hole.largest_distance_bins = std::max(hole.largest_distance_bins, distance);
+    hole.depth_bins = std::max(hole.depth_bins, distance);
     if (distance > limit_bins) ++beyond;
   }
   return beyond;
@@ -62,7 +62,7 @@ Coverage assess_coverage(const BinMask& valid, const BinMask& region, const Eval
   result.hole_id = std::move(labels.id);
   result.holes = std::move(labels.holes);
   result.squared_distance = squared_distance(valid);
-  const std::int64_t beyond = measure_distances(result, limits.distance_bins);
+  const std::int64_t beyond = measure_distances(result, limits.hole_depth);
   result.metrics = coverage_metrics(result.holes, count_set(region), limits);
   result.metrics.distance_over_limit_count = beyond;
   return result;
@@ -75,8 +75,8 @@ CoverageMetrics coverage_metrics(const std::vector<Hole>& holes, std::int64_t re
   for (const Hole& hole : holes) {
     metrics.invalid_count += hole.size_bins;
     metrics.largest_hole_bins = std::max(metrics.largest_hole_bins, hole.size_bins);
-    metrics.max_distance_bins = std::max(metrics.max_distance_bins, hole.largest_distance_bins);
-    if (hole.size_bins > limits.hole_bins) ++metrics.holes_over_limit;
+    metrics.max_distance_bins = std::max(metrics.max_distance_bins, hole.depth_bins);
+    if (hole.size_bins > limits.hole_size) ++metrics.holes_over_limit;
   }
   metrics.invalid_frac = static_cast<double>(metrics.invalid_count) / static_cast<double>(region_bins);
   metrics.hole_size_histogram = histogram(holes);
@@ -85,8 +85,8 @@ CoverageMetrics coverage_metrics(const std::vector<Hole>& holes, std::int64_t re
 
 std::int8_t coverage_flags(const Hole& hole, double bin_distance, const EvaluationLimits& limits) {
   std::int8_t flags = 0;
-  if (hole.size_bins > limits.hole_bins) set_flag(flags, fail_hole_size);
-  if (bin_distance > limits.distance_bins) set_flag(flags, fail_hole_distance);
+  if (hole.size_bins > limits.hole_size) set_flag(flags, fail_hole_size);
+  if (bin_distance > limits.hole_depth) set_flag(flags, fail_hole_distance);
   return flags;
 }
 
@@ -95,7 +95,7 @@ void flag_coverage(const Coverage& coverage, const EvaluationLimits& limits, Gri
     const std::int32_t id = coverage.hole_id.values()[i];
     if (id != 0)
       fail.values()[i] |= coverage_flags(coverage.holes[static_cast<std::size_t>(id - 1)],
-                                         distance_bins(coverage.squared_distance.values()[i]), limits);
+                                         bins_apart(coverage.squared_distance.values()[i]), limits);
   }
 }
 

@@ -29,7 +29,7 @@ Grid<float> to_float(const Grid<double>& grid) {
 Grid<float> distance_layer(const Grid<std::int64_t>& squared) {
   auto result = Grid<float>::unset(squared.spec());
   for_each_index(squared.values().size(), [&](std::size_t i) {
-    result.values()[i] = static_cast<float>(distance_bins(squared.values()[i]));
+    result.values()[i] = static_cast<float>(bins_apart(squared.values()[i]));
   });
   return result;
 }
@@ -50,13 +50,6 @@ RegionMetrics describe(const EvaluationParameters& parameters, const BinMask& re
   }
   if (parameters.region_shape == RegionShape::square) result.half_width_m = parameters.region_half_width_m;
   return result;
-}
-
-/// Without true positions nothing horizontal is judged.
-void leave_unjudged(RequirementMetrics& requirements) {
-  for (Requirement* const requirement :
-       {&requirements.relative_horizontal, &requirements.absolute_horizontal})
-    *requirement = {std::nullopt, requirement->limit, std::nullopt, requirement->reason};
 }
 
 using Sinks = std::vector<LayerSink*>;
@@ -83,15 +76,13 @@ class AccuracyPass {
     statistics_.z = error_statistics(errors.z, region_);
     AccuracyMetrics::Absolute& absolute = metrics_.absolute;
     AccuracyMetrics::Relative& relative = metrics_.relative;
-    judge_axis({Axis::z, fail_relative_z, limits_.relative_elevation_m, absolute.z, relative.z},
-               std::move(errors.z), part(progress, 0.99 - 3 * share, share));
+    judge_axis({Axis::z, fail_relative_z, limits_.relative_m[2], absolute.z, relative.z}, std::move(errors.z),
+               part(progress, 0.99 - 3 * share, share));
     if (errors.x.spec().size() == 0) return;
-    AxisResult x =
-        judge_axis({Axis::x, fail_relative_x, limits_.relative_horizontal_m, absolute.x, relative.x},
-                   std::move(errors.x), part(progress, 0.99 - 2 * share, share));
-    const AxisResult y =
-        judge_axis({Axis::y, fail_relative_y, limits_.relative_horizontal_m, absolute.y, relative.y},
-                   std::move(errors.y), part(progress, 0.99 - share, share));
+    AxisResult x = judge_axis({Axis::x, fail_relative_x, limits_.relative_m[0], absolute.x, relative.x},
+                              std::move(errors.x), part(progress, 0.99 - 2 * share, share));
+    const AxisResult y = judge_axis({Axis::y, fail_relative_y, limits_.relative_m[1], absolute.y, relative.y},
+                                    std::move(errors.y), part(progress, 0.99 - share, share));
     judge_horizontal(horizontal_error(std::move(x.mean), y.mean));
     statistics_.horizontal = horizontal_statistics(horizontal_error(std::move(x.error), y.error), region_);
   }
@@ -122,15 +113,15 @@ class AccuracyPass {
   }
 
   void judge_horizontal(const Grid<double>& horizontal) const {
-    metrics_.absolute.horizontal = summarise_horizontal(horizontal, limits_.absolute_horizontal_m);
-    flag_above(horizontal, limits_.absolute_horizontal_m, fail_absolute_horizontal, fail_);
+    metrics_.absolute.horizontal = summarise_horizontal(horizontal, limits_.horizontal_m);
+    flag_above(horizontal, limits_.horizontal_m, fail_absolute_horizontal, fail_);
   }
 
   void measure_corrected(const Grid<double>& error, const ProgressCallback& progress) const {
     statistics_.z_corrected = error_statistics(error, region_);
     const FootprintStatistics statistics = footprint_statistics(error, region_, rule_, progress);
     metrics_.absolute.z_corrected = summarise_absolute(statistics.mean);
-    metrics_.relative.z_corrected = summary_of_relative(statistics.relative, limits_.relative_elevation_m);
+    metrics_.relative.z_corrected = summary_of_relative(statistics.relative, limits_.relative_m[2]);
   }
 
   [[nodiscard]] RelativeMetrics summary_of_relative(const Grid<double>& relative, double limit_m) const {
@@ -155,7 +146,7 @@ class AccuracyPass {
 void record(CoverageMetrics metrics, std::vector<Hole> holes, Evaluation& result) {
   result.holes = std::move(holes);
   result.metrics.coverage = std::move(metrics);
-  result.metrics.statistics.valid_frac = 1 - result.metrics.coverage.invalid_frac;
+  result.metrics.statistics.valid_frac = result.metrics.coverage.valid_frac();
 }
 
 /// Records the coverage and passes its layers to the sinks.
@@ -175,11 +166,9 @@ Evaluation evaluate(DemLayers dem, const EvaluationParameters& parameters, const
                     const ProgressCallback& progress) {
   check(parameters);
   check_layers(dem);
-  Evaluation result{
-      .metrics = {},
-      .holes = {},
-      .region = judged_region(parameters, dem.z_est.spec(), dem.region_mask ? &*dem.region_mask : nullptr),
-      .fail = Grid<std::int8_t>(dem.z_est.spec())};
+  BinMask region = judged_region(parameters, dem.z_est.spec(), dem.region_mask ? &*dem.region_mask : nullptr);
+  Evaluation result{{}, {}, std::move(region), {}};
+  result.fail = Grid<std::int8_t>(dem.z_est.spec());
   Metrics& metrics = result.metrics;
   metrics.region = describe(parameters, result.region);
   metrics.assumptions =
@@ -213,8 +202,7 @@ Evaluation evaluate(DemLayers dem, const EvaluationParameters& parameters, const
     record(std::move(judged.metrics), std::move(judged.holes), result);
   if (accuracy) accuracy->run(std::move(errors), progress);
   for (LayerSink* const sink : sinks) sink->take(result.fail);
-  metrics.requirements = judge(metrics.coverage, metrics.accuracy, parameters.limits);
-  if (!has_positions) leave_unjudged(metrics.requirements);
+  metrics.requirements = judge(metrics, parameters.limits, has_positions);
   judge_own_requirements(metrics, parameters.own_requirements);
   report(progress, 1);
   return result;

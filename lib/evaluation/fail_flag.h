@@ -24,6 +24,11 @@ enum FailFlag : std::int8_t {
 #undef LANDFALL_FLAG
 };
 
+/// The requirement that a bin or footprint with the flag misses.
+[[nodiscard]] constexpr const char* requirement_of(FailFlag flag) {
+  return std::ranges::find(dictionary::kFailFlags, flag, &dictionary::FailFlag::bit)->requirement;
+}
+
 /// All flags, ascending by bit.
 [[nodiscard]] constexpr auto fail_flags_by_bit() {
   auto flags = dictionary::kFailFlags;

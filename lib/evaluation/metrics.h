@@ -2,17 +2,16 @@
 #pragma once
 
 #include <algorithm>
-#include <array>
+#include <cstddef>
 #include <cstdint>
 #include <optional>
-#include <stdexcept>
 #include <string>
 #include <string_view>
 #include <utility>
 #include <vector>
 
 #include "base/fields.h"
-#include "dictionary/own_requirements.h"
+#include "dictionary/requirement.h"
 #include "dictionary/tables/requirements.h"
 #include "evaluation/parameters.h"
 
@@ -51,6 +50,7 @@ struct HoleSizeHistogram {
 struct CoverageMetrics {
   std::int64_t invalid_count = 0;
   double invalid_frac = 0;  ///< of all bins of the region
+  [[nodiscard]] double valid_frac() const { return 1 - invalid_frac; }
   std::int64_t hole_count = 0;
   std::int64_t largest_hole_bins = 0;
   std::int64_t holes_over_limit = 0;
@@ -136,67 +136,11 @@ struct AccuracyMetrics {
 /// (judges_relative_errors()).
 inline constexpr const char* kFootprintBins = "footprint_bins";
 
-/// A value equal to its limit passes. Without truth, value and pass of the accuracy requirements are null.
-/// With truth but no footprint to judge, value is null and the requirement is not met.
-struct Requirement {
-  std::optional<double> value;
-  double limit = 0;
-  std::optional<bool> pass;
-  std::optional<std::string> reason = std::nullopt;  ///< of a requirement that is not judged: kFootprintBins
-  static void fields(auto& walk, auto& m) {
-    walk("value", m.value);
-    walk("limit", m.limit);
-    walk("pass", m.pass);
-  }
-  friend bool operator==(const Requirement&, const Requirement&) = default;
+/// The requirements of schemas/dictionary/requirements.json; not judged at first.
+struct Table1Verdicts : RequirementVerdicts {
+  Table1Verdicts() : Table1Verdicts(EvaluationLimits{}) {}
+  explicit Table1Verdicts(const EvaluationLimits& limits);
 };
-
-/// The requirements of schemas/dictionary/requirements.json, one member for each.
-struct RequirementMetrics {
-#define LANDFALL_REQUIREMENT(name) Requirement name;
-  LANDFALL_REQUIREMENTS(LANDFALL_REQUIREMENT)
-#undef LANDFALL_REQUIREMENT
-  static void fields(auto& walk, auto& m);
-  friend bool operator==(const RequirementMetrics&, const RequirementMetrics&) = default;
-};
-
-/// The unit of the value and the limit of a requirement.
-enum class RequirementUnit { fraction, bins, footprints };
-
-/// How a requirement of Table 1 is presented, on a terminal and in a report.
-struct RequirementInfo {
-  const char* name;      ///< its key in metrics.json
-  const char* measured;  ///< the measured quantity
-  RequirementUnit unit;  ///< of value and limit
-  bool at_least;         ///< true: the limit is the smallest value that passes; false: the largest
-  Requirement RequirementMetrics::*requirement;
-};
-
-/// Another word does not compile.
-[[nodiscard]] consteval RequirementUnit requirement_unit(std::string_view name) {
-  if (name == "fraction") return RequirementUnit::fraction;
-  if (name == "bins") return RequirementUnit::bins;
-  if (name == "footprints") return RequirementUnit::footprints;
-  throw std::invalid_argument("requirements.json: unit");
-}
-
-[[nodiscard]] consteval RequirementInfo requirement_info(std::string_view name,
-                                                         Requirement RequirementMetrics::*requirement) {
-  const dictionary::Requirement& words =
-      *std::ranges::find(dictionary::kRequirements, name, &dictionary::Requirement::name);
-  return {words.name, words.measured, requirement_unit(words.unit), words.at_least, requirement};
-}
-
-/// All requirements, in the order of metrics.json.
-inline constexpr std::array kRequirementInfo = {
-#define LANDFALL_REQUIREMENT(name) requirement_info(#name, &RequirementMetrics::name),
-    LANDFALL_REQUIREMENTS(LANDFALL_REQUIREMENT)
-#undef LANDFALL_REQUIREMENT
-};
-
-void RequirementMetrics::fields(auto& walk, auto& m) {
-  for (const RequirementInfo& info : kRequirementInfo) walk(info.name, m.*info.requirement);
-}
 
 /// z-scores of one 1-sigma map (uncertainty.h).
 struct ScoreMetrics {
@@ -248,35 +192,52 @@ struct Metrics {
   CoverageMetrics coverage;
   std::optional<AccuracyMetrics> accuracy;  ///< null without truth
   StatisticsMetrics statistics;
-  RequirementMetrics requirements;
-  OwnVerdicts own_requirements;
+  Table1Verdicts requirements;
+  RequirementVerdicts own_requirements;
   std::optional<UncertaintyMetrics> uncertainty;  ///< for a DEM with 1-sigma maps
   LANDFALL_FIELDS(pass, region, assumptions, coverage, accuracy, requirements, own_requirements, statistics,
                   uncertainty)
 };
 
-/// Judges coverage and accuracy against Table 1. `accuracy` is empty without truth.
-[[nodiscard]] RequirementMetrics judge(const CoverageMetrics& coverage,
-                                       const std::optional<AccuracyMetrics>& accuracy,
-                                       const EvaluationLimits& limits);
-
-/// The values of the accuracy requirements; empty without a footprint to judge.
-struct AccuracyValues {
+/// The accuracy requirements of a DEM with truth that can be judged.
+struct JudgedFootprints {
   bool judges_relative = true;  ///< judges_relative_errors()
-  std::optional<double> relative_elevation = std::nullopt;
-  std::optional<double> relative_horizontal = std::nullopt;
-  std::optional<double> absolute_horizontal = std::nullopt;
+  bool has_positions = true;    ///< else nothing along x and y is judged
+  std::string axes = "xyz";     ///< those along which some footprint has a relative error
 };
-[[nodiscard]] RequirementMetrics judge_values(const CoverageMetrics& coverage,
-                                              const std::optional<AccuracyValues>& accuracy,
-                                              const EvaluationLimits& limits);
+
+/// Judges the numbers of `metrics` against Table 1, in the order of the dictionary. Without truth
+/// (`footprints` is empty) the accuracy requirements have neither value nor pass; with truth but no footprint
+/// to judge they have no value and do not pass.
+template <class M>
+[[nodiscard]] Table1Verdicts judge(const M& metrics, const std::optional<JudgedFootprints>& footprints,
+                                   const EvaluationLimits& limits) {
+  Table1Verdicts verdicts(limits);
+  for (std::size_t i = 0; i < verdicts.all.size(); ++i) {
+    const dictionary::Requirement& words = dictionary::kRequirements[i];
+    RequirementVerdict& verdict = verdicts.all[i];
+    const std::string_view axes = words.footprints;
+    if (!axes.empty() && !footprints) continue;
+    const bool is_relative = words.unit == std::string_view("footprints");
+    if (is_relative && !footprints->judges_relative) verdict.reason = kFootprintBins;
+    if (verdict.reason || (axes.starts_with('x') && !footprints->has_positions)) continue;
+    const bool is_missing = is_relative && std::ranges::any_of(axes, [&](char axis) {
+                              return footprints->axes.find(axis) == std::string::npos;
+                            });
+    if (!is_missing) verdict.value = number_at(metrics, verdict.requirement.metric);
+    verdict.pass = verdict.value && passes(verdict.requirement, *verdict.value);
+  }
+  return verdicts;
+}
+[[nodiscard]] Table1Verdicts judge(const Metrics& metrics, const EvaluationLimits& limits,
+                                   bool has_positions = true);
 
 /// Whether all requirements pass. Null without truth, even if the coverage fails; with true elevations alone
 /// or too few bins in a footprint, false if a judged requirement fails, else null.
-[[nodiscard]] std::optional<bool> overall_pass(const RequirementMetrics& requirements);
+[[nodiscard]] std::optional<bool> overall_pass(const Table1Verdicts& requirements);
 
 /// The verdict on Table 1 and on the user's own requirements: false if one of these is missed.
-[[nodiscard]] std::optional<bool> with_own(std::optional<bool> pass, const OwnVerdicts& own);
+[[nodiscard]] std::optional<bool> with_own(std::optional<bool> pass, const RequirementVerdicts& own);
 
 /// The fields of metrics.json on which a user can set requirements. Some of them have no value for some DEMs.
 [[nodiscard]] std::vector<ResultField> metrics_fields();
@@ -284,7 +245,7 @@ struct AccuracyValues {
 /// Judges the user's own requirements by all other numbers, and sets `pass`. Called again where numbers were
 /// added.
 template <class M>
-void judge_own_requirements(M& metrics, const std::vector<OwnRequirement>& requirements) {
+void judge_own_requirements(M& metrics, const std::vector<Requirement>& requirements) {
   metrics.own_requirements = {};
   metrics.own_requirements = judge_own(&std::as_const(metrics), requirements);
   metrics.pass = with_own(overall_pass(metrics.requirements), metrics.own_requirements);

@@ -3,7 +3,6 @@
 #include "evaluation/parameters.h"
 
 #include <limits>
-#include <type_traits>
 
 #include "base/error.h"
 #include "base/fields.h"
@@ -13,29 +12,25 @@
 
 namespace landfall {
 void check(const EvaluationParameters& parameters) {
-  const EvaluationLimits& limits = parameters.limits;
   require_positive({"", "region_radius_m"}, parameters.region_radius_m);
   require_positive({"region", "half_width_m"}, parameters.region_half_width_m);
   require_positive({"", "footprint_m"}, parameters.footprint_m);
   require_fraction({"", "quantile"}, parameters.quantile);
-  require_fraction({"limits", "invalid_frac"}, limits.invalid_frac);
-  require_not_negative({"limits", "hole_bins"}, static_cast<double>(limits.hole_bins));
-  require_not_negative({"limits", "distance_bins"}, limits.distance_bins);
-  require_not_negative({"limits", "relative_elevation_m"}, limits.relative_elevation_m);
-  require_not_negative({"limits", "relative_horizontal_m"}, limits.relative_horizontal_m);
-  require_not_negative({"limits", "absolute_horizontal_m"}, limits.absolute_horizontal_m);
-  require_fraction({"limits", "absolute_horizontal_frac"}, limits.absolute_horizontal_frac);
+  FieldWalk walk{[](const std::string& key, const auto& limit) {
+    const double value = requirement::number_of(limit).value_or(0);
+    key.ends_with("_frac") ? require_fraction({"limits", key}, value)
+                           : require_not_negative({"limits", key}, value);
+  }};
+  EvaluationLimits::fields(walk, parameters.limits);
+}
+
+std::optional<double> limit_of_key(const EvaluationLimits& limits, std::string_view key) {
+  return number_at(limits, key);
 }
 
 std::optional<double> limit_of_layer(const EvaluationLimits& limits, std::string_view layer) {
   const dictionary::Layer* const words = dictionary::find_layer("evaluation", layer);
-  std::optional<double> limit;
-  FieldWalk walk{[&](const std::string& key, const auto& value) {
-    if constexpr (std::is_arithmetic_v<std::remove_cvref_t<decltype(value)>>)
-      if (words != nullptr && key == words->limit) limit = static_cast<double>(value);
-  }};
-  EvaluationLimits::fields(walk, limits);
-  return limit;
+  return words != nullptr ? limit_of_key(limits, words->limit) : std::nullopt;
 }
 
 Footprint footprint_of(const EvaluationParameters& parameters, double resolution_m) {
@@ -67,7 +62,7 @@ std::optional<std::string> why_not_judged(const EvaluationParameters& parameters
 EvaluationLimits effective_limits(const EvaluationParameters& parameters, const Footprint& footprint) {
   EvaluationLimits limits = parameters.limits;
   if (judges_relative_errors(footprint.edge_bins())) return limits;
-  limits.relative_elevation_m = limits.relative_horizontal_m = std::numeric_limits<double>::infinity();
+  limits.relative_m.fill(std::numeric_limits<double>::infinity());
   return limits;
 }
 

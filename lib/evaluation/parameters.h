@@ -1,14 +1,16 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <optional>
 #include <string>
 #include <string_view>
+#include <type_traits>
 #include <vector>
 
 #include "base/fields.h"
-#include "dictionary/own_requirements.h"
+#include "dictionary/requirement.h"
 #include "raster/footprint.h"
 #include "raster/region.h"
 
@@ -16,16 +18,29 @@ namespace landfall {
 
 /// Table 1 of Chen et al.: a value equal to its limit passes.
 struct EvaluationLimits {
-  double invalid_frac = 0.01;              ///< invalid bins over all bins of the region
-  std::int64_t hole_bins = 10;             ///< bins of one hole
-  double distance_bins = 1;                ///< from an invalid bin to the nearest valid one
-  double relative_elevation_m = 0.05;      ///< rel_z of every footprint
-  double relative_horizontal_m = 0.05;     ///< rel_x and rel_y of every footprint
-  double absolute_horizontal_m = 1;        ///< hypot(abs_x, abs_y) of a footprint
-  double absolute_horizontal_frac = 0.95;  ///< fraction of footprints that must keep it
-  LANDFALL_FIELDS(invalid_frac, hole_bins, distance_bins, relative_elevation_m, relative_horizontal_m,
-                  absolute_horizontal_m, absolute_horizontal_frac)
+  double invalid_share = 0.01;                         ///< invalid bins over all bins of the region
+  std::int64_t hole_size = 10;                         ///< bins of one hole
+  double hole_depth = 1;                               ///< bins from an invalid bin to the nearest valid one
+  std::array<double, 3> relative_m{0.05, 0.05, 0.05};  ///< rel_x, rel_y, rel_z of every footprint
+  double horizontal_m = 1;                             ///< hypot(abs_x, abs_y) of a footprint
+  double horizontal_share = 0.95;                      ///< fraction of footprints that must keep it
+
+  /// The keys of eval.limits. x and y have one.
+  static void fields(auto& walk, auto& m) {
+    walk("invalid_frac", m.invalid_share);
+    walk("hole_bins", m.hole_size);
+    walk("distance_bins", m.hole_depth);
+    walk("relative_elevation_m", m.relative_m[2]);
+    walk("relative_horizontal_m", m.relative_m[0]);
+    if constexpr (!std::is_const_v<std::remove_reference_t<decltype(m)>>) m.relative_m[1] = m.relative_m[0];
+    walk("absolute_horizontal_m", m.horizontal_m);
+    walk("absolute_horizontal_frac", m.horizontal_share);
+  }
+  friend bool operator==(const EvaluationLimits&, const EvaluationLimits&) = default;
 };
+
+/// The limit of a key of eval.limits; none for another word.
+[[nodiscard]] std::optional<double> limit_of_key(const EvaluationLimits& limits, std::string_view key);
 
 /// The limit that the scale of a layer of an evaluation shows, by schemas/dictionary/layers.json; none of
 /// most.
@@ -42,7 +57,7 @@ struct EvaluationParameters {
   FootprintShape footprint_shape = FootprintShape::square;
   double quantile = 0.95;  ///< of |e - mean| in a footprint (Eq. 12)
   EvaluationLimits limits;
-  std::vector<OwnRequirement> own_requirements = {};  ///< on numbers of Metrics
+  std::vector<Requirement> own_requirements = {};  ///< on numbers of Metrics
   friend bool operator==(const EvaluationParameters&, const EvaluationParameters&) = default;
 };
 

@@ -73,7 +73,7 @@ std::optional<std::vector<double>> distances(const BinMask& valid, const std::ve
   for (const std::uint32_t index : bins) {
     const auto squared = nearest.squared_distance({index / spec.cols, index % spec.cols});
     if (!squared) return std::nullopt;
-    result.push_back(distance_bins(*squared));
+    result.push_back(bins_apart(*squared));
   }
   return result;
 }
@@ -100,8 +100,8 @@ JudgedCoverage judge_coverage(const BinMask& valid, const BinMask& region, const
   std::int64_t beyond = 0;
   for (std::size_t i = 0; i < invalid.bins.size(); ++i) {
     Hole& hole = hole_of(i);
-    hole.largest_distance_bins = std::max(hole.largest_distance_bins, (*distance)[i]);
-    beyond += (*distance)[i] > limits.distance_bins ? 1 : 0;
+    hole.depth_bins = std::max(hole.depth_bins, (*distance)[i]);
+    beyond += (*distance)[i] > limits.hole_depth ? 1 : 0;
     fail.values()[invalid.bins[i]] |= coverage_flags(hole, (*distance)[i], limits);
   }
   CoverageMetrics metrics = coverage_metrics(labels.holes, invalid.region_bins, limits);

@@ -2,9 +2,10 @@
 #include "evaluation/verdict_text.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
+#include <cstdint>
 #include <iterator>
+#include <ranges>
 #include <string_view>
 
 #include "base/number_text.h"
@@ -16,13 +17,6 @@ std::string centimetres(double metres) { return short_number(100 * metres) + " c
 
 std::string bins(double count) { return short_number(count) + (count == 1 ? " bin" : " bins"); }
 
-/// "87,348 of 785,321, 11.1 %, worst 5.79 cm".
-std::string violations(std::int64_t count, std::int64_t all, double worst_m) {
-  const double share = all > 0 ? static_cast<double>(count) / static_cast<double>(all) : 0;
-  return grouped(count) + " of " + grouped(all) + ", " + percent_text(share) + ", worst " +
-         centimetres(worst_m);
-}
-
 /// A number of metrics.json with its unit: lengths in cm, fractions in per cent.
 std::string measure(const std::string& metric, double value) {
   if (metric.ends_with("_m")) return centimetres(value);
@@ -31,74 +25,60 @@ std::string measure(const std::string& metric, double value) {
   return short_number(value);
 }
 
-const char* verdict(const Requirement& requirement) {
-  return !requirement.pass ? "not judged" : *requirement.pass ? "pass" : "FAIL";
+const char* verdict(const RequirementVerdict& verdict) {
+  return !verdict.pass ? "not judged" : *verdict.pass ? "pass" : "FAIL";
 }
 
-std::string relative_elevation(const Metrics& m, const EvaluationLimits& /*limits*/) {
-  const RelativeMetrics& z = m.accuracy->relative.z;
-  return violations(z.violation_count.value_or(0), m.region.bin_count, z.max_m.value_or(0));
+/// The largest of a list of metrics, separated by spaces.
+double largest(const Metrics& m, std::string_view metrics) {
+  double found = 0;
+  for (const auto metric : std::views::split(metrics, ' '))
+    found = std::max(found, number_at(m, std::string_view(metric.begin(), metric.end())).value_or(0));
+  return found;
 }
 
-/// A footprint is judged along x and along y.
-std::string relative_horizontal(const Metrics& m, const EvaluationLimits& /*limits*/) {
-  const RelativeMetrics& x = m.accuracy->relative.x;
-  const RelativeMetrics& y = m.accuracy->relative.y;
-  return violations(x.violation_count.value_or(0) + y.violation_count.value_or(0), 2 * m.region.bin_count,
-                    std::max(x.max_m.value_or(0), y.max_m.value_or(0)));
+/// The words in braces of a dictionary's `text`.
+std::string placeholder(std::string_view word, const dictionary::Requirement& words, const Metrics& m,
+                        const EvaluationLimits& limits) {
+  const double value = *m.requirements[words.name].value;
+  const double all = static_cast<double>(m.region.bin_count) *
+                     static_cast<double>(std::string_view(words.footprints).size());
+  if (word == "value" && words.unit == std::string_view("footprints"))
+    return grouped(static_cast<std::int64_t>(value));
+  if (word == "value") return measure(words.value, value);
+  if (word == "all") return grouped(static_cast<std::int64_t>(all));
+  if (word == "share") return percent_text(all > 0 ? value / all : 0);
+  if (word == "worst") return centimetres(largest(m, words.worst));
+  if (word == "limit") return measure(words.worst_limit, limit_of_key(limits, words.worst_limit).value());
+  return grouped(static_cast<std::int64_t>(number_at(m, word).value()));
 }
 
-std::string absolute_horizontal(const Metrics& m, const EvaluationLimits& limits) {
-  const HorizontalMetrics& h = m.accuracy->absolute.horizontal;
-  return percent_text(h.within_limit_frac.value_or(0)) + " within " +
-         centimetres(limits.absolute_horizontal_m) + ", 95th pct " + centimetres(h.p95_m.value_or(0));
+/// The measured value of a requirement that has one.
+std::string value_text(const dictionary::Requirement& words, const Metrics& m,
+                       const EvaluationLimits& limits) {
+  if (!std::isfinite(*m.requirements[words.name].value)) return "the DEM has no valid bin";
+  std::string text;
+  std::string_view rest = words.text;
+  for (std::size_t open = rest.find('{'); open != std::string_view::npos; open = rest.find('{')) {
+    const std::size_t close = rest.find('}', open);
+    text += rest.substr(0, open);
+    text += placeholder(rest.substr(open + 1, close - open - 1), words, m, limits);
+    rest.remove_prefix(close + 1);
+  }
+  return text.append(rest);
 }
 
-/// The value of a requirement, which it has, and its limit.
-struct Wording {
-  std::string_view name;
-  std::string (*value)(const Metrics& m, const EvaluationLimits& limits);
-  std::string (*limit)(const EvaluationLimits& limits);
-};
-
-constexpr std::array kWordings = {
-    Wording{"coverage",
-            [](const Metrics& m, const EvaluationLimits& /*limits*/) {
-              return grouped(m.coverage.invalid_count) + " of " + grouped(m.region.bin_count) +
-                     " bins invalid, " + percent_text(m.coverage.invalid_frac);
-            },
-            [](const EvaluationLimits& l) { return percent_text(l.invalid_frac); }},
-    Wording{"hole_size",
-            [](const Metrics& m, const EvaluationLimits& /*limits*/) {
-              return "largest hole " + bins(static_cast<double>(m.coverage.largest_hole_bins));
-            },
-            [](const EvaluationLimits& l) { return bins(static_cast<double>(l.hole_bins)); }},
-    Wording{"hole_distance",
-            [](const Metrics& m, const EvaluationLimits& /*limits*/) {
-              return std::isfinite(m.coverage.max_distance_bins)
-                         ? "to the nearest valid bin " + bins(m.coverage.max_distance_bins)
-                         : "the DEM has no valid bin";
-            },
-            [](const EvaluationLimits& l) { return bins(l.distance_bins); }},
-    Wording{"relative_elevation", relative_elevation,
-            [](const EvaluationLimits& l) { return centimetres(l.relative_elevation_m); }},
-    Wording{"relative_horizontal", relative_horizontal,
-            [](const EvaluationLimits& l) { return centimetres(l.relative_horizontal_m); }},
-    Wording{"absolute_horizontal", absolute_horizontal,
-            [](const EvaluationLimits& l) { return percent_text(l.absolute_horizontal_frac); }}};
-
-constexpr const Wording* wording_of(std::string_view name) {
-  return std::ranges::find(kWordings, name, &Wording::name);
+/// A requirement without a limit of its own allows no footprint beyond that of the errors.
+std::string limit_text(const dictionary::Requirement& words, const EvaluationLimits& limits) {
+  const std::string key = *words.limit != '\0' ? words.limit : words.worst_limit;
+  return (words.at_least ? ">= " : "") + measure(key, limit_of_key(limits, key).value());
 }
-static_assert(std::ranges::all_of(kRequirementInfo, [](const RequirementInfo& info) {
-  return wording_of(info.name) != kWordings.end();
-}));
 
 /// In place of a value.
-std::string no_value(const Metrics& m, const Requirement& requirement) {
+std::string no_value(const Metrics& m, const RequirementVerdict& verdict) {
   if (!m.accuracy) return "no truth to compare with";
-  if (requirement.reason) return "footprint of " + square_text(m.accuracy->footprint_bins) + " bins";
-  return requirement.pass ? "no footprint to judge" : "no true positions to compare with";
+  if (verdict.reason) return "footprint of " + square_text(m.accuracy->footprint_bins) + " bins";
+  return verdict.pass ? "no footprint to judge" : "no true positions to compare with";
 }
 
 }  // namespace
@@ -115,41 +95,36 @@ std::vector<std::string> assumption_texts(const AssumptionMetrics& a) {
 
 std::string missing_text(const Metrics& m) {
   if (!m.accuracy) return "the DEM has no truth";
+  const auto any = [&](const auto& is_so) { return std::ranges::any_of(m.requirements.all, is_so); };
   std::string text;
-  if (m.requirements.relative_elevation.reason)
+  if (any([](const RequirementVerdict& verdict) { return verdict.reason.has_value(); }))
     text = "the footprint has fewer than " + square_text(kMinFootprintBins) + " bins";
-  if (!m.requirements.absolute_horizontal.pass)
+  if (any([](const RequirementVerdict& verdict) { return !verdict.pass && !verdict.reason; }))
     text += std::string(text.empty() ? "" : ", and ") + "the DEM has no true positions";
   return text;
 }
 
 const char* overall_verdict(const Metrics& m) {
-  const auto any = [&](std::optional<bool> pass) {
-    return std::ranges::any_of(kRequirementInfo, [&](const RequirementInfo& info) {
-      return (m.requirements.*info.requirement).pass == pass;
-    });
-  };
-  if (any(false) || !all_pass(m.own_requirements)) return "FAIL";
-  return any(std::nullopt) ? "not judged" : "pass";
+  if (any_is(m.requirements, false) || !all_pass(m.own_requirements)) return "FAIL";
+  return any_is(m.requirements, std::nullopt) ? "not judged" : "pass";
 }
 
-std::vector<VerdictText> own_texts(const OwnVerdicts& verdicts) {
+std::vector<VerdictText> own_texts(const RequirementVerdicts& verdicts) {
   std::vector<VerdictText> texts;
-  for (const OwnVerdict& own : verdicts.all) {
-    const OwnRequirement& r = own.requirement;
+  for (const RequirementVerdict& own : verdicts.all) {
+    const Requirement& r = own.requirement;
     texts.push_back({r.name, r.metric + (own.value ? " " + measure(r.metric, *own.value) : ": no value"),
-                     (r.at_least ? ">= " : "") + measure(r.metric, r.limit), own.pass ? "pass" : "FAIL"});
+                     (r.at_least ? ">= " : "") + measure(r.metric, r.limit), verdict(own)});
   }
   return texts;
 }
 
 std::vector<VerdictText> verdict_texts(const Metrics& m, const EvaluationLimits& limits) {
   std::vector<VerdictText> texts;
-  for (const RequirementInfo& info : kRequirementInfo) {
-    const Requirement& requirement = m.requirements.*info.requirement;
-    const Wording& wording = *wording_of(info.name);
-    texts.push_back({info.name, requirement.value ? wording.value(m, limits) : no_value(m, requirement),
-                     (info.at_least ? ">= " : "") + wording.limit(limits), verdict(requirement)});
+  for (const dictionary::Requirement& words : dictionary::kRequirements) {
+    const RequirementVerdict& judged = m.requirements[words.name];
+    texts.push_back({words.name, judged.value ? value_text(words, m, limits) : no_value(m, judged),
+                     limit_text(words, limits), verdict(judged)});
   }
   std::ranges::move(own_texts(m.own_requirements), std::back_inserter(texts));
   return texts;

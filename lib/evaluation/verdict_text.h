@@ -16,11 +16,11 @@ struct VerdictText {
   const char* verdict;  ///< "pass", "FAIL" or "not judged"
 };
 
-/// One per requirement, in the order of kRequirementInfo; then the user's own.
+/// One per requirement, in the order of the dictionary; then the user's own.
 [[nodiscard]] std::vector<VerdictText> verdict_texts(const Metrics& metrics, const EvaluationLimits& limits);
 
 /// The user's own requirements: "statistics.z.le90_m 1.23 cm".
-[[nodiscard]] std::vector<VerdictText> own_texts(const OwnVerdicts& verdicts);
+[[nodiscard]] std::vector<VerdictText> own_texts(const RequirementVerdicts& verdicts);
 
 /// "footprint of 35 x 35 bins", "truth nodes every 0.05 m", "3 returns per bin (median)", "4.2 % of the bins
 /// with a single return": those that are known.

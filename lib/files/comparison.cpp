@@ -272,8 +272,8 @@ Json pair_json(const std::string& name, std::vector<double> a, std::vector<doubl
 /// The outcomes of draws that can be paired, by name: 1, 0, and NaN where not judged.
 std::vector<std::pair<std::string, std::vector<double>>> outcomes(const DrawTable& table) {
   std::vector<std::pair<std::string, std::vector<double>>> all;
-  for (const RequirementInfo& info : kRequirementInfo)
-    all.emplace_back(info.name, pass_column(table, info.name).values);
+  for (const dictionary::Requirement& words : dictionary::kRequirements)
+    all.emplace_back(words.name, pass_column(table, words.name).values);
   for (const OwnColumn& own : own_columns(table)) all.emplace_back(own.name, own.passes->values);
   all.emplace_back("all", std::vector<double>(table.pass.begin(), table.pass.end()));
   std::ranges::replace(all.back().second, static_cast<double>(pass_flag(std::nullopt)),

@@ -299,8 +299,8 @@ Json landing_json(const DrawTable& table, bool is_valid) {
 /// The rates of all rows.
 Json result_json(const DrawTable& table, bool is_valid) {
   Json rates = Json::array();
-  for (const RequirementInfo& info : kRequirementInfo)
-    rates.push_back(requirement_rate(info.name, pass_column(table, info.name).values));
+  for (const dictionary::Requirement& words : dictionary::kRequirements)
+    rates.push_back(requirement_rate(words.name, pass_column(table, words.name).values));
   rates.push_back(requirement_rate("all", six_passed(table)));
   const std::vector<OwnColumn> own = own_columns(table);
   for (const OwnColumn& column : own) rates.push_back(requirement_rate(column.name, column.passes->values));
@@ -477,8 +477,8 @@ void check_landings(const LandfallFileReader& file, const DrawTable& table) {
 void check_rows(const LandfallFileReader& file, const DrawTable& table, bool counts_seeds) {
   check_seeds(file, table, counts_seeds);
   const auto is_flag = [](double value) { return value == 0 || value == 1; };
-  for (const RequirementInfo& info : kRequirementInfo)
-    check_metric(file, table, std::string("requirements.") + info.name + ".pass", "0 or 1", is_flag);
+  for (const dictionary::Requirement& words : dictionary::kRequirements)
+    check_metric(file, table, std::string("requirements.") + words.name + ".pass", "0 or 1", is_flag);
   const std::vector<OwnColumn> own = own_columns(table);
   for (const OwnColumn& column : own) check_metric(file, table, column.passes->name, "0 or 1", is_flag);
   check_metric(file, table, "site.true_safe", "0 or 1", is_flag);
@@ -519,8 +519,8 @@ DrawTable read_rows(const LandfallFileReader& file, bool counts_seeds) {
     read_into(table, dataset.name, std::span(column.values));
     (is_varied(dataset.name) ? result.varied : result.metrics).push_back(std::move(column));
   }
-  for (const RequirementInfo& info : kRequirementInfo) {
-    const std::string name = std::string("requirements.") + info.name + ".pass";
+  for (const dictionary::Requirement& words : dictionary::kRequirements) {
+    const std::string name = std::string("requirements.") + words.name + ".pass";
     if (std::ranges::find(result.metrics, name, &DrawColumn::name) == result.metrics.end())
       file.fail("/draws has no column " + name);
   }

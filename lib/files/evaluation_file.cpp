@@ -40,7 +40,7 @@ void write_holes(const LandfallFileWriter& file, const GridSpec& spec, const std
   const auto first_y = column(holes, [&](const Hole& hole) { return spec.y(hole.first.row); });
   const auto x = column(holes, &Hole::centroid_x_m);
   const auto y = column(holes, &Hole::centroid_y_m);
-  auto distance = column(holes, &Hole::largest_distance_bins);
+  auto distance = column(holes, &Hole::depth_bins);
   std::ranges::replace_if(distance, is_infinite<double>, std::numeric_limits<double>::quiet_NaN());
   const std::array<ColumnRows, 9> rows = {std::span(id),  std::span(size),    std::span(row),
                                           std::span(col), std::span(first_x), std::span(first_y),

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "files/metrics_json.h"
 
+#include <cmath>
+
 #include "evaluation/verdict_text.h"
 #include "files/field_json.h"
 
@@ -15,9 +17,8 @@ nlohmann::ordered_json metrics_json(const Metrics& metrics) {
   nlohmann::ordered_json json = {{"format", "landfall.metrics"}, {"version", 2}};
   json.update(fields_json(metrics));
   if (!metrics.uncertainty) json["uncertainty"] = nullptr;
-  for (const RequirementInfo& info : kRequirementInfo)
-    if (const auto& reason = (metrics.requirements.*info.requirement).reason)
-      json["requirements"][info.name]["reason"] = *reason;
+  for (const RequirementVerdict& verdict : metrics.requirements.all)
+    if (verdict.reason) json["requirements"][verdict.requirement.name]["reason"] = *verdict.reason;
   return json;
 }
 
@@ -31,11 +32,11 @@ nlohmann::ordered_json verdict_json(const Metrics& metrics, const EvaluationLimi
   return rows;
 }
 
-OwnVerdicts own_verdicts_from(const nlohmann::ordered_json& result) {
-  OwnVerdicts own;
+RequirementVerdicts own_verdicts_from(const nlohmann::ordered_json& result) {
+  RequirementVerdicts own;
   if (!result.contains("own_requirements")) return own;
   for (const auto& [name, verdict] : result.at("own_requirements").items()) {
-    own.all.push_back(fields_from<OwnVerdict>(verdict));
+    own.all.push_back(fields_from<RequirementVerdict>(verdict));
     own.all.back().requirement.name = name;
   }
   return own;
@@ -43,10 +44,15 @@ OwnVerdicts own_verdicts_from(const nlohmann::ordered_json& result) {
 
 Metrics metrics_from(const nlohmann::ordered_json& json) {
   auto metrics = fields_from<Metrics>(json);
-  metrics.requirements.hole_distance.value = metrics.coverage.max_distance_bins;  // JSON has no infinity
-  for (const RequirementInfo& info : kRequirementInfo)
-    if (const auto& requirement = json.at("requirements").at(info.name); requirement.contains("reason"))
-      requirement.at("reason").get_to((metrics.requirements.*info.requirement).reason.emplace());
+  for (RequirementVerdict& verdict : metrics.requirements.all) {
+    const auto& requirement = json.at("requirements").at(verdict.requirement.name);
+    if (requirement.contains("reason")) requirement.at("reason").get_to(verdict.reason.emplace());
+    // JSON has no infinity, but metrics are read as one. A judged footprint has none.
+    if (!verdict.value && verdict.pass == false) {
+      const auto value = number_at(metrics, verdict.requirement.metric);
+      if (value && std::isinf(*value)) verdict.value = value;
+    }
+  }
   metrics.own_requirements = own_verdicts_from(json);
   return metrics;
 }

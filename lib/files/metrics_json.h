@@ -16,7 +16,7 @@ namespace landfall {
 
 /// The verdicts under the key own_requirements of metrics.json or score.json; none without it. Throws
 /// nlohmann::json::exception as metrics_from() does.
-[[nodiscard]] OwnVerdicts own_verdicts_from(const nlohmann::ordered_json& result);
+[[nodiscard]] RequirementVerdicts own_verdicts_from(const nlohmann::ordered_json& result);
 
 /// The metrics of a file. Throws nlohmann::json::exception if a key is missing or has another type; an
 /// unknown shape of the region is read as a circle.

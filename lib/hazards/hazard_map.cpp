@@ -178,7 +178,7 @@ PlaceCounts count_places(const Grid<std::int8_t>& safe, const BinMask& region) {
   return counts;
 }
 
-OwnVerdicts own_verdicts(const HazardMap& map, const HazardParameters& parameters) {
+RequirementVerdicts own_verdicts(const HazardMap& map, const HazardParameters& parameters) {
   return map.truth ? map.truth->score.own_requirements
                    : judge_own<HazardScore>(nullptr, parameters.own_requirements);
 }

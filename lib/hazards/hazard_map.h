@@ -31,8 +31,8 @@ struct HazardParameters {
   std::optional<double> z_sigma_m;   ///< of maps without a sigma of their own
   double touchdown_sigma_m = 1;      ///< >= 0
   SiteParameters sites;
-  std::uint64_t seed = 1;                             ///< of the grounds that p_safe is computed from
-  std::vector<OwnRequirement> own_requirements = {};  ///< on numbers of HazardScore
+  std::uint64_t seed = 1;                          ///< of the grounds that p_safe is computed from
+  std::vector<Requirement> own_requirements = {};  ///< on numbers of HazardScore
 };
 
 /// A map with its small holes filled, and the true ground of its bins.
@@ -145,7 +145,7 @@ struct PlaceCounts {
 [[nodiscard]] PlaceCounts count_places(const Grid<std::int8_t>& safe, const BinMask& region);
 
 /// The user's own requirements on the score; without truth no number of it is known.
-[[nodiscard]] OwnVerdicts own_verdicts(const HazardMap& map, const HazardParameters& parameters);
+[[nodiscard]] RequirementVerdicts own_verdicts(const HazardMap& map, const HazardParameters& parameters);
 
 /// Judges every place of the region: those of the input, or the circle (clipped_circle()). Takes the sigmas
 /// out of the input, since their memory is needed.

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "base/fields.h"
-#include "dictionary/own_requirements.h"
+#include "dictionary/requirement.h"
 #include "hazards/measures.h"
 #include "raster/region.h"
 
@@ -63,7 +63,7 @@ struct HazardScore {
   std::vector<RocPoint> roc;    ///< 21 limits of the judged map from 0 to twice its own; the truth's stay
   std::optional<double> brier;  ///< mean of (p_safe - [truly safe])^2
   std::vector<ReliabilityBin> reliability;  ///< ten, or none without p_safe
-  OwnVerdicts own_requirements = {};
+  RequirementVerdicts own_requirements = {};
 
   /// The numbers on which a user can set requirements.
   static void fields(auto& walk, auto& m) {

@@ -131,7 +131,7 @@ std::optional<float> distance_to_hazard_at(const JudgedPlaces& places, BinIndex 
         for (const std::int64_t col : {bin.col - cols, bin.col + cols})
           look_at({row, col}, rows * rows + cols * cols);
   if (least == kNoValidBin) return std::nullopt;
-  return static_cast<float>(distance_bins(least) * spec.resolution_m);
+  return static_cast<float>(bins_apart(least) * spec.resolution_m);
 }
 
 }  // namespace landfall

@@ -115,7 +115,7 @@ Grid<float> distance_to_hazard(const Grid<std::int8_t>& safe, const BinMask& reg
   Grid<float> distance(spec, kNan);
   for (std::size_t i = 0; i < spec.size(); ++i)
     if (region.values()[i] != 0 && squared.values()[i] != kNoValidBin)
-      distance.values()[i] = static_cast<float>(distance_bins(squared.values()[i]) * spec.resolution_m);
+      distance.values()[i] = static_cast<float>(bins_apart(squared.values()[i]) * spec.resolution_m);
   return distance;
 }
 

@@ -62,12 +62,14 @@ struct DeviceSurface {
 
 /// EvaluationParameters and TruthAt of one draw.
 struct DeviceRule {
-  double quantile, relative_horizontal_m, relative_elevation_m, absolute_horizontal_m;
+  double quantile;
+  std::array<double, 3> relative_m;  ///< by axis
+  double horizontal_m;
   std::int64_t half_bins, is_square;  ///< Footprint
   std::int64_t at_centroid;
   std::int64_t has_maps;  ///< by DeviceDraws, not by its caller
 };
-static_assert(sizeof(DeviceSurface) == 6 * 8 && sizeof(DeviceRule) == 8 * 8);
+static_assert(sizeof(DeviceSurface) == 6 * 8 && sizeof(DeviceRule) == 9 * 8);
 
 /// The inputs that the verdicts of all draws share. Grids are row-major.
 struct DeviceJudged {

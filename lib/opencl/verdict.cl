@@ -16,7 +16,7 @@ typedef struct {
 } Surface;
 
 typedef struct {
-  double quantile, relative_horizontal_m, relative_elevation_m, absolute_horizontal_m;
+  double quantile, relative_m[3], horizontal_m;
   long half_bins, is_square, at_centroid, has_maps;
 } Rule;
 
@@ -179,16 +179,15 @@ double largest_mean(const Tile* t, int axis) {
   return b.valid == 0 ? 0 : fmax(-b.lowest, b.highest) * (1 + 0x1p-42) + 1e-300;
 }
 
-double limit_of(constant Rule* rule, int axis) { return axis == 2 ? rule->relative_elevation_m : rule->relative_horizontal_m; }
 
 bool cannot_exceed(const Tile* t, constant Rule* rule, int axis) {
   const Bound b = t->reached[axis * t->tiles + t->tile];
   const double of_mean = 0x1p-42 * fmax(-b.lowest, b.highest) + 1e-300;
-  return b.valid == 0 || b.highest - b.lowest + of_mean <= limit_of(rule, axis) * (1 - 0x1p-50);
+  return b.valid == 0 || b.highest - b.lowest + of_mean <= rule->relative_m[axis] * (1 - 0x1p-50);
 }
 
 bool is_within(const Tile* t, constant Rule* rule) {
-  return horizontal(largest_mean(t, 0), largest_mean(t, 1), rule->absolute_horizontal_m) == WITHIN;
+  return horizontal(largest_mean(t, 0), largest_mean(t, 1), rule->horizontal_m) == WITHIN;
 }
 
 // A footprint about a bin.
@@ -247,7 +246,7 @@ kernel void add_up(constant Scene* s, constant Rule* rule, global const double* 
   const size_t cols = (size_t)s->cols;
   global const double* const in_row = errors + (axis * (size_t)s->rows + row) * cols;
   global ulong* const out = sums + row * (cols + 1);
-  const double limit = limit_of(rule, axis);
+  const double limit = rule->relative_m[axis];
   Bound range = {0, 0, 0, 0};
   ulong sum = 0;
   out[0] = 0;
@@ -360,7 +359,7 @@ kernel void judge(constant Scene* s, constant Rule* rule, global const double* e
   const Tile tile = tile_of(s, reached, tiles, bin);
   if (isnan(mean) || cannot_exceed(&tile, rule, axis)) return;
   const Window w = window_at(s, rule, half_widths, bin);
-  if (exceeds(&w, errors + axis * (size_t)bins, mean, packed_counts(&w, counts), rule->quantile, limit_of(rule, axis)))
+  if (exceeds(&w, errors + axis * (size_t)bins, mean, packed_counts(&w, counts), rule->quantile, rule->relative_m[axis]))
     flags[bin] |= RELATIVE_X << axis;
 }
 
@@ -370,7 +369,7 @@ kernel void judge_horizontal(constant Scene* s, constant Rule* rule, global cons
   const size_t bin = get_global_id(0);
   if (bin >= bins || (flags[bin] & VALUE_X) == 0 || (flags[bin] & (VALUE_X << 1)) == 0) return;
   const Tile tile = tile_of(s, reached, tiles, bin);
-  const int verdict = is_within(&tile, rule) ? WITHIN : horizontal(means[bin], means[bin + (size_t)bins], rule->absolute_horizontal_m);
+  const int verdict = is_within(&tile, rule) ? WITHIN : horizontal(means[bin], means[bin + (size_t)bins], rule->horizontal_m);
   flags[bin] |= verdict == BEYOND ? VALUE_HORIZONTAL | ABSOLUTE_HORIZONTAL : VALUE_HORIZONTAL;
   if (verdict == UNDECIDED) atomic_or(unusual, 1);
 }

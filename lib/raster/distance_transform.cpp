@@ -110,7 +110,7 @@ Grid<std::int64_t> squared_distance(const BinMask& set) {
   return distance;
 }
 
-double distance_bins(std::int64_t squared) {
+double bins_apart(std::int64_t squared) {
   return squared == kNoValidBin ? std::numeric_limits<double>::infinity()
                                 : std::sqrt(static_cast<double>(squared));
 }

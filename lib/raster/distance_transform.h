@@ -16,6 +16,6 @@ inline constexpr std::int64_t kNoValidBin = INT64_MAX;
 [[nodiscard]] Grid<std::int64_t> squared_distance(const BinMask& set);
 
 /// The distance in bins; infinite for kNoValidBin.
-[[nodiscard]] double distance_bins(std::int64_t squared);
+[[nodiscard]] double bins_apart(std::int64_t squared);
 
 }  // namespace landfall

@@ -19,7 +19,7 @@ struct Hole {
   BinIndex south_west;  ///< bounding box, both corners inclusive
   BinIndex north_east;
   /// From a bin of the hole to the nearest valid bin of the DEM; 0 until assess_coverage() computes it.
-  double largest_distance_bins = 0;
+  double depth_bins = 0;
   friend bool operator==(const Hole&, const Hole&) = default;
 };
 

@@ -7,15 +7,17 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <numeric>
 #include <optional>
+#include <sstream>
 #include <stdexcept>
 #include <utility>
 
 #include "base/number_text.h"
 #include "campaign/draw_layers.h"
 #include "config/hazard_config.h"
-#include "report/embedded_requirements.h"
+#include "dictionary/tables/requirements.h"
 #include "report/escape.h"
 #include "report/hazard_page.h"
 #include "report/heading.h"
@@ -79,9 +81,7 @@ Json values_json(const DrawColumn& column, std::int64_t shown) {
   return {{"name", column.name}, {"values", std::move(values)}};
 }
 
-const char* unit_name(RequirementUnit unit) {
-  return unit == RequirementUnit::fraction ? "frac" : unit == RequirementUnit::bins ? "bins" : "footprints";
-}
+std::string unit_name(const std::string& unit) { return unit == "fraction" ? "frac" : unit; }
 
 /// A requirement whose columns begin with `path`.
 Json requirement_json(const DrawTable& table, const std::string& path, const std::string& name,
@@ -108,18 +108,11 @@ std::string unit_of_metric(const std::string& metric) {
   return "";
 }
 
-/// The metrics whose largest uses up the limit of a requirement, and that limit's name.
-const Json& words_of(const std::string& requirement) {
-  static const Json words = Json::parse(embedded::kRequirements[0].text).at("requirements");
-  return *std::find_if(words.begin(), words.end(),
-                       [&](const Json& one) { return one.at("name").get<std::string>() == requirement; });
-}
-
 /// The largest of some metrics in each draw.
-std::optional<DrawColumn> largest_of(const DrawTable& table, const Json& metrics) {
+std::optional<DrawColumn> largest_of(const DrawTable& table, const std::vector<std::string>& metrics) {
   std::optional<DrawColumn> largest;
-  for (const Json& metric : metrics) {
-    const DrawColumn* const column = find_metric(table, metric.get<std::string>());
+  for (const std::string& metric : metrics) {
+    const DrawColumn* const column = find_metric(table, metric);
     if (column == nullptr) return std::nullopt;
     if (!largest) largest = *column;
     for (std::size_t i = 0; i < column->values.size(); ++i)
@@ -131,29 +124,29 @@ std::optional<DrawColumn> largest_of(const DrawTable& table, const Json& metrics
 /// The length that decides a requirement, in each draw, and its limit: a passing count of 0 footprints shows
 /// no margin. Null for a requirement without one, for draws that keep only the counts, and where the limit
 /// varies.
-Json deciding_json(const DrawTable& table, const std::string& requirement, const nlohmann::json& limits,
+Json deciding_json(const DrawTable& table, const dictionary::Requirement& words, const nlohmann::json& limits,
                    std::int64_t shown) {
-  const Json& words = words_of(requirement);
-  const auto limit = words.at("worst_limit").get<std::string>();
+  const std::string limit = words.worst_limit;
+  std::istringstream list(words.worst);
+  const std::vector<std::string> worst(std::istream_iterator<std::string>(list), {});
   const bool varies = std::ranges::any_of(
       table.varied, [&](const DrawColumn& key) { return key.name == "eval.limits." + limit; });
   if (!limit.ends_with("_m") || varies || !limits.contains(limit)) return nullptr;
-  const std::optional<DrawColumn> largest = largest_of(table, words.at("worst"));
+  const std::optional<DrawColumn> largest = largest_of(table, worst);
   if (!largest) return nullptr;
-  return {{"values", values_json(*largest, shown)["values"]},
-          {"limit", limits.at(limit)},
-          {"metrics", words.at("worst")}};
+  return {
+      {"values", values_json(*largest, shown)["values"]}, {"limit", limits.at(limit)}, {"metrics", worst}};
 }
 
 Json requirements_json(const DrawTable& table, const nlohmann::json& config, std::int64_t shown) {
   Json list = Json::array();
-  for (const RequirementInfo& info : kRequirementInfo) {
-    Json requirement = requirement_json(table, "requirements." + std::string(info.name), info.name, shown);
-    requirement["measured"] = info.measured;
-    requirement["unit"] = unit_name(info.unit);
-    requirement["at_least"] = info.at_least;
+  for (const dictionary::Requirement& words : dictionary::kRequirements) {
+    Json requirement = requirement_json(table, "requirements." + std::string(words.name), words.name, shown);
+    requirement["measured"] = words.measured;
+    requirement["unit"] = unit_name(words.unit);
+    requirement["at_least"] = words.at_least;
     const nlohmann::json limits = config.at("eval").value("limits", nlohmann::json::object());
-    requirement["deciding"] = deciding_json(table, std::string(info.name), limits, shown);
+    requirement["deciding"] = deciding_json(table, words, limits, shown);
     list.push_back(std::move(requirement));
   }
   for (const OwnColumn& own : own_columns(table)) {

@@ -258,7 +258,7 @@ std::string place_text(const LandingSite& site, bool has_probability) {
 }
 
 /// Whether --require-safe accepts the map.
-std::string banner_html(const HazardMap& map, const OwnVerdicts& own, double min_p) {
+std::string banner_html(const HazardMap& map, const RequirementVerdicts& own, double min_p) {
   const std::vector<LandingSite>& sites = map.sites;
   const auto best = std::ranges::max_element(sites, {}, &LandingSite::p_touchdown);
   const bool has_site = best != sites.end() && best->p_touchdown >= min_p;
@@ -335,7 +335,7 @@ std::string hazard_page(const HazardReport& content, const Provenance& provenanc
   const PlaceCounts counts = count_places(map.safe, map.region);
   std::string tables = places_html(counts);
   if (map.truth) tables += outcomes_html(map.truth->score.counts, counts.all());
-  const OwnVerdicts own = own_verdicts(map, content.parameters);
+  const RequirementVerdicts own = own_verdicts(map, content.parameters);
   tables += own_table_html(own);
   return page_html("hazards.html",
                    {{"title", html_text(title.empty() ? title_of(steps, "Landing sites") : title)},

@@ -52,7 +52,7 @@ Json holes_json(std::vector<Hole> holes, const GridSpec& spec, const std::string
          {"y_m", finite_json(hole.centroid_y_m)},
          {"width_m", static_cast<double>(hole.north_east.col - hole.south_west.col + 1) * spec.resolution_m},
          {"height_m", static_cast<double>(hole.north_east.row - hole.south_west.row + 1) * spec.resolution_m},
-         {"distance_bins", finite_json(hole.largest_distance_bins)}});
+         {"distance_bins", finite_json(hole.depth_bins)}});
   place_on_map(list, crs_wkt);
   return list;
 }
@@ -126,6 +126,12 @@ std::vector<const ReportLayer*> in_order(const std::vector<ReportLayer>& layers)
   return ordered;
 }
 
+Json footprint_limits_json(const EvaluationLimits& limits) {
+  return {{"relative_m", limits.relative_m},
+          {"horizontal_m", limits.horizontal_m},
+          {"horizontal_share", limits.horizontal_share}};
+}
+
 ReportData report_data(const ReportContent& content) {
   const ReportLayers& layers = content.layers;
   Packer packer;
@@ -137,6 +143,7 @@ ReportData report_data(const ReportContent& content) {
   data.values = {{"grid", grid_json(layers.spec(), layers.factor())},
                  {"footprint", footprint_json(content.parameters, layers.spec().resolution_m)},
                  {"limits", fields_json(content.parameters.limits)},
+                 {"footprint_limits", footprint_limits_json(content.parameters.limits)},
                  {"quantile", content.parameters.quantile},
                  {"colors", colors_json()},
                  {"region", metrics["region"]},

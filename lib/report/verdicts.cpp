@@ -53,12 +53,12 @@ std::string assumptions_html(const AssumptionMetrics& assumptions) {
          html_text(joined(assumption_texts(assumptions), "; ")) + ".</p>";
 }
 
-std::string own_table_html(const OwnVerdicts& own) {
+std::string own_table_html(const RequirementVerdicts& own) {
   return own.all.empty() ? "" : table_html("own-requirements", own_texts(own));
 }
 
-std::string own_missed_text(const OwnVerdicts& own) {
-  const auto missed = std::ranges::count(own.all, false, &OwnVerdict::pass);
+std::string own_missed_text(const RequirementVerdicts& own) {
+  const auto missed = std::ranges::count(own.all, false, &RequirementVerdict::pass);
   return missed == 0
              ? ""
              : std::to_string(missed) + " of " + std::to_string(own.all.size()) + " own requirements missed";
@@ -66,20 +66,16 @@ std::string own_missed_text(const OwnVerdicts& own) {
 
 std::string verdict_banner_html(const Metrics& metrics) {
   std::string text;
-  int missed = 0;
-  int unjudged = 0;
-  for (const RequirementInfo& words : kRequirementInfo) {
-    const Requirement& requirement = metrics.requirements.*words.requirement;
-    if (!requirement.pass) ++unjudged;
-    if (requirement.pass == false) ++missed;
-  }
-  const std::string all = std::to_string(kRequirementInfo.size());
+  const std::vector<RequirementVerdict>& verdicts = metrics.requirements.all;
+  const auto missed = std::ranges::count(verdicts, false, &RequirementVerdict::pass);
+  const auto unjudged = std::ranges::count(verdicts, std::optional<bool>(), &RequirementVerdict::pass);
+  const std::string all = std::to_string(verdicts.size());
   if (missed > 0) text = std::to_string(missed) + " of " + all + " requirements missed";
   if (unjudged > 0)
     text += (text.empty() ? "" : ", ") + std::to_string(unjudged) + " of " + all +
             " not judged: " + missing_text(metrics);
   if (text.empty()) text = "all " + all + " requirements met";
-  const OwnVerdicts& own = metrics.own_requirements;
+  const RequirementVerdicts& own = metrics.own_requirements;
   if (!all_pass(own))
     text += ", " + own_missed_text(own);
   else if (!own.all.empty())

@@ -15,10 +15,10 @@ namespace landfall::html_report {
 [[nodiscard]] std::string assumptions_html(const AssumptionMetrics& assumptions);
 
 /// The same table of the user's own requirements on a hazard map; empty without any.
-[[nodiscard]] std::string own_table_html(const OwnVerdicts& own);
+[[nodiscard]] std::string own_table_html(const RequirementVerdicts& own);
 
 /// "1 of 2 own requirements missed"; empty if none is.
-[[nodiscard]] std::string own_missed_text(const OwnVerdicts& own);
+[[nodiscard]] std::string own_missed_text(const RequirementVerdicts& own);
 
 /// The verdict on all requirements, as an element of class "banner".
 [[nodiscard]] std::string verdict_banner_html(const Metrics& metrics);

@@ -30,10 +30,9 @@ struct WorstFootprint {
   double relative_m[3] = {};
   double horizontal_m = 0;  ///< hypot of the absolute x and y
   double share = 0;         ///< the largest ratio of its values to their limits
-  std::string
-      requirement;  ///< whose limit that is: relative_elevation, relative_horizontal, absolute_horizontal
-  char axis = 'z';  ///< axis of that error; 'h' for the horizontal one
-  GridSpec window;  ///< the part shown: the footprint and its width on each side, within the DEM
+  std::string requirement;  ///< whose limit that is
+  char axis = 'z';          ///< axis of that error; 'h' for the horizontal one
+  GridSpec window;          ///< the part shown: the footprint and its width on each side, within the DEM
   Grid<double> z_est;
   Grid<double> error;  ///< along `axis`
 };

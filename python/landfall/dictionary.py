@@ -44,6 +44,9 @@ class Requirement:
     value: str
     worst: list
     worst_limit: str
+    text: str
+    limit: str = ""
+    footprints: str = ""
 
     @property
     def words(self):

@@ -97,7 +97,7 @@ class Scans(MeetingTest):
         self.assertGreater(np.nanmax(columns(self.path("d.h5"))["z_spread"]), 0.4)
 
     def reprojected(self, crs):
-        """What regrid says of a strip and of the same points in another CRS; the DEMs of the strip and of both."""
+        """The message of regrid about a strip and of the same points in another CRS; the DEMs of the strip and of both."""
         a, _ = self.strips()
         done = subprocess.run(["gdaltransform", "-s_srs", UTM, "-t_srs", crs, "-output_xy"], check=True, capture_output=True, text=True,
                               input=read_bytes(a).decode().partition("\n")[2].replace(",", " "))

@@ -62,9 +62,9 @@ TileJudge::TileJudge(const DemLayers& dem, const BinMask& region, const Evaluati
       x_(Axis::x, dem, footprint),
       y_(Axis::y, dem, footprint),
       z_(Axis::z, dem, footprint),
-      judge_x_({footprint, parameters.quantile, limits_.relative_horizontal_m, fail_relative_x}),
-      judge_y_({footprint, parameters.quantile, limits_.relative_horizontal_m, fail_relative_y}),
-      judge_z_({footprint, parameters.quantile, limits_.relative_elevation_m, fail_relative_z}) {}
+      judge_x_({footprint, parameters.quantile, limits_.relative_m[0], fail_relative_x}),
+      judge_y_({footprint, parameters.quantile, limits_.relative_m[1], fail_relative_y}),
+      judge_z_({footprint, parameters.quantile, limits_.relative_m[2], fail_relative_z}) {}
 
 TileVerdict TileJudge::judge(const Tile& tile) {
   TileVerdict result;
@@ -108,10 +108,8 @@ void TileJudge::judge_horizontal(const Tile& tile, std::int64_t footprints, Wind
   const Magnitudes x = magnitudes(judge_x_.bounds_of_means());
   const Magnitudes y = magnitudes(judge_y_.bounds_of_means());
   constexpr double kSlack = 0x1p-50;  // of hypot(), which rounds
-  const bool is_within =
-      portable::hypot(x.largest, y.largest) * (1 + kSlack) <= limits_.absolute_horizontal_m;
-  const bool is_beyond =
-      portable::hypot(x.smallest, y.smallest) * (1 - kSlack) > limits_.absolute_horizontal_m;
+  const bool is_within = portable::hypot(x.largest, y.largest) * (1 + kSlack) <= limits_.horizontal_m;
+  const bool is_beyond = portable::hypot(x.smallest, y.smallest) * (1 - kSlack) > limits_.horizontal_m;
   if (!is_within && !is_beyond) return judge_means(tile, outcome);
   if (is_within && judge_x_.is_full() && judge_y_.is_full()) {
     outcome.footprints = footprints;
@@ -141,7 +139,7 @@ void TileJudge::judge_means(const Tile& tile, WindowJudge::Outcome& outcome) {
       const BinIndex local{row + x_.half_rows(), col + x_.half_cols()};
       if (region_.at(bin) == 0 || x.count.at(local) == 0 || y.count.at(local) == 0) continue;
       ++outcome.footprints;
-      if (!(portable::hypot(x.mean.at(local), y.mean.at(local)) > limits_.absolute_horizontal_m)) continue;
+      if (!(portable::hypot(x.mean.at(local), y.mean.at(local)) > limits_.horizontal_m)) continue;
       ++outcome.violations;
       set_flag(fail_.at(bin), fail_absolute_horizontal);
     }

@@ -57,19 +57,12 @@ TileVerdict judge_tiles(const DemLayers& dem, const BinMask& region, const Evalu
   return total;
 }
 
-std::optional<double> violations(const WindowJudge::Outcome& a, const WindowJudge::Outcome& b = {}) {
-  return static_cast<double>(a.violations + b.violations);
-}
-
-AccuracyValues accuracy_of(const TileVerdict& verdict, bool judges_relative) {
-  AccuracyValues result{.judges_relative = judges_relative};
-  if (judges_relative && verdict.z.footprints > 0) result.relative_elevation = violations(verdict.z);
-  if (judges_relative && verdict.x.footprints > 0 && verdict.y.footprints > 0)
-    result.relative_horizontal = violations(verdict.x, verdict.y);
-  const auto count = static_cast<double>(verdict.horizontal.footprints);
-  if (verdict.horizontal.footprints > 0)
-    result.absolute_horizontal = (count - static_cast<double>(verdict.horizontal.violations)) / count;
-  return result;
+JudgedFootprints judged_footprints(const TileVerdict& verdict, bool judges_relative) {
+  JudgedFootprints judged{.judges_relative = judges_relative, .axes = ""};
+  if (verdict.x.footprints > 0) judged.axes += 'x';
+  if (verdict.y.footprints > 0) judged.axes += 'y';
+  if (verdict.z.footprints > 0) judged.axes += 'z';
+  return judged;
 }
 
 }  // namespace
@@ -84,18 +77,21 @@ DecisiveMetrics decisive_metrics(const std::optional<TileVerdict>& footprints, c
                                  const BinMask& region, const EvaluationParameters& parameters,
                                  Grid<std::int8_t>& fail) {
   DecisiveMetrics metrics;
-  std::optional<AccuracyValues> values;
+  std::optional<JudgedFootprints> judged;
   if (footprints) {
     const Footprint footprint = footprint_of(parameters, region.spec().resolution_m);
-    values = accuracy_of(*footprints, judges_relative_errors(footprint.edge_bins()));
+    judged = judged_footprints(*footprints, judges_relative_errors(footprint.edge_bins()));
     DecisiveMetrics::Accuracy& accuracy = metrics.accuracy.emplace();
-    accuracy.absolute.horizontal.within_limit_frac = values->absolute_horizontal;
-    if (values->judges_relative)
+    const WindowJudge::Outcome& both = footprints->horizontal;
+    const auto count = static_cast<double>(both.footprints);
+    if (both.footprints > 0)
+      accuracy.absolute.horizontal.within_limit_frac = (count - static_cast<double>(both.violations)) / count;
+    if (judged->judges_relative)
       accuracy.relative = {
           {footprints->x.violations}, {footprints->y.violations}, {footprints->z.violations}};
   }
   metrics.coverage = judge_coverage(valid, region, parameters.limits, fail).metrics;
-  metrics.requirements = judge_values(metrics.coverage, values, parameters.limits);
+  metrics.requirements = landfall::judge(metrics, judged, parameters.limits);
   judge_own_requirements(metrics, parameters.own_requirements);
   return metrics;
 }
@@ -105,7 +101,8 @@ Verdict decide(const DemLayers& dem, const BinMask& region, const EvaluationPara
   if (!dem.truth || !have_one_grid(dem)) check_layers(dem);
   const Footprint footprint = footprint_of(parameters, dem.z_est.spec().resolution_m);
   if (footprint.half_bins() > kMaxHalfBins) return decide_by_evaluation(dem, region, parameters);
-  Verdict result{{}, Grid<std::int8_t>(dem.z_est.spec())};
+  Verdict result;
+  result.fail = Grid<std::int8_t>(dem.z_est.spec());
   std::optional<TileVerdict> footprints;
   if (dem.truth) {
     footprints = judge_tiles(dem, region, parameters, footprint, result.fail);

@@ -41,8 +41,8 @@ struct DecisiveMetrics {
   std::optional<bool> pass;
   CoverageMetrics coverage;
   std::optional<Accuracy> accuracy;  ///< null without truth
-  RequirementMetrics requirements;
-  OwnVerdicts own_requirements;
+  Table1Verdicts requirements;
+  RequirementVerdicts own_requirements;
   LANDFALL_FIELDS(pass, coverage, accuracy, requirements, own_requirements)
 };
 

@@ -23,10 +23,8 @@ function worstTable(worst, limits) {
   const rows = worst.map((f, k) => [
     [String(k + 1), k + 1],
     [formatNumber(f.x_m, 0.001), f.x_m], [formatNumber(f.y_m, 0.001), f.y_m],
-    centimetres(f.relative_m[0], limits.relative_horizontal_m),
-    centimetres(f.relative_m[1], limits.relative_horizontal_m),
-    centimetres(f.relative_m[2], limits.relative_elevation_m),
-    centimetres(f.horizontal_m, limits.absolute_horizontal_m),
+    ...f.relative_m.map((error_m, axis) => centimetres(error_m, limits.relative_m[axis])),
+    centimetres(f.horizontal_m, limits.horizontal_m),
     centimetres(f.absolute_m[2]),
     [f.share === null ? "\u221e" : `${formatNumber(100 * f.share, 0.1)} %`, f.share ?? 1e300],
     [requirementText(f)], ...onMap.cellsOf(f)]);
@@ -58,7 +56,7 @@ async function cropFigure(footprint, k) {
 }
 
 export async function fillWorst(section) {
-  const {worst, limits, footprint, metrics} = report;
+  const {worst, footprint_limits: limits, footprint, metrics} = report;
   if (worst.length === 0) {
     section.append(htmlElement("p", {}, "No footprint could be judged."));
     return;
@@ -70,9 +68,9 @@ export async function fillWorst(section) {
           `The ${worst.length} footprints closest to a limit, or farthest over one, that do not overlap: ` +
           "each is the worst of those at least a footprint away from all before it."),
       htmlElement("p", {class: "note"}, `Footprint: ${footprint.shape}, ${footprint.width_m} m, ` +
-          `${counted(metrics.accuracy.footprint_bins, "bin")} across. Limits: relative x and y ${limit(limits.relative_horizontal_m)}, ` +
-          `relative z ${limit(limits.relative_elevation_m)}, absolute horizontal ${limit(limits.absolute_horizontal_m)} for ` +
-          `${100 * limits.absolute_horizontal_frac} % of the footprints. \u2717 marks values over their limit. The commands name the files of this ` +
+          `${counted(metrics.accuracy.footprint_bins, "bin")} across. Limits: relative x and y ${limit(limits.relative_m[0])}, ` +
+          `relative z ${limit(limits.relative_m[2])}, absolute horizontal ${limit(limits.horizontal_m)} for ` +
+          `${100 * limits.horizontal_share} % of the footprints. \u2717 marks values over their limit. The commands name the files of this ` +
           "evaluation dem.h5 and scan.h5; docs/user/symptoms.md tells what patterns of errors mean."),
       worstTable(worst, limits));
   const crops = htmlElement("div", {class: "crops"});

@@ -88,16 +88,15 @@ export function relativeChart(axes, limits) {
   const shown = axes.filter(([, h]) => h.relative.count.length > 0);
   if (shown.length === 0) return null;
   const largest = Math.max(...shown.map(([, h]) => h.relative.high));
-  const closest = Math.max(limits.relative_elevation_m, limits.relative_horizontal_m);
+  const [ofX, , ofZ] = limits.relative_m;
+  const closest = Math.max(ofZ, ofX);
   const bound = Math.max(LEAST_BOUND_M, closest > 30 * largest ? largest : Math.max(largest, closest) * 1.05);
   const [unit, factor] = lengthUnit(bound);
   const chart = new Chart("Footprints with a relative error up to ...",
                           {low: 0, high: bound * factor, label: `relative error (${unit})`},
                           {low: 0, high: 100, label: "share of the footprints (%)"});
   addCurves(chart, "rel_", shown.map(([axis, h]) => [axis, rising(cumulative(h.relative), bound, factor)]));
-  const texts = limits.relative_elevation_m === limits.relative_horizontal_m ?
-      [["limit", limits.relative_elevation_m]] :
-      [["limit of z", limits.relative_elevation_m], ["limit of x and y", limits.relative_horizontal_m]];
+  const texts = ofZ === ofX ? [["limit", ofZ]] : [["limit of z", ofZ], ["limit of x and y", ofX]];
   for (const [text, limit] of texts) chart.limit(limit * factor, `${text} ${metresAs(limit, ...lengthUnit(limit))}`, LINE.purple);
   return chart.element;
 }

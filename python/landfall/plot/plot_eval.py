@@ -294,7 +294,7 @@ def overall(verdicts, has_elevations, reason=None):
 
 
 def draw_verdict(evaluation):
-    reason = evaluation.metrics.text("requirements/relative_elevation/reason")
+    reason = next(filter(None, (evaluation.metrics.text(f"requirements/{name}/reason") for name in dictionary.requirements())), None)
     text = overall([row["verdict"] for row in evaluation.verdict], evaluation.has("e_z"), reason)
     height = 3.4 + 0.33 * (len(evaluation.verdict) - len(dictionary.requirements()))  # more rows are the user's own requirements
     figure, axes = maps.new_figure((1, 1), (11, height), f"{evaluation.name}: {text}")

@@ -11,13 +11,13 @@ percentiles.csv and crossings.csv.
 import argparse
 import os
 
-from landfall import command, files
+from landfall import command, dictionary, files
 from landfall.errors import UsageError, printable
 from landfall.plot import plots
 from landfall.study import crossing, figures, verdicts
 from landfall.study.table import Results
 
-DEFAULT_METRICS = ["coverage.invalid_frac", "coverage.largest_hole_bins", "accuracy.relative.z.max_m",
+DEFAULT_METRICS = [*(dictionary.requirements()[name].value for name in ("coverage", "hole_size")), "accuracy.relative.z.max_m",
                    "requirements.relative_elevation.value", "accuracy.absolute.horizontal.p95_m"]
 HAZARD_METRICS = ["score.missed_hazard_frac", "score.false_alarm_frac"]
 CAMPAIGN_METRICS = ["draws.all.passed_frac", "draws.all_and_own.passed_frac"]

@@ -142,7 +142,7 @@ class Results:
     def share_of_limit(self, point, requirement, quantile):
         """How much of a requirement's limit is used, 1 for all of it; NaN where the metric or one limit of all cases is not known.
 
-        A quantile over the repeats of the largest metric that the requirement bounds. Where absolute_horizontal_frac is 0.95, a
+        A quantile over the repeats of the largest metric that the requirement bounds. Where 0.95 of the footprints must keep the absolute limit, a
         requirement is met by a case whose share is at most 1.
         """
         if requirement in self.own:

@@ -177,7 +177,7 @@ void make_draws(const fs::path& path) {
   draws.z_true_map.emplace(spec);
   draws.z_sigma_abs.emplace(spec, 0.05F);
   draws.table = {0, {1, 1}, {0, 1}, {{"scan.noise.range_sigma_m", {0.01, 0.02}}}, {}, {0, 1}};
-  for (const RequirementInfo& info : kRequirementInfo)
+  for (const dictionary::Requirement& info : dictionary::kRequirements)
     draws.table.metrics.push_back({std::string("requirements.") + info.name + ".pass", {0, 1}});
   LandfallFileWriter file({path}, "draws", provenance);
   write_draws(file, draws, verdict_json(draws.table, std::nullopt), "");

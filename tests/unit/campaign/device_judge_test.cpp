@@ -126,11 +126,11 @@ TEST_F(DeviceJudging, RandomRules) {
                    .incidence_sigma_rad = seed > 15 ? one_of({0, 1e-4}) : 0};  // loads the beams again
     draw.method = seed % 3 == 0 ? Method::bilinear4 : Method::bilinear_nearest;
     draw.truth_at = seed % 2 == 0 ? TruthAt::bin_center : TruthAt::centroid;
-    draw.evaluation = rule({.hole_bins = 3,
-                            .relative_elevation_m = one_of({0, 0.03, 0.06, 0.1, 1}),
-                            .relative_horizontal_m = one_of({0, 0.02, 0.04, 0.06, 1}),
-                            .absolute_horizontal_m = one_of({0, 0.2, 0.3, 0.35, 0.4, 1})},
-                           one_of({0.1, 0.5, 1.7, 1.7, 3, 14}));
+    EvaluationLimits limits{.hole_size = 3};
+    limits.relative_m[2] = one_of({0, 0.03, 0.06, 0.1, 1});
+    limits.relative_m[0] = limits.relative_m[1] = one_of({0, 0.02, 0.04, 0.06, 1});
+    limits.horizontal_m = one_of({0, 0.2, 0.3, 0.35, 0.4, 1});
+    draw.evaluation = rule(limits, one_of({0.1, 0.5, 1.7, 1.7, 3, 14}));
     draw.evaluation.footprint_shape = random() % 2 == 0 ? FootprintShape::square : FootprintShape::disc;
     draw.evaluation.quantile = one_of({0, 0.5, 0.95, 0.95, 0.999, 1});
     EXPECT_TRUE(expect_same_metrics(draw)) << seed;
@@ -156,9 +156,9 @@ TEST_F(DeviceJudging, AnErrorAtItsLimitIsForTheCpu) {
   ASSERT_GT(dem.count.at(bin), 0);
   const double error_m =
       std::hypot(dem.layers.truth->x.at(bin) - kGrid.x(60), dem.layers.truth->y.at(bin) - kGrid.y(60));
-  draw.evaluation.limits.absolute_horizontal_m = error_m;
+  draw.evaluation.limits.horizontal_m = error_m;
   EXPECT_FALSE(expect_same_metrics(draw));
-  draw.evaluation.limits.absolute_horizontal_m = error_m * (1 + 1e-9);
+  draw.evaluation.limits.horizontal_m = error_m * (1 + 1e-9);
   EXPECT_TRUE(expect_same_metrics(draw));
   expect_same_maps();
 }

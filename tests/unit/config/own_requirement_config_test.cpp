@@ -15,7 +15,7 @@ using testing::IsEmpty;
 /// A result with two numbers and a text.
 const ResultFields kResult{"r.json", {{"a.first_m", true}, {"a.second_m", true}, {"shape", false}}};
 
-std::vector<OwnRequirement> parsed(const std::string& list) {
+std::vector<Requirement> parsed(const std::string& list) {
   return own_requirements(nlohmann::json::parse(R"({"requirements": )" + list + "}"), "c.json: ", kResult);
 }
 
@@ -30,7 +30,7 @@ TEST(OwnRequirementConfig, NoneWithoutTheKey) {
 TEST(OwnRequirementConfig, BoundsInOrder) {
   EXPECT_EQ(parsed(R"([{"name": "x y-1_", "metric": "a.first_m", "max": 2},
                        {"name": "z", "metric": "a.second_m", "min": -1}])"),
-            (std::vector<OwnRequirement>{{"x y-1_", "a.first_m", 2, false}, {"z", "a.second_m", -1, true}}));
+            (std::vector<Requirement>{{"x y-1_", "a.first_m", 2, false}, {"z", "a.second_m", -1, true}}));
 }
 
 TEST(OwnRequirementConfig, OneBound) {

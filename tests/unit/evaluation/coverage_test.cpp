@@ -69,7 +69,7 @@ TEST(Coverage, HoleAtTheDemBorder) {
   const Coverage coverage = coverage_of({".....", "###..", "###..", "###.."});
   EXPECT_EQ(coverage.metrics.max_distance_bins, 3);
   EXPECT_EQ(coverage.squared_distance.at({0, 0}), 9);
-  EXPECT_EQ(coverage.holes[0].largest_distance_bins, 3);
+  EXPECT_EQ(coverage.holes[0].depth_bins, 3);
 }
 
 // Only the region's bins make the hole; valid bins outside the region count for its distance, and invalid
@@ -93,12 +93,12 @@ TEST(Coverage, NoValidBinIsInfinitelyFar) {
   EXPECT_EQ(coverage.metrics.invalid_frac, 1);
   EXPECT_EQ(coverage.metrics.max_distance_bins, kInfinity);
   EXPECT_EQ(coverage.metrics.distance_over_limit_count, 6);
-  EXPECT_EQ(coverage.holes[0].largest_distance_bins, kInfinity);
+  EXPECT_EQ(coverage.holes[0].depth_bins, kInfinity);
 }
 
 TEST(Coverage, HistogramAndHolesOverTheLimit) {
   const BinMask empty = drawn({"#.#.##", "......", "####.#"});
-  const Coverage coverage = assess_coverage(all_but(empty), BinMask(empty.spec(), 1), {.hole_bins = 2});
+  const Coverage coverage = assess_coverage(all_but(empty), BinMask(empty.spec(), 1), {.hole_size = 2});
   EXPECT_EQ(coverage.metrics.hole_count, 5);
   EXPECT_EQ(coverage.metrics.largest_hole_bins, 4);
   EXPECT_EQ(coverage.metrics.holes_over_limit, 1);  // a hole of 2 is not over

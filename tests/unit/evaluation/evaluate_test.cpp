@@ -17,6 +17,7 @@
 #include "base/random.h"
 #include "collected_layers.h"
 #include "constants.h"
+#include "judged.h"
 
 namespace landfall {
 namespace {
@@ -98,8 +99,8 @@ TEST(Evaluate, OneWrongElevation) {
   DemLayers dem = perfect(5);
   dem.truth->z.at({5, 5}) += 2.5;
   const Collected evaluation = collected(dem, small());
-  EXPECT_EQ(evaluation.metrics.requirements.relative_elevation, (Requirement{25.0, 0, false}));
-  EXPECT_EQ(evaluation.metrics.requirements.relative_horizontal.pass, true);
+  EXPECT_EQ(evaluation.metrics.requirements["relative_elevation"], (Judged{25.0, 0, false}));
+  EXPECT_EQ(evaluation.metrics.requirements["relative_horizontal"].pass, true);
   EXPECT_EQ(evaluation.metrics.pass, false);
   const AccuracyMetrics& accuracy = *evaluation.metrics.accuracy;
   EXPECT_NEAR(accuracy.absolute.z.mean_m.value(), 0.1 * 25 / 45, 1e-14);
@@ -123,7 +124,7 @@ TEST(Evaluate, AxesHaveTheirOwnFlags) {
   EXPECT_EQ(evaluation.layers.fail.at({5, 8}), fail_relative_y);
   EXPECT_NEAR(evaluation.metrics.accuracy->absolute.x.mean_m.value(), -0.1 * 25 / 45, 1e-14);
   // 25 footprints along x; along y 20, because column 9 lies outside the region: 4^2 = 16.
-  EXPECT_EQ(evaluation.metrics.requirements.relative_horizontal.value, 45);
+  EXPECT_EQ(evaluation.metrics.requirements["relative_horizontal"].value, 45);
 }
 
 TEST(Evaluate, AbsoluteHorizontalIsTheHypotenuse) {
@@ -131,14 +132,14 @@ TEST(Evaluate, AbsoluteHorizontalIsTheHypotenuse) {
   for (double& x : dem.truth->x.values()) x += 3;
   for (double& y : dem.truth->y.values()) y -= 4;
   EvaluationParameters parameters = small();
-  parameters.limits.absolute_horizontal_m = 5;
+  parameters.limits.horizontal_m = 5;
   Collected evaluation = collected(dem, parameters);
   EXPECT_EQ(evaluation.metrics.accuracy->absolute.horizontal, (HorizontalMetrics{5.0, 1.0}));
   EXPECT_EQ(evaluation.metrics.accuracy->absolute.y, (AbsoluteMetrics{4.0, -4.0, 4.0}));
   EXPECT_EQ(evaluation.metrics.pass, true);
-  parameters.limits.absolute_horizontal_m = std::nextafter(5, 0);
+  parameters.limits.horizontal_m = std::nextafter(5, 0);
   evaluation = collected(dem, parameters);
-  EXPECT_EQ(evaluation.metrics.requirements.absolute_horizontal, (Requirement{0.0, 0.95, false}));
+  EXPECT_EQ(evaluation.metrics.requirements["absolute_horizontal"], (Judged{0.0, 0.95, false}));
   EXPECT_EQ(evaluation.layers.fail.at({5, 5}), fail_absolute_horizontal);
   EXPECT_EQ(evaluation.layers.fail.at({0, 0}), 0);  // outside the region
 }
@@ -149,13 +150,13 @@ TEST(Evaluate, ViolationsAreJudgedInDouble) {
   dem.truth->z.at({5, 5}) += 0.0865;
   EvaluationParameters parameters = small();
   const double largest = evaluate(dem, parameters).metrics.accuracy->relative.z.max_m.value();
-  parameters.limits.relative_elevation_m = largest;
+  parameters.limits.relative_m[2] = largest;
   const Collected at_limit = collected(dem, parameters);
-  EXPECT_EQ(at_limit.metrics.requirements.relative_elevation.value, 0);
+  EXPECT_EQ(at_limit.metrics.requirements["relative_elevation"].value, 0);
   EXPECT_EQ(std::ranges::count(at_limit.layers.fail.values(), 0), 11 * 11);
-  parameters.limits.relative_elevation_m = std::nextafter(largest, 0);
-  ASSERT_EQ(static_cast<float>(largest), static_cast<float>(parameters.limits.relative_elevation_m));
-  EXPECT_GT(evaluate(dem, parameters).metrics.requirements.relative_elevation.value, 0);
+  parameters.limits.relative_m[2] = std::nextafter(largest, 0);
+  ASSERT_EQ(static_cast<float>(largest), static_cast<float>(parameters.limits.relative_m[2]));
+  EXPECT_GT(evaluate(dem, parameters).metrics.requirements["relative_elevation"].value, 0);
 }
 
 TEST(Evaluate, HolesAndDistancesAreFlagged) {
@@ -163,7 +164,7 @@ TEST(Evaluate, HolesAndDistancesAreFlagged) {
   for (std::int64_t row = 3; row <= 7; ++row)
     for (std::int64_t col = 3; col <= 7; ++col) dem.z_est.at({row, col}) = kNan;
   EvaluationParameters parameters = small();
-  parameters.limits.hole_bins = 24;
+  parameters.limits.hole_size = 24;
   const Collected evaluation = collected(dem, parameters);
   const Layers& layers = evaluation.layers;
   EXPECT_EQ(layers.fail.at({3, 3}), fail_hole_size);
@@ -177,9 +178,9 @@ TEST(Evaluate, HolesAndDistancesAreFlagged) {
   // The footprint of (5, 5) has no valid e_z: no value, and no violation.
   EXPECT_TRUE(std::isnan(layers.z->absolute.at({5, 5})));
   EXPECT_EQ(evaluation.metrics.accuracy->relative.z.violation_count, 0);
-  EXPECT_EQ(evaluation.metrics.requirements.hole_size, (Requirement{25.0, 24, false}));
-  EXPECT_EQ(evaluation.metrics.requirements.hole_distance, (Requirement{3.0, 1, false}));
-  parameters.limits.hole_bins = 25;
+  EXPECT_EQ(evaluation.metrics.requirements["hole_size"], (Judged{25.0, 24, false}));
+  EXPECT_EQ(evaluation.metrics.requirements["hole_distance"], (Judged{3.0, 1, false}));
+  parameters.limits.hole_size = 25;
   EXPECT_EQ(collected(dem, parameters).layers.fail.at({3, 3}), 0);
 }
 
@@ -284,8 +285,8 @@ TEST(Evaluate, WithoutTruthOnlyCoverageIsJudged) {
   const Collected evaluation = collected(dem, small());
   EXPECT_EQ(evaluation.metrics.pass, std::nullopt);
   EXPECT_EQ(evaluation.metrics.accuracy, std::nullopt);
-  EXPECT_EQ(evaluation.metrics.requirements.coverage.pass, true);
-  EXPECT_EQ(evaluation.metrics.requirements.relative_elevation.pass, std::nullopt);
+  EXPECT_EQ(evaluation.metrics.requirements["coverage"].pass, true);
+  EXPECT_EQ(evaluation.metrics.requirements["relative_elevation"].pass, std::nullopt);
   EXPECT_FALSE(evaluation.layers.z);
 }
 
@@ -293,12 +294,12 @@ TEST(Evaluate, WithTrueElevationsOnlyNothingHorizontalIsJudged) {
   DemLayers dem = noisy(12);
   dem.truth->x = dem.truth->y = {};
   EvaluationParameters parameters = small();
-  parameters.limits.relative_elevation_m = 1;
-  parameters.limits.invalid_frac = 1;
+  parameters.limits.relative_m[2] = 1;
+  parameters.limits.invalid_share = 1;
   const Collected evaluation = collected(dem, parameters);
-  EXPECT_EQ(evaluation.metrics.requirements.relative_elevation.pass, true);
-  for (const Requirement& horizontal : {evaluation.metrics.requirements.relative_horizontal,
-                                        evaluation.metrics.requirements.absolute_horizontal}) {
+  EXPECT_EQ(evaluation.metrics.requirements["relative_elevation"].pass, true);
+  for (const RequirementVerdict& horizontal : {evaluation.metrics.requirements["relative_horizontal"],
+                                               evaluation.metrics.requirements["absolute_horizontal"]}) {
     EXPECT_EQ(horizontal.value, std::nullopt);
     EXPECT_EQ(horizontal.pass, std::nullopt);
   }
@@ -307,7 +308,7 @@ TEST(Evaluate, WithTrueElevationsOnlyNothingHorizontalIsJudged) {
   EXPECT_TRUE(evaluation.metrics.statistics.z.mean_m.has_value());
   EXPECT_TRUE(evaluation.layers.z);
   EXPECT_FALSE(evaluation.layers.x);
-  parameters.limits.relative_elevation_m = 0;
+  parameters.limits.relative_m[2] = 0;
   EXPECT_EQ(collected(dem, parameters).metrics.pass, false);
 }
 
@@ -315,19 +316,19 @@ TEST(Evaluate, RelativeErrorsOfFewBinsAreNotJudged) {
   DemLayers dem = noisy(20);
   dem.z_corrected = dem.z_est;
   EvaluationParameters parameters = small();
-  parameters.limits.invalid_frac = 1;
-  parameters.limits.hole_bins = 1000;
-  parameters.limits.distance_bins = 100;
+  parameters.limits.invalid_share = 1;
+  parameters.limits.hole_size = 1000;
+  parameters.limits.hole_depth = 100;
   for (const auto& [footprint_m, bins] : {std::pair(1.0, 1), std::pair(3.99, 3)}) {
     SCOPED_TRACE(bins);
     parameters.footprint_m = footprint_m;
     const Collected evaluation = collected(dem, parameters);
     const Metrics& metrics = evaluation.metrics;
     EXPECT_EQ(metrics.assumptions->footprint_bins, bins);
-    for (const Requirement& relative :
-         {metrics.requirements.relative_elevation, metrics.requirements.relative_horizontal})
-      EXPECT_EQ(relative, (Requirement{std::nullopt, 0, std::nullopt, kFootprintBins}));
-    EXPECT_EQ(metrics.requirements.absolute_horizontal.pass, true);
+    for (const RequirementVerdict& relative :
+         {metrics.requirements["relative_elevation"], metrics.requirements["relative_horizontal"]})
+      EXPECT_EQ(relative, (Judged{std::nullopt, 0, std::nullopt, kFootprintBins}));
+    EXPECT_EQ(metrics.requirements["absolute_horizontal"].pass, true);
     EXPECT_EQ(metrics.pass, std::nullopt);
     EXPECT_EQ(metrics.accuracy->relative.z, RelativeMetrics{});
     EXPECT_EQ(metrics.accuracy->relative.z_corrected, RelativeMetrics{});
@@ -335,12 +336,12 @@ TEST(Evaluate, RelativeErrorsOfFewBinsAreNotJudged) {
     EXPECT_TRUE(std::isnan(evaluation.layers.z->relative.at({20, 20})));
     EXPECT_EQ(count_set(evaluation.layers.fail), 0);
   }
-  parameters.limits.absolute_horizontal_m = 0;
+  parameters.limits.horizontal_m = 0;
   EXPECT_EQ(evaluate(dem, parameters).metrics.pass, false);
   parameters.footprint_m = 4;
   for (const FootprintShape shape : {FootprintShape::square, FootprintShape::disc}) {
     parameters.footprint_shape = shape;
-    const Requirement judged = evaluate(dem, parameters).metrics.requirements.relative_elevation;
+    const RequirementVerdict judged = evaluate(dem, parameters).metrics.requirements["relative_elevation"];
     EXPECT_EQ(judged.pass, false);
     EXPECT_EQ(judged.reason, std::nullopt);
   }
@@ -352,8 +353,8 @@ TEST(Evaluate, TooFewBinsAndNoTruePositions) {
   EvaluationParameters parameters = small();
   parameters.footprint_m = 1;
   const Metrics metrics = evaluate(dem, parameters).metrics;
-  EXPECT_EQ(metrics.requirements.relative_horizontal.reason, kFootprintBins);
-  EXPECT_EQ(metrics.requirements.absolute_horizontal.reason, std::nullopt);
+  EXPECT_EQ(metrics.requirements["relative_horizontal"].reason, kFootprintBins);
+  EXPECT_EQ(metrics.requirements["absolute_horizontal"].reason, std::nullopt);
   EXPECT_EQ(metrics.pass, std::nullopt);
 }
 
@@ -384,7 +385,7 @@ TEST(Evaluate, DemWithoutAValidBinFails) {
   EXPECT_EQ(evaluation.metrics.pass, false);
   EXPECT_EQ(evaluation.metrics.coverage.max_distance_bins, std::numeric_limits<double>::infinity());
   EXPECT_EQ(evaluation.metrics.accuracy->absolute.z, AbsoluteMetrics{});
-  EXPECT_EQ(evaluation.metrics.requirements.relative_horizontal.value, std::nullopt);
+  EXPECT_EQ(evaluation.metrics.requirements["relative_horizontal"].value, std::nullopt);
   EXPECT_EQ(evaluation.layers.coverage.distance_to_valid.at({5, 5}), std::numeric_limits<float>::infinity());
 }
 
@@ -487,7 +488,7 @@ TEST(Evaluate, RegionsOfOtherShapes) {
   const Metrics mask = evaluate(dem, parameters).metrics;
   EXPECT_EQ(mask.region, (RegionMetrics{RegionShape::mask, {}, {}, 2}));
   EXPECT_EQ(mask.coverage.invalid_frac, 0.5);
-  parameters.limits.hole_bins = 0;
+  parameters.limits.hole_size = 0;
   EXPECT_EQ(collected(dem, parameters).layers.fail.at({0, 0}), fail_hole_size);
 }
 
@@ -500,7 +501,7 @@ TEST(Evaluate, DiscsLeaveTheirCornersOut) {
   const Collected evaluation = collected(dem, parameters);
   EXPECT_NEAR(evaluation.layers.z->absolute.at({5, 7}), 0.9 / 13, 1e-7);
   EXPECT_EQ(evaluation.layers.z->absolute.at({6, 7}), 0);
-  EXPECT_EQ(evaluation.metrics.requirements.relative_elevation.value, 13);
+  EXPECT_EQ(evaluation.metrics.requirements["relative_elevation"].value, 13);
 }
 
 TEST(Evaluate, RefusesInfiniteValues) {

@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "dictionary/own_requirements.h"
+#include "dictionary/requirement.h"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <limits>
+#include <string>
+#include <vector>
 
 #include "evaluation/judge/verdict.h"
 #include "evaluation/metrics.h"
@@ -18,11 +21,11 @@ Metrics measured() {
   metrics.statistics.z.le90_m = 0.25;
   metrics.coverage.hole_count = 3;
   metrics.coverage.max_distance_bins = std::numeric_limits<double>::infinity();
-  for (const RequirementInfo& info : kRequirementInfo) (metrics.requirements.*info.requirement).pass = true;
+  for (RequirementVerdict& verdict : metrics.requirements.all) verdict.pass = true;
   return metrics;
 }
 
-Metrics judged(const std::vector<OwnRequirement>& requirements) {
+Metrics judged(const std::vector<Requirement>& requirements) {
   Metrics metrics = measured();
   judge_own_requirements(metrics, requirements);
   return metrics;
@@ -56,7 +59,7 @@ TEST(OwnRequirements, UnknownNumbersAreNotMet) {
 
 TEST(OwnRequirements, AMissedOneOutweighsOneThatIsNotJudged) {
   Metrics metrics = measured();
-  metrics.requirements.relative_elevation.pass.reset();
+  metrics.requirements["relative_elevation"].pass.reset();
   judge_own_requirements(metrics, {{"x", "coverage.hole_count", 3, false}});
   EXPECT_EQ(metrics.pass, std::nullopt);
   EXPECT_STREQ(overall_verdict(metrics), "not judged");
@@ -87,6 +90,40 @@ TEST(OwnRequirements, NumbersOfMetrics) {
     EXPECT_FALSE(is_number(path)) << path;
   for (const ResultField& decisive : decisive_fields())  // the paths of verdicts are those of metrics
     EXPECT_NE(std::ranges::find(fields, decisive.path, &ResultField::path), fields.end()) << decisive.path;
+}
+
+// A new row whose words lead nowhere fails here.
+TEST(Dictionary, WordsOfRequirementsLeadToNumbersAndLimits) {
+  const auto has = [](const std::vector<ResultField>& fields, const std::string& path) {
+    const auto found = std::ranges::find(fields, path, &ResultField::path);
+    return found != fields.end() && found->is_number;
+  };
+  const auto parts = [](std::string text, const std::string& separator) {
+    std::vector<std::string> found;
+    for (std::size_t end = text.find(separator); end != std::string::npos; end = text.find(separator)) {
+      found.push_back(text.substr(0, end));
+      text = text.substr(end + separator.size());
+    }
+    found.push_back(text);
+    return found;
+  };
+  for (const dictionary::Requirement& words : dictionary::kRequirements) {
+    for (const std::string& metric : parts(words.value, " + ")) {
+      EXPECT_TRUE(has(metrics_fields(), metric)) << metric;
+      EXPECT_TRUE(has(decisive_fields(), metric)) << metric;
+    }
+    for (const std::string& metric : parts(words.worst, " "))
+      EXPECT_TRUE(has(metrics_fields(), metric)) << metric;
+    EXPECT_TRUE(limit_of_key({}, words.worst_limit).has_value()) << words.name;
+    EXPECT_EQ(limit_of_key({}, words.limit).has_value(), *words.limit != '\0') << words.name;
+    for (const char axis : std::string(words.footprints))
+      EXPECT_THAT("xyz", testing::HasSubstr(std::string(1, axis)));
+    for (const std::string& part : parts(words.text, "{")) {
+      const std::string word = part.substr(0, part.find('}'));
+      const bool is_path = word.find('.') != std::string::npos && part.find('}') != std::string::npos;
+      if (is_path) EXPECT_TRUE(has(metrics_fields(), word)) << word;
+    }
+  }
 }
 
 TEST(OwnRequirements, Texts) {

@@ -29,8 +29,8 @@ TEST(EvaluationParameters, DefaultsAreTable1) {
   EXPECT_NO_THROW(check(parameters));
   EXPECT_EQ(parameters.region_radius_m, 50);
   EXPECT_EQ(parameters.region_half_width_m, 50);
-  EXPECT_EQ(parameters.limits.invalid_frac, 0.01);
-  EXPECT_EQ(parameters.limits.hole_bins, 10);
+  EXPECT_EQ(parameters.limits.invalid_share, 0.01);
+  EXPECT_EQ(parameters.limits.hole_size, 10);
   EXPECT_EQ(parameters, EvaluationParameters{});
 }
 
@@ -47,26 +47,26 @@ TEST(EvaluationParameters, FractionsLieBetween0And1) {
   for (const double good : {0.0, 1.0})
     EXPECT_EQ(refusal([&](auto& p) {
                 p.quantile = good;
-                p.limits.invalid_frac = good;
-                p.limits.absolute_horizontal_frac = good;
+                p.limits.invalid_share = good;
+                p.limits.horizontal_share = good;
               }),
               "accepted");
   EXPECT_EQ(refusal([](auto& p) { p.quantile = 1.5; }), "quantile: 1.5 is not in [0, 1]");
   EXPECT_EQ(refusal([](auto& p) { p.quantile = kNan; }), "quantile: nan is not in [0, 1]");
-  EXPECT_EQ(refusal([](auto& p) { p.limits.invalid_frac = -0.5; }),
+  EXPECT_EQ(refusal([](auto& p) { p.limits.invalid_share = -0.5; }),
             "limits/invalid_frac: -0.5 is not in [0, 1]");
-  EXPECT_EQ(refusal([](auto& p) { p.limits.absolute_horizontal_frac = 2; }),
+  EXPECT_EQ(refusal([](auto& p) { p.limits.horizontal_share = 2; }),
             "limits/absolute_horizontal_frac: 2 is not in [0, 1]");
 }
 
 TEST(EvaluationParameters, LimitsAreNotNegative) {
   EXPECT_EQ(refusal([](auto& p) { p.limits = {0, 0, 0, 0, 0, 0, 0}; }), "accepted");
-  EXPECT_EQ(refusal([](auto& p) { p.limits.hole_bins = -1; }), "limits/hole_bins: -1 is not finite and >= 0");
+  EXPECT_EQ(refusal([](auto& p) { p.limits.hole_size = -1; }), "limits/hole_bins: -1 is not finite and >= 0");
   for (const double bad : {-1.0, kNan, kInfinity}) {
-    EXPECT_NE(refusal([&](auto& p) { p.limits.distance_bins = bad; }), "accepted");
-    EXPECT_NE(refusal([&](auto& p) { p.limits.relative_elevation_m = bad; }), "accepted");
-    EXPECT_NE(refusal([&](auto& p) { p.limits.relative_horizontal_m = bad; }), "accepted");
-    EXPECT_NE(refusal([&](auto& p) { p.limits.absolute_horizontal_m = bad; }), "accepted");
+    EXPECT_NE(refusal([&](auto& p) { p.limits.hole_depth = bad; }), "accepted");
+    EXPECT_NE(refusal([&](auto& p) { p.limits.relative_m[2] = bad; }), "accepted");
+    EXPECT_NE(refusal([&](auto& p) { p.limits.relative_m[0] = p.limits.relative_m[1] = bad; }), "accepted");
+    EXPECT_NE(refusal([&](auto& p) { p.limits.horizontal_m = bad; }), "accepted");
   }
 }
 
@@ -129,13 +129,12 @@ TEST(WhyNotJudged, FootprintsOfFewerThanFiveBins) {
 TEST(EffectiveLimits, AreInfiniteForRelativeErrorsThatAreNotJudged) {
   EvaluationParameters parameters = with_footprint(4);
   EXPECT_EQ(effective_limits(parameters, Footprint::square(2)), parameters.limits);
-  parameters.limits.relative_elevation_m = parameters.limits.relative_horizontal_m = kInfinity;
+  parameters.limits.relative_m.fill(kInfinity);
   EXPECT_EQ(effective_limits(with_footprint(4), Footprint::square(1)), parameters.limits);
 }
 
 TEST(LimitOfLayer, IsTheOneThatTheLayerIsJudgedBy) {
-  const EvaluationLimits limits{
-      .relative_elevation_m = 1, .relative_horizontal_m = 2, .absolute_horizontal_m = 3};
+  const EvaluationLimits limits{.relative_m = {2, 2, 1}, .horizontal_m = 3};
   for (const char* const layer : {"rel_z", "e_z"}) EXPECT_EQ(limit_of_layer(limits, layer), 1) << layer;
   for (const char* const layer : {"rel_x", "rel_y", "e_x", "e_y"})
     EXPECT_EQ(limit_of_layer(limits, layer), 2) << layer;

@@ -32,8 +32,8 @@ TEST(JudgeCoverage, EqualsTheDenseResult) {
   constexpr GridSpec spec{1, -30, -40, 61, 81};
   for (const double frac : {0.0, 0.001, 0.05, 0.11, 0.2, 0.5, 0.95, 1.0}) {
     const BinMask valid = all_except(testing_masks::random_mask(spec, frac, 3));
-    expect_equal(valid, BinMask(spec, 1), {.hole_bins = 2, .distance_bins = 0.5});
-    expect_equal(valid, circular_region(spec, 25), {.hole_bins = 1});
+    expect_equal(valid, BinMask(spec, 1), {.hole_size = 2, .hole_depth = 0.5});
+    expect_equal(valid, circular_region(spec, 25), {.hole_size = 1});
     expect_equal(valid, testing_masks::random_mask(spec, 0.3, 4), {});
   }
 }
@@ -46,7 +46,7 @@ TEST(JudgeCoverage, SmallAndLargeHoles) {
     for (std::int64_t row = 0; row < spec.rows; ++row)
       for (std::int64_t col = 0; col < spec.cols; ++col)
         hole.at({row, col}) = std::max(std::abs(row - 44), std::abs(col - 5)) < half ? 1 : 0;
-    expect_equal(all_except(hole), BinMask(spec, 1), {.distance_bins = 4});
+    expect_equal(all_except(hole), BinMask(spec, 1), {.hole_depth = 4});
   }
 }
 

@@ -150,14 +150,14 @@ EvaluationParameters random_parameters(std::uint64_t i, const DemLayers& dem) {
   p.footprint_m = 1 + 22 * draw.uniform(i, 3) * draw.uniform(i, 4);
   p.footprint_shape = i % 2 == 0 ? FootprintShape::square : FootprintShape::disc;
   p.quantile = quantiles[i / 2 % 6];
-  p.limits.relative_elevation_m = 0.08 * draw.uniform(i, 5);
-  p.limits.relative_horizontal_m = 0.06 * draw.uniform(i, 6);
-  p.limits.absolute_horizontal_m = 0.2 * draw.uniform(i, 7);
-  p.limits.hole_bins = static_cast<std::int64_t>(5 * draw.uniform(i, 8));
-  if (i % 5 == 0)
-    p.limits.relative_elevation_m = some_value(error_of(Axis::z, dem.truth->z, dem.z_est), p, i);
+  p.limits.relative_m[2] = 0.08 * draw.uniform(i, 5);
+  p.limits.relative_m[0] = p.limits.relative_m[1] = 0.06 * draw.uniform(i, 6);
+  p.limits.horizontal_m = 0.2 * draw.uniform(i, 7);
+  p.limits.hole_size = static_cast<std::int64_t>(5 * draw.uniform(i, 8));
+  if (i % 5 == 0) p.limits.relative_m[2] = some_value(error_of(Axis::z, dem.truth->z, dem.z_est), p, i);
   if (i % 7 == 0)
-    p.limits.relative_horizontal_m = some_value(error_of(Axis::x, dem.truth->x, dem.z_est), p, i);
+    p.limits.relative_m[0] = p.limits.relative_m[1] =
+        some_value(error_of(Axis::x, dem.truth->x, dem.z_est), p, i);
   return p;
 }
 
@@ -190,7 +190,7 @@ TEST(Decide, TheFootprintOfThePaper) {
     DemLayers dem = scene(spec, {.relief = relief, .sigma_m = 0.012, .empty_frac = 0.01});
     for (const double limit : {0.024, 0.05, 0.07}) {
       SCOPED_TRACE(std::to_string(static_cast<int>(relief)) + ", limit " + std::to_string(limit));
-      parameters.limits.relative_elevation_m = limit;
+      parameters.limits.relative_m[2] = limit;
       expect_exact(dem, parameters);
     }
   }
@@ -211,7 +211,7 @@ TEST(Decide, LimitsThatValuesHit) {
       for (const double limit : {std::nextafter(exact, 0), exact, std::nextafter(exact, 1), 0.0, 0.1}) {
         SCOPED_TRACE(std::to_string(footprint) + " m, quantile " + std::to_string(quantile) + ", limit " +
                      std::to_string(limit));
-        parameters.limits.relative_elevation_m = limit;
+        parameters.limits.relative_m[2] = limit;
         expect_exact(dem, parameters);
       }
     }
@@ -224,8 +224,8 @@ TEST(Decide, OneWrongElevation) {
   dem.truth->z.at({5, 5}) += 2.5;
   EvaluationParameters parameters = small_region();
   parameters.quantile = 0.99;
-  parameters.limits.relative_elevation_m = 0.2;
-  EXPECT_EQ(expect_exact(dem, parameters).metrics.requirements.relative_elevation.value, 25);
+  parameters.limits.relative_m[2] = 0.2;
+  EXPECT_EQ(expect_exact(dem, parameters).metrics.requirements["relative_elevation"].value, 25);
 }
 
 TEST(Decide, TooFewBinsAreNotJudged) {
@@ -237,7 +237,7 @@ TEST(Decide, TooFewBinsAreNotJudged) {
       parameters.footprint_m = footprint_m;
       parameters.footprint_shape = shape;
       const Collected full = expect_exact(dem, parameters);
-      EXPECT_EQ(full.metrics.requirements.relative_elevation.reason, kFootprintBins);
+      EXPECT_EQ(full.metrics.requirements["relative_elevation"].reason, kFootprintBins);
       EXPECT_TRUE(std::ranges::none_of(full.layers.fail.values(), [](std::int8_t flags) {
         return (flags & (fail_relative_x | fail_relative_y | fail_relative_z)) != 0;
       }));
@@ -251,11 +251,11 @@ TEST(Decide, AbsoluteErrorsAtTheLimit) {
   for (double& y : dem.truth->y.values()) y -= 4;
   EvaluationParameters parameters = small_region();
   for (const double limit : {std::nextafter(5.0, 0.0), 5.0, 4.999, 5.001, 0.0, 1e300}) {
-    parameters.limits.absolute_horizontal_m = limit;
+    parameters.limits.horizontal_m = limit;
     expect_exact(dem, parameters);
   }
   dem.truth->x.at({20, 20}) += 0.01;
-  parameters.limits.absolute_horizontal_m = 5;
+  parameters.limits.horizontal_m = 5;
   expect_exact(dem, parameters);
 }
 
@@ -272,7 +272,7 @@ TEST(Decide, WithoutAnyValue) {
   expect_exact(dem, small_region());
   std::ranges::fill(dem.truth->x.values(), kNan);
   const Collected full = expect_exact(dem, small_region());
-  EXPECT_FALSE(full.metrics.requirements.relative_horizontal.value.has_value());
+  EXPECT_FALSE(full.metrics.requirements["relative_horizontal"].value.has_value());
 }
 
 TEST(Decide, AFootprintLargerThanTheDem) {

@@ -22,7 +22,7 @@ Metrics tutorial() {
   a.relative.x = {.p95_m = 0.018, .max_m = 0.0202, .violation_count = 0};
   a.relative.y = {.p95_m = 0.018, .max_m = 0.02, .violation_count = 0};
   a.relative.z = {.p95_m = 0.05104, .max_m = 0.05791, .violation_count = 87'348};
-  m.requirements = judge(m.coverage, m.accuracy, {});
+  m.requirements = judge(m, {});
   return m;
 }
 
@@ -30,7 +30,7 @@ TEST(VerdictText, CountsHaveTheirDenominatorAndLengthsTheirLimit) {
   const auto texts = verdict_texts(tutorial(), {});
   const auto is = [&](std::size_t i, const std::string& value, const std::string& limit,
                       const std::string& verdict) {
-    EXPECT_EQ(texts[i].name, std::string(kRequirementInfo[i].name));
+    EXPECT_EQ(texts[i].name, std::string(dictionary::kRequirements[i].name));
     EXPECT_EQ(texts[i].value, value);
     EXPECT_EQ(texts[i].limit, limit);
     EXPECT_EQ(texts[i].verdict, verdict);
@@ -47,19 +47,19 @@ TEST(VerdictText, AMissedRequirementOutweighsOneThatIsNotJudged) {
   Metrics m = tutorial();
   EXPECT_EQ(overall_verdict(m), std::string("FAIL"));
   m.accuracy.reset();
-  m.requirements = judge(m.coverage, m.accuracy, {});
+  m.requirements = judge(m, {});
   EXPECT_EQ(overall_verdict(m), std::string("not judged"));
   EXPECT_EQ(verdict_texts(m, {})[3].value, "no truth to compare with");
   EXPECT_EQ(verdict_texts(m, {})[3].verdict, std::string("not judged"));
   m.coverage.invalid_frac = 0.5;
-  m.requirements = judge(m.coverage, m.accuracy, {});
+  m.requirements = judge(m, {});
   EXPECT_EQ(overall_verdict(m), std::string("FAIL"));
 }
 
 TEST(VerdictText, AllPass) {
   Metrics m = tutorial();
   m.accuracy->relative.z.violation_count = 0;
-  m.requirements = judge(m.coverage, m.accuracy, {});
+  m.requirements = judge(m, {});
   EXPECT_EQ(overall_verdict(m), std::string("pass"));
 }
 
@@ -68,16 +68,18 @@ TEST(VerdictText, TooFewBins) {
   EXPECT_EQ(missing_text(m), "");
   m.accuracy->footprint_bins = 3;
   m.accuracy->relative = {};
-  m.requirements = judge(m.coverage, m.accuracy, {});
+  m.requirements = judge(m, {});
   for (const std::size_t i : {3U, 4U}) {
     EXPECT_EQ(verdict_texts(m, {})[i].value, "footprint of 3 x 3 bins");
     EXPECT_EQ(verdict_texts(m, {})[i].verdict, std::string("not judged"));
   }
   EXPECT_EQ(overall_verdict(m), std::string("not judged"));
   EXPECT_EQ(missing_text(m), "the footprint has fewer than 5 x 5 bins");
-  m.requirements.absolute_horizontal.pass.reset();
+  m.requirements["absolute_horizontal"].pass.reset();
   EXPECT_EQ(missing_text(m), "the footprint has fewer than 5 x 5 bins, and the DEM has no true positions");
-  m.requirements.relative_elevation.reason.reset();
+  for (RequirementVerdict& verdict : m.requirements.all) verdict.reason.reset();
+  for (const char* const name : {"relative_elevation", "relative_horizontal"})
+    m.requirements[name].pass = true;
   EXPECT_EQ(missing_text(m), "the DEM has no true positions");
   m.accuracy.reset();
   EXPECT_EQ(missing_text(m), "the DEM has no truth");
@@ -94,7 +96,7 @@ TEST(VerdictText, Assumptions) {
 TEST(VerdictText, NoFootprintToJudge) {
   Metrics m = tutorial();
   m.accuracy->relative.z = {};
-  m.requirements = judge(m.coverage, m.accuracy, {});
+  m.requirements = judge(m, {});
   EXPECT_EQ(verdict_texts(m, {})[3].value, "no footprint to judge");
   EXPECT_EQ(verdict_texts(m, {})[3].verdict, std::string("FAIL"));
 }

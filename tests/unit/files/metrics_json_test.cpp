@@ -7,6 +7,8 @@
 #include <string>
 #include <vector>
 
+#include "judged.h"
+
 namespace landfall {
 namespace {
 
@@ -42,7 +44,7 @@ TEST(MetricsJson, WhatIsNotFiniteIsNull) {
   Metrics metrics;
   metrics.coverage.max_distance_bins = std::numeric_limits<double>::infinity();
   metrics.coverage.invalid_frac = std::numeric_limits<double>::quiet_NaN();
-  metrics.requirements.hole_distance = {std::numeric_limits<double>::infinity(), 1, false};
+  set(metrics.requirements["hole_distance"], {std::numeric_limits<double>::infinity(), 1, false});
   const auto json = metrics_json(metrics);
   EXPECT_TRUE(json.at("coverage").at("max_distance_bins").is_null());
   EXPECT_TRUE(json.at("coverage").at("invalid_frac").is_null());
@@ -72,7 +74,7 @@ TEST(MetricsJson, NumbersKeepTheirPlaceAndOrder) {
   metrics.accuracy->quantile = 0.95;
   metrics.accuracy->absolute.x = {0.1, -0.2, 0.3};
   metrics.accuracy->relative.z = {0.4, 0.5, 6};
-  metrics.requirements.absolute_horizontal = {0.97, 0.95, true};
+  set(metrics.requirements["absolute_horizontal"], {0.97, 0.95, true});
   const auto json = metrics_json(metrics);
   EXPECT_EQ(json.at("coverage").at("hole_size_histogram").dump(), R"({"size_bins":[1,4],"count":[7,2]})");
   EXPECT_EQ(json.at("accuracy").at("absolute").at("x").dump(), R"({"p95_m":0.1,"mean_m":-0.2,"max_m":0.3})");
@@ -95,9 +97,9 @@ Metrics with_all_fields() {
   m.accuracy->absolute = {{0.1, -0.2, 0.3}, {}, {0.4, 0.5, 0.6}, AbsoluteMetrics{7.0, 8.0, 9.0}, {0.7, 0.8}};
   m.accuracy->relative = {{1.0, 2.0, 3}, {4.0, 5.0, 6}, {7.0, 8.0, 9}, RelativeMetrics{1.0, 2.0, 30}};
   m.statistics = {0.99, {1, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0}, {}, {}, ErrorStatistics{2}, {3, 4.0, 5.0}};
-  for (const RequirementInfo& info : kRequirementInfo) m.requirements.*info.requirement = {0.5, 0.25, true};
-  m.requirements.relative_elevation = {std::nullopt, 0, std::nullopt, kFootprintBins};
-  m.requirements.hole_distance.value = m.coverage.max_distance_bins;
+  for (RequirementVerdict& verdict : m.requirements.all) set(verdict, {0.5, 0.25, true});
+  set(m.requirements["relative_elevation"], {std::nullopt, 0, std::nullopt, kFootprintBins});
+  m.requirements["hole_distance"].value = m.coverage.max_distance_bins;
   m.uncertainty.emplace();
   m.uncertainty->absolute = {
       4, 1, 0.1, 1.1, 0.6, 0.9, {{2}, {4}, {1.1}, {0.6}, {0.9}}, {{0.1}, {0.2}, {4}}, {{1}, {0.6}}};
@@ -112,7 +114,7 @@ TEST(MetricsJson, ReadsWhatItWrote) {
   Metrics without_valid_bin;
   without_valid_bin.region.shape = RegionShape::mask;
   without_valid_bin.coverage.max_distance_bins = std::numeric_limits<double>::infinity();
-  without_valid_bin.requirements.hole_distance = {std::numeric_limits<double>::infinity(), 1, false};
+  set(without_valid_bin.requirements["hole_distance"], {std::numeric_limits<double>::infinity(), 1, false});
   for (const Metrics& metrics : {with_all_fields(), without_truth, without_valid_bin}) {
     const auto json = metrics_json(metrics);
     EXPECT_EQ(metrics_from(json), metrics) << json;
@@ -138,13 +140,13 @@ TEST(MetricsJson, ReadsVersion1) {
   json["requirements"]["relative_elevation"].erase("reason");
   Metrics expected = with_all_fields();
   expected.assumptions.reset();
-  expected.requirements.relative_elevation.reason.reset();
+  expected.requirements["relative_elevation"].reason.reset();
   EXPECT_EQ(metrics_from(json), expected);
 }
 
 TEST(MetricsJson, RequirementsAreThoseOfTheTable) {
   std::vector<std::string> names;
-  for (const RequirementInfo& info : kRequirementInfo) names.emplace_back(info.name);
+  for (const auto& words : dictionary::kRequirements) names.emplace_back(words.name);
   std::vector<std::string> keys;
   const auto json = metrics_json(with_all_fields());
   for (const auto& [key, unused] : json.at("requirements").items()) keys.push_back(key);

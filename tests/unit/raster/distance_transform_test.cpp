@@ -40,7 +40,7 @@ TEST(SquaredDistance, OneSetBin) {
 TEST(SquaredDistance, NoSetBinIsNoDistance) {
   const Grid<std::int64_t> squared = squared_distance(BinMask(GridSpec{1, 0, 0, 3, 5}));
   EXPECT_TRUE(std::ranges::all_of(squared.values(), [](std::int64_t d) { return d == kNoValidBin; }));
-  EXPECT_EQ(distance_bins(kNoValidBin), std::numeric_limits<double>::infinity());
+  EXPECT_EQ(bins_apart(kNoValidBin), std::numeric_limits<double>::infinity());
 }
 
 TEST(SquaredDistance, FarthestCorner) {
@@ -80,9 +80,9 @@ TEST(SquaredDistance, EqualsBruteForceOnRandomMasks) {
 }
 
 TEST(DistanceBins, IsTheRoot) {
-  EXPECT_EQ(distance_bins(0), 0);
-  EXPECT_EQ(distance_bins(4), 2);
-  EXPECT_EQ(distance_bins(2), std::sqrt(2.0));
+  EXPECT_EQ(bins_apart(0), 0);
+  EXPECT_EQ(bins_apart(4), 2);
+  EXPECT_EQ(bins_apart(2), std::sqrt(2.0));
 }
 
 }  // namespace

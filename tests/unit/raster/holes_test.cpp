@@ -97,7 +97,7 @@ TEST(LabelHoles, TheBoxGrowsToTheWest) {
   EXPECT_EQ(labels.holes[0].first, (BinIndex{0, 2}));
   EXPECT_EQ(labels.holes[0].south_west, (BinIndex{0, 0}));
   EXPECT_EQ(labels.holes[0].north_east, (BinIndex{2, 3}));
-  EXPECT_EQ(labels.holes[0].largest_distance_bins, 0);  // not filled here
+  EXPECT_EQ(labels.holes[0].depth_bins, 0);  // not filled here
 }
 
 TEST(LabelHoles, EqualsFloodFillOnRandomMasks) {

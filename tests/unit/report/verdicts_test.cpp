@@ -4,6 +4,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "judged.h"
+
 namespace landfall::html_report {
 namespace {
 
@@ -11,12 +13,10 @@ using testing::HasSubstr;
 
 Metrics metrics_of() {
   Metrics metrics;
-  metrics.requirements = {.coverage = {0.012, 0.01, false},
-                          .hole_size = {1, 10, true},
-                          .hole_distance = {1, 1, true},
-                          .relative_elevation = {0, 0, true},
-                          .relative_horizontal = {3, 0, false},
-                          .absolute_horizontal = {0.97, 0.95, true}};
+  const Judged judged[] = {{0.012, 0.01, false}, {1, 10, true}, {1, 1, true},
+                           {0, 0, true},         {3, 0, false}, {0.97, 0.95, true}};
+  for (std::size_t i = 0; i < metrics.requirements.all.size(); ++i)
+    set(metrics.requirements.all[i], judged[i]);
   metrics.pass = false;
   metrics.accuracy.emplace();
   return metrics;
@@ -36,10 +36,10 @@ TEST(VerdictTable, HasTheWordsOfTheTerminal) {
 TEST(VerdictTable, LeavesOpenWhatIsNotJudged) {
   Metrics metrics = metrics_of();
   metrics.accuracy.reset();
-  for (Requirement* const r :
-       {&metrics.requirements.relative_elevation, &metrics.requirements.relative_horizontal,
-        &metrics.requirements.absolute_horizontal})
-    *r = {std::nullopt, 0, std::nullopt};
+  for (RequirementVerdict* const r :
+       {&metrics.requirements["relative_elevation"], &metrics.requirements["relative_horizontal"],
+        &metrics.requirements["absolute_horizontal"]})
+    set(*r, {std::nullopt, 0, std::nullopt});
   EXPECT_THAT(verdict_table_html(metrics, {}),
               HasSubstr("<td>no truth to compare with</td><td class=\"number\">5 cm</td>"
                         "<td><span class=\"verdict unjudged\">not judged</span>"));
@@ -54,17 +54,18 @@ TEST(Assumptions, AreAParagraph) {
 TEST(VerdictBanner, CountsTheMissedOnes) {
   EXPECT_THAT(verdict_banner_html(metrics_of()), HasSubstr("FAIL: 2 of 6 requirements missed<"));
   Metrics metrics = metrics_of();
-  for (Requirement* const r : {&metrics.requirements.coverage, &metrics.requirements.relative_horizontal})
+  for (RequirementVerdict* const r :
+       {&metrics.requirements["coverage"], &metrics.requirements["relative_horizontal"]})
     r->pass = true;
   metrics.pass = true;
   EXPECT_THAT(verdict_banner_html(metrics), HasSubstr("class=\"banner pass\" id=\"verdict\">pass: all 6"));
-  metrics.requirements.relative_elevation.pass = std::nullopt;
+  metrics.requirements["relative_elevation"].pass = std::nullopt;
   metrics.pass = std::nullopt;
   EXPECT_THAT(verdict_banner_html(metrics), HasSubstr("class=\"banner unjudged\""));
-  metrics.requirements.relative_elevation.reason = kFootprintBins;
+  metrics.requirements["relative_elevation"].reason = kFootprintBins;
   EXPECT_THAT(verdict_banner_html(metrics),
               HasSubstr("not judged: 1 of 6 not judged: the footprint has fewer than 5 x 5 bins<"));
-  metrics.requirements.coverage.pass = false;
+  metrics.requirements["coverage"].pass = false;
   EXPECT_THAT(verdict_banner_html(metrics), HasSubstr("FAIL: 1 of 6 requirements missed, 1 of 6 not judged"));
 }
 
