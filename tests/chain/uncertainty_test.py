@@ -2,12 +2,13 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """regrid --uncertainty and --corrected against a simple numpy implementation of docs/reference/sigmas.md."""
 import json
+import math
 from statistics import NormalDist
 import unittest
 
 import numpy as np
 
-from harness import ChainTest, columns, config_of, read_bytes, returns_of
+from harness import ChainTest, ToolTest, columns, config_of, read_bytes, returns_of
 from oracle import surface
 
 SIGMAS = {"position_m": [0.1, 0.2, 0.05], "velocity_mps": [0.3, 0.1, 0.2], "rpy_rad": [1e-3, 2e-3, 5e-4],
@@ -276,6 +277,55 @@ class Uncertainty(ChainTest):
                      self.path("other.h5"))
         self.refuse_grid(["other.h5", "overlaps"], "--uncertainty", *NAVIGATION,
                          scans=[self.chain.scan, self.path("other.h5")])
+
+
+class Calibration(ToolTest):
+    """The errors of maps by range noise have the size that the sigmas predict: the paper's scan over 10 m, four seeds. Most limits differ by 5 or
+    more standard deviations of the fraction from that of 100 seeds, those of one and two returns of z_est by more than 2; the seeds are fixed."""
+
+    SCENES = {"flat": {}, "fractal": {"base": {"type": "fractal", "hurst_exponent": 0.8, "rms_deviation_m": 0.87, "reference_length_m": 10}},
+              "rocks": {"patterns": [{"type": "golombek_rocks", "k": 0.2}]}}
+    SCAN = {"detector": {"rows": 18, "columns": 18, "ifov_rad": 1.6e-3 / 18}, "laser": {"pulse_rate_hz": 200, "scan_time_s": 2},
+            "scanner": {"type": "fsm", "pattern": {"type": "line_search", "rows": 20, "columns": 20, "half_width_m": 5.2}},
+            "noise": {"range_sigma_m": 0.05 / 3}}
+
+    def draw(self, seed):
+        """The layers of a map of t.h5, without its border."""
+        self.succeed("scan-sim", "-c", self.config(self.SCAN), "--terrain", self.path("t.h5"), "--seed", seed, "-O", "-o", self.path("s.h5"))
+        self.succeed("regrid", self.path("s.h5"), "--set", "half_width_m=5", "--set", "resolution_m=0.05", "--uncertainty", "--corrected",
+                     "--navigation-sigma", "position_m=0", "--terrain", self.path("t.h5"), "-O", "-o", self.path("d.h5"))
+        return columns(self.path("d.h5"), "/")
+
+    def scores(self, scene):
+        """(z-scores of z_est, of z_corrected, returns in the bin, slope of the terrain) of all bins."""
+        grid = {"half_width_m": 6.5, "resolution_m": 0.05}  # its nodes are the bin centres
+        self.succeed("terrain-gen", "-c", self.config({"grid": grid, **self.SCENES[scene]}), "-O", "-o", self.path("t.h5"))
+        slope = np.hypot(*np.gradient(columns(self.path("t.h5"), "/")["z"], 0.05))[30:-30, 30:-30]
+        maps = [self.draw(seed) for seed in range(1, 5)]
+        each = [((m["z_true_map"] - m["z_est"]) / m["z_sigma_rel"], (m["z_true_map"] - m["z_corrected"]) / m["z_corrected_sigma_rel"],
+                 m["count"], slope) for m in maps]
+        return [np.concatenate([layers[i][m["count"] > 0] for layers, m in zip(each, maps)]) for i in range(4)]
+
+    def test_on_flat_and_fractal_terrain(self):
+        for scene in ("flat", "fractal"):
+            est, corrected, count, _ = self.scores(scene)
+            for z in (est, corrected) if scene == "flat" else (corrected,):
+                for number in (1, 2, 4, None):
+                    size = abs(z[np.isfinite(z) & ((count == number) if number else True)])
+                    self.assertGreater(size.size, 20000)
+                    self.assertTrue(0.66 <= (size <= 1).mean() <= 0.71, (scene, number, (size <= 1).mean()))
+                    self.assertTrue(0.94 <= (size <= 2).mean() <= 0.97, (scene, number, (size <= 2).mean()))
+
+    def test_on_the_flanks_of_rocks(self):
+        est, corrected, count, slope = self.scores("rocks")
+        for z in (est, corrected):
+            steep = np.isfinite(z) & (slope >= 0.7)
+            self.assertGreater(steep.sum(), 10000)
+            self.assertTrue(0.92 <= z[steep].std() <= 1.10, z[steep].std())
+            self.assertTrue(0.93 <= (abs(z[steep]) <= 2).mean() <= 0.97)
+            for low, high, limit in ((1, 1, 1.12), (2, 3, 1.12), (4, 6, 1.12), (7, math.inf, 1.25)):  # the last class has 500 scores
+                rms = math.sqrt((z[steep & (count >= low) & (count <= high)] ** 2).mean())
+                self.assertTrue(0.85 <= rms <= limit, (low, rms))
 
 
 if __name__ == "__main__":

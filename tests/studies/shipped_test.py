@@ -24,8 +24,8 @@ from landfall.answers import design_problem, sensitivity
 from landfall.study import sweep
 
 PAGES = os.path.join(ROOT, "docs", "user", "studies")
-# It measures the speed of the tools: docs/quality/performance.md.
-WITHOUT_PAGE = {"example-2-draws"}
+# Their pages: docs/quality/performance.md, docs/user/lidar/risley-coverage.md.
+WITHOUT_PAGE = {"example-2-draws", "risley-coverage"}
 CAMPAIGN = "campaign-example-2"  # the page of studies/example-2.draws.json, which is no study
 ANSWERS = {"model", "sensitivity", "design"}  # pages of recipes that are no studies
 MAX_BYTES = 200_000
