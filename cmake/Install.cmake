@@ -11,6 +11,14 @@ install(DIRECTORY lib/report/web DESTINATION ${share}/lib/report)
 file(MAKE_DIRECTORY ${CMAKE_BINARY_DIR}/dist-packages)
 file(CREATE_LINK ../../../share/landfall/python/landfall ${CMAKE_BINARY_DIR}/dist-packages/landfall SYMBOLIC)
 install(FILES ${CMAKE_BINARY_DIR}/dist-packages/landfall DESTINATION lib/python3/dist-packages)
-install(DIRECTORY docs DESTINATION ${CMAKE_INSTALL_DOCDIR})
+# The pages with those that scripts/site makes: every key, every message.
+file(GLOB_RECURSE pages CONFIGURE_DEPENDS docs/* schemas/*.json scripts/site/*.py python/landfall/*.py)
+add_custom_command(OUTPUT ${CMAKE_BINARY_DIR}/pages.stamp
+                   COMMAND /usr/bin/python3 -B scripts/site/stage.py --docs ${CMAKE_BINARY_DIR}/pages
+                   COMMAND ${CMAKE_COMMAND} -E touch ${CMAKE_BINARY_DIR}/pages.stamp
+                   DEPENDS ${pages} tests/cli/catalogue.json README.md CONTRIBUTING.md CHANGELOG.md
+                   WORKING_DIRECTORY ${CMAKE_SOURCE_DIR})
+add_custom_target(landfall_pages ALL DEPENDS ${CMAKE_BINARY_DIR}/pages.stamp)
+install(DIRECTORY ${CMAKE_BINARY_DIR}/pages/docs DESTINATION ${CMAKE_INSTALL_DOCDIR})
 install(FILES README.md CHANGELOG.md CITATION.cff DESTINATION ${CMAKE_INSTALL_DOCDIR})
 install(FILES packaging/copyright DESTINATION ${CMAKE_INSTALL_DOCDIR})

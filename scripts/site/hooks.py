@@ -31,7 +31,7 @@ def version():
 
 
 def read(page):
-    with open(os.path.join(ROOT, page), encoding="utf-8") as file:
+    with open(os.path.join(os.environ["LANDFALL_PAGES"], page), encoding="utf-8") as file:
         return file.read()
 
 

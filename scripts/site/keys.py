@@ -222,7 +222,7 @@ def page(kind):
     found = keys_of(kind)
     who, link = ABOUT.get(kind, (f"`{PAGES[kind]}`", f"../../user/{PAGES[kind]}.md"))
     lines = [f"# Keys of {PAGES[kind]}", "", f"Every key of the configuration of [{who}]({link}), from `schemas/{kind}.schema.json`: meaning, then type, unit, range",
-             "and default, or that it is required. `N` is an array index, `KEY` a key of any name. A test keeps this page equal to the schema.", ""]
+             "and default, or that it is required. `N` is an array index, `KEY` a key of any name.", ""]
     lines += [*EFFECTS.strip().split("\n"), ""] if kind == "scan" else []
     by_path = {}
     for key in found.keys:
@@ -234,8 +234,7 @@ def page(kind):
 
 def index():
     """The text of the folder's README.md."""
-    lines = ["# Configuration keys", "", "Every key of every configuration: meaning, unit, range, default and effect. The pages are made from `schemas/` "
-             "by `tests/docs/keys_test.py --write`.", "", "| keys of | sections |", "|---|---|"]
+    lines = ["# Configuration keys", "", "Every key of every configuration: meaning, unit, range, default and effect. The pages are made from `schemas/`.", "", "| keys of | sections |", "|---|---|"]
     for kind, name in PAGES.items():
         parts = [part for part in keys_of(kind).root["properties"] if not part.startswith("$")]
         lines.append(f"| [{name}]({name}.md) | " + ", ".join(f"[{part}]({name}.md#{part})" for part in parts) + " |")

@@ -4,7 +4,7 @@
 
 usage: catalogue_test.py [--write]
 
---write puts the present messages into the catalogue and into docs/user/errors.md; review the difference.
+--write puts the present messages into the catalogue; review the difference. scripts/site/errors.py makes a page of it.
 
 A case has the command (`run`), the `text` on stderr and, where needed, `files` (name and content), `stdin`, `stdout`, `env`
 `limit` (of the process: file_bytes, memory_bytes), and `needs`, a file without which it is skipped. It runs in a folder with the files of catalogue_files.py, so that
@@ -26,7 +26,6 @@ import shutil
 import subprocess
 import sys
 import tempfile
-import textwrap
 import unittest
 
 from catalogue_files import make_files
@@ -34,24 +33,10 @@ from harness import SANITIZED, tool
 
 ROOT = os.environ["LANDFALL_ROOT"]
 CATALOGUE = os.path.join(ROOT, "tests", "cli", "catalogue.json")
-PAGE = os.path.join(ROOT, "docs", "user", "errors.md")
 LIMITS = {"file_bytes": resource.RLIMIT_FSIZE, "memory_bytes": resource.RLIMIT_AS}
 # Identifiers of libraries and of our own code, which mean nothing to a user.
 JARGON = ["H5D", "H5F", "std::", "nlohmann", "CLI::", "basic_", "null pointer", "internal error", "0x", "bad_alloc",
           "json.exception"]
-
-
-HEAD = """# Error messages
-
-Every error message, with its cause and its remedy. To find yours, search this page for a few of its words.
-
-An error is one line on stderr that begins with the tool's name. The exit code gives the kind of error ([cli.md](cli.md)): 1, the content of a data
-file is wrong, or reading or writing failed; 2, an option or the configuration is wrong, or the output exists; 3, `dem-eval --require-pass` was given
-and the DEM does not pass, or `hazard-map --require-safe` and no site is safe enough, or `monte-carlo --require-pass` and a draw fails. With 1 and 2 no output is written, and an existing output is unchanged ([reliability.md](../quality/reliability.md#guarantees)
-lists the exceptions); with 3 all outputs are written.
-
-A test writes this page from tests/cli/catalogue.json and provokes each of its messages.
-"""
 
 
 def read_catalogue():
@@ -162,25 +147,6 @@ class Catalogue(unittest.TestCase):
                 for word in JARGON:
                     self.assertNotIn(word, case["text"])
 
-    def test_the_page_is_current(self):
-        with open(PAGE, encoding="utf-8") as file:
-            self.assertEqual(file.read(), page(read_catalogue()), "catalogue_test.py --write updates it")
-
-
-def page(catalogue):
-    text = HEAD
-    for section in catalogue:
-        text += f"\n## {section['section']}\n"
-        for fault in section["faults"]:
-            lines = "\n".join(dict.fromkeys(shortened(case["text"]) for case in fault["cases"]))
-            about = textwrap.fill(f"**{fault['cause']}** {fault['do']} Exit {fault['exit']}.", 140, break_on_hyphens=False)
-            text += f"\n{about}\n\n```text\n{lines}\n```\n"
-    return text
-
-
-def shortened(text):
-    return text if len(text) <= 400 else text[:397] + "..."
-
 
 def write():
     catalogue, version = read_catalogue(), program_version()
@@ -196,8 +162,6 @@ def write():
                 print(f"exit {result.returncode}, not {fault['exit']}: {case['run']}", file=sys.stderr)
     with open(CATALOGUE, "w", encoding="utf-8") as file:
         file.write(as_text(catalogue))
-    with open(PAGE, "w", encoding="utf-8") as file:
-        file.write(page(catalogue))
 
 
 def as_text(catalogue):

@@ -1,10 +1,6 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The pages of docs/reference/keys are those of the schemas, and name every key.
-
-    keys_test.py            compares them
-    keys_test.py --write    writes them
-"""
+"""The pages that scripts/site/keys.py makes of the schemas name every key, with what the schema and the manual say of it."""
 import json
 import os
 import re
@@ -20,10 +16,16 @@ import keys
 # The commands whose manual, written in C++ from the same schemas, lists the same keys.
 TOOLS = {**{page: [page] for page in ("terrain-gen", "scan-sim", "regrid", "dem-eval", "hazard-map", "monte-carlo")}, "landfall-run": ["landfall", "run"]}
 
+TEXTS = keys.texts()
+
 
 def read(name):
     with open(os.path.join(ROOT, name), encoding="utf-8") as file:
         return file.read()
+
+
+def page_of(name):
+    return TEXTS[f"{keys.FOLDER}/{name}.md"]
 
 
 def properties(node):
@@ -47,7 +49,7 @@ def required(node):
 
 
 def headings(page):
-    return re.findall(r"(?m)^##+ `(.*)`$", read(f"{keys.FOLDER}/{page}.md"))
+    return re.findall(r"(?m)^##+ `(.*)`$", page_of(page))
 
 
 def manual(command):
@@ -61,13 +63,6 @@ def manual(command):
 class Keys(unittest.TestCase):
     maxDiff = None
 
-    def test_the_pages_are_those_of_the_schemas(self):
-        there = {f"{keys.FOLDER}/{name}" for name in os.listdir(os.path.join(ROOT, keys.FOLDER))}
-        texts = keys.texts()
-        self.assertEqual(there, set(texts))
-        stale = [name for name, text in texts.items() if read(name) != text]
-        self.assertEqual(stale, [], "tests/docs/keys_test.py --write renews them")
-
     def test_every_schema_has_a_page(self):
         there = {name.removesuffix(".schema.json") for name in os.listdir(os.path.join(ROOT, "schemas")) if name.endswith(".schema.json")}
         self.assertEqual(there, set(keys.PAGES))
@@ -75,13 +70,13 @@ class Keys(unittest.TestCase):
     def test_every_key_of_every_schema_is_there(self):
         for kind, page in keys.PAGES.items():
             names = {path.split(".")[-1] for path in headings(page)}
-            text, found = read(f"{keys.FOLDER}/{page}.md"), list(properties(json.loads(read(f"schemas/{kind}.schema.json"))))
+            text, found = page_of(page), list(properties(json.loads(read(f"schemas/{kind}.schema.json"))))
             self.assertGreater(len(found), 5)
             self.assertEqual([name for name, _ in found if name not in names], [], page)
             self.assertEqual([name for name, description in found if description and description.rstrip(".") not in text], [], page)
 
     def test_required_keys_are_marked(self):
-        self.assertIn("*number, m, above 0 and at most 1e9, required*", read(f"{keys.FOLDER}/terrain-gen.md").split("### `patterns.N.feature.diameter_m`")[1])
+        self.assertIn("*number, m, above 0 and at most 1e9, required*", page_of("terrain-gen").split("### `patterns.N.feature.diameter_m`")[1])
         for kind in keys.PAGES:
             schema = json.loads(read(f"schemas/{kind}.schema.json"))
             marked = {key.path.split(".")[-1] for key in keys.keys_of(kind).keys if key.is_required}
@@ -103,7 +98,7 @@ class Keys(unittest.TestCase):
         """Every bound and unit that a manual states stands in the entry of its key."""
         compared = 0
         for page, command in TOOLS.items():
-            entries = dict(re.findall(r"(?ms)^##+ `([^\n]*)`\n(.*?)(?=^##|\Z)", read(f"{keys.FOLDER}/{page}.md")))
+            entries = dict(re.findall(r"(?ms)^##+ `([^\n]*)`\n(.*?)(?=^##|\Z)", page_of(page)))
             for path, facts in manual(command):
                 stated = re.findall(r"(?:at least|at most|above|below) [-\w.]+|(?<=, )(?:m|s|rad|degrees|m/s)(?=,|;|$)", facts)
                 compared += len(stated)
@@ -111,15 +106,5 @@ class Keys(unittest.TestCase):
         self.assertGreater(compared, 300)
 
 
-def write():
-    os.makedirs(os.path.join(ROOT, keys.FOLDER), exist_ok=True)
-    for name, text in keys.texts().items():
-        with open(os.path.join(ROOT, name), "w", encoding="utf-8") as file:
-            file.write(text)
-
-
 if __name__ == "__main__":
-    if sys.argv[1:] == ["--write"]:
-        write()
-    else:
-        unittest.main()
+    unittest.main()

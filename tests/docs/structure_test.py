@@ -10,9 +10,10 @@ import unittest
 import page as pages
 
 ROOT = pages.ROOT
-sys.path.insert(0, os.path.join(ROOT, "scripts"))
+sys.path[:0] = [os.path.join(ROOT, "scripts"), os.path.join(ROOT, "scripts", "site")]
 # pylint: disable=wrong-import-position
 import check_includes
+import stage
 
 COMMAND = re.compile(r"^ {4,}((terrain-gen|scan-sim|regrid|dem-eval|landfall-\w+|make|cmake|ctest|cpack|python3|\w+\.py|gdal\w+|gmt|"
                      r"apt|apt-get|sudo|\$)( |$)|(\./|scripts/|bench/|python/commands/|studies/runners/)\w)")
@@ -88,14 +89,15 @@ class Structure(unittest.TestCase):
                           if block.language == "json" and not {"check", "file", "output"} & block.notes.keys()], [])
 
     def test_links_are_valid(self):
-        broken = []
+        """An anchor of a schema or of the catalogue is one of the page that is made of it."""
+        broken, made = [], {name: pages.Page(name, text) for name, text in stage.made().items()}
         for page in self.pages.values():
             for number, target in page.links():
                 path, _, anchor = target.partition("#")
-                name = os.path.normpath(os.path.join(os.path.dirname(page.name), path)) if path else page.name
+                name = stage.target_of(page.name, path) if path else page.name
                 if not os.path.exists(os.path.join(ROOT, name)):
                     broken.append(f"{page.name}:{number}: {target}")
-                elif anchor and anchor not in self.pages[name].anchors():
+                elif anchor and anchor not in (self.pages.get(name) or made[stage.MADE_FROM[name]]).anchors():
                     broken.append(f"{page.name}:{number}: no heading {anchor} in {name}")
         self.assertEqual(broken, [])
 

@@ -71,7 +71,8 @@ class Deb(unittest.TestCase):
         for file in ["bin/terrain-gen", *(f"lib/landfall/{name}.so" for name in ("liblandfall", "landfall-gdal", "landfall-opencl")),
                      "share/landfall/schemas/scan.schema.json",
                      "share/landfall/python/commands/plot_dem.py", "share/landfall/Makefile.studies", "share/doc/landfall/README.md",
-                     "share/doc/landfall/docs/user/lidar/README.md", "share/doc/landfall/changelog.gz"]:
+                     "share/doc/landfall/docs/user/lidar/README.md", "share/doc/landfall/docs/user/errors.md",
+                     "share/doc/landfall/docs/reference/keys/scan-sim.md", "share/doc/landfall/changelog.gz"]:
             self.assertIn("./usr/" + file, tools)
         for file in ["include/landfall/lidar.h", "lib/liblandfall-lidar.a", "lib/cmake/landfall/landfallConfig.cmake"]:
             self.assertIn("./usr/" + file, module)
