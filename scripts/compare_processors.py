@@ -5,7 +5,7 @@
     scripts/compare_processors.py [--write] FOLDER LANDFALL OTHER_LANDFALL
 
 LANDFALL is the program `landfall` of this machine, OTHER_LANDFALL what starts that of another processor (scripts/test-arm64). This machine's
-program also runs as on a processor without AVX2 and FMA. --write puts the table into docs/quality/processors.md. Exit status 1: a file differs.
+program also runs as on a processor without AVX2 and FMA. --write puts the table into docs/quality/tests.md. Exit status 1: a file differs.
 """
 import glob
 import json
@@ -20,8 +20,8 @@ import h5py
 import numpy as np
 
 ROOT = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
-PAGE = os.path.join(ROOT, "docs", "quality", "processors.md")
-NEXT_SECTION = "\n## The packages for arm64"
+PAGE = os.path.join(ROOT, "docs", "quality", "tests.md")
+NEXT_SECTION = "\n## Functions of libraries that are left"
 OLD_PROCESSOR = {"GLIBC_TUNABLES": "glibc.cpu.hwcaps=-AVX2,-FMA"}
 
 

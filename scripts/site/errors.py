@@ -12,7 +12,7 @@ Every error message, with its cause and its remedy. To find yours, search this p
 
 An error is one line on stderr that begins with the tool's name. The exit code gives the kind of error ([cli.md](cli.md)): 1, the content of a data
 file is wrong, or reading or writing failed; 2, an option or the configuration is wrong, or the output exists; 3, `dem-eval --require-pass` was given
-and the DEM does not pass, or `hazard-map --require-safe` and no site is safe enough, or `monte-carlo --require-pass` and a draw fails. With 1 and 2 no output is written, and an existing output is unchanged ([reliability.md](../quality/reliability.md#guarantees)
+and the DEM does not pass, or `hazard-map --require-safe` and no site is safe enough, or `monte-carlo --require-pass` and a draw fails. With 1 and 2 no output is written, and an existing output is unchanged ([tests.md](../quality/tests.md#guarantees)
 lists the exceptions); with 3 all outputs are written.
 
 This page is made from tests/cli/catalogue.json; a test provokes each of its messages.

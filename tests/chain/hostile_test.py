@@ -1,6 +1,6 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Wrong and damaged inputs that earlier versions took without a word; docs/quality/hostile.md lists what the tools say now.
+"""Wrong and damaged inputs that earlier versions took without a word; docs/quality/tests.md lists what the tools say now.
 
 usage: hostile_test.py [--write]
 
@@ -16,10 +16,9 @@ import unittest
 import h5py
 import numpy as np
 
+from faults import page
 from harness import DRAWS, HAZARD, INPUTS, REGRID, SCAN, TOOLS, CampaignTest, read_bytes, run, with_values
 
-PAGE = os.path.join(os.environ["LANDFALL_ROOT"], "docs", "quality", "hostile.md")
-HEAD, END = "| input | command | exit | answer |\n|---|---|---|---|\n", "\n\n"
 WRITES = "--write" in sys.argv
 
 
@@ -139,7 +138,7 @@ class Hostile(CampaignTest):
         return result.returncode, " ".join(result.stderr.splitlines() + notes)
 
     def test_answers(self):
-        rows = []
+        rows = ["| input | command | exit | answer |", "|---|---|---|---|"]
         for what, command, source, change in CASES:
             with self.subTest(f"{what}: {command}"):
                 code, message = self.answer(command, source, change)
@@ -149,15 +148,9 @@ class Hostile(CampaignTest):
             for name in ("out.h5", "out.tif", "out.json"):
                 if os.path.exists(self.path(name)):
                     os.unlink(self.path(name))
-        with open(PAGE, encoding="utf-8") as file:
-            page = file.read()
-        begin = page.index(HEAD) + len(HEAD)
-        shown = page[begin:page.index(END, begin)].splitlines()
         if WRITES:
-            with open(PAGE, "w", encoding="utf-8") as file:
-                file.write(page[:begin] + "\n".join(rows) + page[page.index(END, begin):])
-            return
-        self.assertEqual(shown, rows, "if the new answers are right, run with --write")
+            page.write(page.with_table(page.read(), page.HOSTILE, rows))
+        self.assertEqual(page.parts(page.read(), page.HOSTILE)[1], rows, "if the new answers are right, run with --write")
 
     def test_a_bin_without_sigma_counts_as_not_measured(self):
         """An elevation of 50 m without a 1-sigma changes no probability that it has with none; a map without any sigma has none."""

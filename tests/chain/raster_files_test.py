@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """terrain-gen on the rasters and meshes of testdata/ and on the real ones in the folder LANDFALL_DATA: each file loads with
 the values that another reader gives, or is refused with a reason, quickly and in little memory. The results are listed in
-docs/quality/terrain-files.md.
+testdata/terrain-files.md.
 
 usage: raster_files_test.py [--write]   --write updates the page
 """
@@ -23,7 +23,7 @@ from raster_readers import Cells, Degrees, Rotated
 ROOT = os.environ["LANDFALL_ROOT"]
 TESTDATA = os.path.join(ROOT, "testdata")
 DATA = os.environ.get("LANDFALL_DATA", os.path.join(ROOT, "..", "shared", "data"))
-TABLE = os.path.join(ROOT, "docs", "quality", "terrain-files.md")
+TABLE = os.path.join(ROOT, "testdata", "terrain-files.md")
 LIMIT_S, LIMIT_MB = (60, 5000) if SANITIZED else (2, 500)
 MESHES = (".obj", ".off", ".ply", ".stl")
 EXACT = ["--interpolation", "nearest", "--datum", "none"]
@@ -255,7 +255,7 @@ CENTERS = ["", " --center-pixel 2,2 --datum none --interpolation nearest"]
 OPTIONS = [site + scale + CENTERS[(i + j) % 2] for i, site in enumerate(SITES) for j, scale in enumerate(SCALES)]
 HEAD = """# How raster and mesh files load
 
-How `terrain-gen --from FILE` loads the small files of [testdata](../../testdata/README.md) and 36 others: real elevation models, and unusual and
+How `terrain-gen --from FILE` loads the small files of [this folder](README.md) and 36 others: real elevation models, and unusual and
 malformed files from GDAL's own tests. `tests/chain/raster_files_test.py --write` writes the tables. The test compares every node of the files that
 load with other readers (numpy on the bytes, ncdump, Pillow), and runs every malformed raster in 9 ways. Seconds and MB (peak, upper bound) are from one
 run and vary.

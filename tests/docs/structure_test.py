@@ -20,7 +20,7 @@ COMMAND = re.compile(r"^ {4,}((terrain-gen|scan-sim|regrid|dem-eval|landfall-\w+
 CITING = ("bench", "docs", "examples", "lib", "python", "scripts", "studies", "tests", "tools")
 CITED = re.compile(r"(?<![\w./-])(?:bench|cmake|examples|lib|packaging|python|schemas|scripts|studies|testdata|tests|tools)/[\w./-]*\w")
 # Records of past runs, with the file names of that time.
-RECORDS = {"docs/quality/coverage.md", "docs/quality/fuzzing.md"}
+RECORDS = {"docs/quality/tests.md"}
 # Paths below an installation prefix, or made by a build.
 ELSEWHERE = re.compile(r"lib/(landfall|cmake|python3)(/|$)|bench/bench_(eval|grid|hazards|rays)$")
 LANGUAGES = {"sh", "python", "json", "csv", "text", "cpp", "cmake", ""}

@@ -83,7 +83,7 @@ def run(binaries, limit, arguments, folder):
 def try_limits(workshop):
     """The lines of the table, and the violated limits."""
     prepare(workshop.inputs)
-    lines, broken = ["| what | at most | one beyond |", "|---|---|---|"], []
+    lines, broken = ["| quantity | maximum | message for one more |", "|---|---|---|"], []
     for limit in LIMITS:
         refused = run(workshop.binaries, limit, limit.beyond, workshop.inputs)
         message = refused.stderr.strip().replace(workshop.inputs + "/", "").replace("n" * 253, "nn..n")

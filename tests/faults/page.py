@@ -1,13 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The tables of docs/quality/reliability.md; each is below the heading of its kind."""
+"""The tables of docs/quality/tests.md that tests write or compare; each is the first below its heading."""
 import os
 
-PAGE = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", "docs", "quality", "reliability.md")
-HEADINGS = {"calls": "## Every call fails once", "disks": "## Full disks", "folders": "## Folders and other writers",
-            "signals": "## Signals", "resources": "## Memory, threads, descriptors", "surroundings": "## Surroundings",
-            "studies": "## Studies", "limits": "## Limits"}
-HEAD = ["| fault | runs | complete, exit 0 | one message, exit 1 or 2 | ended by the signal | hidden files left | guarantees violated |",
-        "|---|---|---|---|---|---|---|"]
+PAGE = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", "docs", "quality", "tests.md")
+FAULTS, LIMITS, ORACLE, HOSTILE = "## Faults", "## Limits", "## The chain in numpy", "## Wrong values"
 
 
 def row(judge):
@@ -16,23 +12,31 @@ def row(judge):
             f"{counts['parts']:,} | {len(judge.broken)} |")
 
 
+def parts(text, heading):
+    """The lines before the first table below the heading, the table's, and those after it."""
+    lines = text.split("\n")
+    begin = next(i for i in range(lines.index(heading), len(lines)) if lines[i].startswith("|"))
+    end = next(i for i in range(begin, len(lines)) if not lines[i].startswith("|"))
+    return lines[:begin], lines[begin:end], lines[end:]
+
+
 def with_table(text, heading, lines):
-    """The page with `lines` instead of the first table below the heading."""
-    rows = text.split("\n")
-    begin = next(i for i in range(rows.index(heading), len(rows)) if rows[i].startswith("|"))
-    end = next(i for i in range(begin, len(rows)) if not rows[i].startswith("|"))
-    return "\n".join([*rows[:begin], *lines, *rows[end:]])
+    before, _, after = parts(text, heading)
+    return "\n".join([*before, *lines, *after])
 
 
-def table(judges):
-    return [*HEAD, *map(row, judges)]
+def with_rows(text, heading, lines):
+    """The page with `lines` for the rows that begin with the same cell; those of other cells are added to the table."""
+    new = {line.split(" | ")[0]: line for line in lines}
+    _, table, _ = parts(text, heading)
+    return with_table(text, heading, [new.pop(line.split(" | ")[0], line) for line in table] + list(new.values()))
 
 
-def write_table(kind, lines):
+def read():
     with open(PAGE, encoding="utf-8") as file:
-        text = file.read()
-    if HEADINGS[kind] not in text.split("\n"):
-        print(f"docs/quality/reliability.md has no heading {HEADINGS[kind]}: no table is written")
-        return
+        return file.read()
+
+
+def write(text):
     with open(PAGE, "w", encoding="utf-8") as file:
-        file.write(with_table(text, HEADINGS[kind], lines))
+        file.write(text)

@@ -3,7 +3,7 @@
 """Damaged files in Python: landfall.open and every plot command refuse a file with one landfall.Error, or show what the intact file holds.
 
 Each file is tried in a child process, so that a signal ends the child alone. LANDFALL_TEST_LONG=1 tries 2,000 bits of files with their
-seal and 500 of files without it (docs/quality/fuzzing.md); LANDFALL_TEST_SEED chooses others.
+seal and 500 of files without it (docs/quality/tests.md); LANDFALL_TEST_SEED chooses others.
 """
 import collections
 import contextlib

@@ -82,6 +82,7 @@ class JudgeTest(Reliability):
     def test_a_table_replaces_the_one_below_its_heading(self):
         text = "## A\n\nwords\n\n| a |\n|---|\n| 1 |\n\nend\n## B\n\n| b |\n"
         self.assertEqual(page.with_table(text, "## A", ["| new |"]), "## A\n\nwords\n\n| new |\n\nend\n## B\n\n| b |\n")
+        self.assertEqual(page.with_rows("## A\n| a | 1 |\n| b | 2 |\n", "## A", ["| b | 3 |", "| c | 4 |"]), "## A\n| a | 1 |\n| b | 3 |\n| c | 4 |\n")
 
 
 @unittest.skipUnless(shutil.which(os.environ.get("CC", "cc")), "no C compiler")

@@ -6,7 +6,7 @@
 
 A chain is terrain-gen, scan-sim, regrid and dem-eval. Its seed is repeated every `--seeds` chains, alternately with one thread and
 with two; equal seeds must give equal bytes. The program checks exit codes, stderr, files left behind, shared memory and semaphores
-of this machine, and peak memory and CPU time of each process. It prints the numbers of docs/quality/reliability.md; the exit code
+of this machine, and peak memory and CPU time of each process. It prints the numbers of docs/quality/tests.md; the exit code
 is 1 if one is wrong.
 """
 import argparse

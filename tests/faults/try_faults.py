@@ -1,10 +1,10 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Runs each tool with each kind of fault, and checks each run against the guarantees of docs/quality/reliability.md.
+"""Runs each tool with each kind of fault, and checks each run against the guarantees of docs/quality/tests.md.
 
     tests/faults/try_faults.py --bin build/release/bin              # all faults, about half an hour
     tests/faults/try_faults.py --bin build/release/bin --only signals memory
-    tests/faults/try_faults.py --bin build/release/bin --write      # also writes the tables of docs/quality/reliability.md
+    tests/faults/try_faults.py --bin build/release/bin --write      # also writes the tables of docs/quality/tests.md
 
 Small disks and the limits of other users require root. The exit code is 1 if a guarantee was violated.
 """
@@ -49,7 +49,7 @@ def parse(arguments):
     parser.add_argument("--calls", type=int, default=150, help="failing calls tried per task, of more a spread")
     parser.add_argument("--rounds", type=int, default=2, help="rounds of several writers of one output")
     parser.add_argument("--messages", action="store_true", help="also print every message that was seen")
-    parser.add_argument("--write", action="store_true", help="write the tables of docs/quality/reliability.md")
+    parser.add_argument("--write", action="store_true", help="write the tables of docs/quality/tests.md")
     return parser.parse_args(arguments)
 
 
@@ -64,7 +64,7 @@ def main(arguments):
             broken += faults
             print(*lines, sep="\n", flush=True)
             if options.write:
-                page.write_table(kind, lines)
+                page.write(page.with_table(page.read(), page.LIMITS, lines))
             continue
         for judge in KINDS[kind](workshop, random.Random(options.seed), options):
             judges.append(judge)
@@ -74,7 +74,7 @@ def main(arguments):
         broken += [text for judge in judges for text in judge.broken]
         print(f"{kind}: {time.time() - start:.0f} s", flush=True)
         if options.write:
-            page.write_table(kind, page.table(judges))
+            page.write(page.with_rows(page.read(), page.FAULTS, map(page.row, judges)))
     workshop.remove()
     print(f"{len(broken)} violated guarantees", *broken, sep="\n")
     return 1 if broken else 0

@@ -12,7 +12,7 @@
 """Small random configurations through the whole chain; every number is compared with an independent numpy implementation.
 
 LANDFALL_TEST_SEED sets the seed, LANDFALL_PROOF_CASES the number of configurations (50), and LANDFALL_PROOF_ONLY the number
-of the only case to run. `chain_test.py --write` also writes the table of docs/quality/proof.md.
+of the only case to run. `chain_test.py --write` also writes the table of docs/quality/tests.md.
 """
 import os
 import shutil
@@ -20,14 +20,13 @@ import sys
 import tempfile
 import unittest
 
+from faults import page
 from oracle import cases, comparison, landing
-
 from oracle.ledger import Ledger
 
 SEED = int(os.environ.get("LANDFALL_TEST_SEED", "20261121"))
 COUNT = int(os.environ.get("LANDFALL_PROOF_CASES", "50"))
 ONLY = os.environ.get("LANDFALL_PROOF_ONLY")
-PAGE = os.path.join(os.environ["LANDFALL_ROOT"], "docs", "quality", "proof.md")
 WRITE = "--write" in sys.argv
 
 
@@ -48,17 +47,10 @@ class Chain(unittest.TestCase):
                     comparison.check(case, ledger)
                     ledger.case += f" {lander}"
                     landing.check(lander, ledger)
-        print(f"seed {SEED}, {COUNT} configurations", *ledger.table(), sep="\n")
+        print(f"seed {SEED}, {COUNT} configurations", *ledger.table(), *ledger.summary(), sep="\n")
         self.assertEqual(ledger.failures, [], "\n".join(ledger.failures))
         if WRITE:
-            write_table(ledger)
-
-
-def write_table(ledger):
-    with open(PAGE, encoding="utf-8") as file:
-        before, _ = file.read().split("\n| quantity | values |")
-    with open(PAGE, "w", encoding="utf-8") as file:
-        print(before, *ledger.table(), sep="\n", file=file)
+            page.write(page.with_table(page.read(), page.ORACLE, ledger.summary()))
 
 
 if __name__ == "__main__":

@@ -12,7 +12,7 @@ class Ledger:
         self.rows, self.failures, self.excused, self.case = {}, [], {}, None
 
     def row(self, quantity, bound):
-        row = self.rows.setdefault(quantity, {"values": 0, "largest": 0.0, "bound": bound})
+        row = self.rows.setdefault(quantity, {"values": 0, "largest": 0.0, "share": 0.0, "bound": bound})
         if row["bound"] == "equal":
             row["bound"] = bound  # the quantity has both integers and floats
         return row
@@ -53,6 +53,7 @@ class Ledger:
             self.excused[quantity] = self.excused.get(quantity, 0) + int((wrong & doubtful).sum())
             off, wrong = np.where(doubtful, 0, off), wrong & ~doubtful
         row["largest"] = max(row["largest"], float(np.nanmax(off, initial=0)))
+        row["share"] = max(row["share"], float(np.nanmax(off / np.maximum(bound + relative * abs(expected), 1e-300), initial=0)))
         if wrong.any():
             self.fail(quantity, f"{wrong.sum()} of {wrong.size} differ, by at most {np.nanmax(np.where(wrong, off, 0)):g}; first "
                                 f"{found[wrong].flat[0]!r} for {expected[wrong].flat[0]!r}")
@@ -88,4 +89,13 @@ class Ledger:
         for name, row in sorted(self.rows.items(), key=lambda item: STAGES.index(item[0].split(":")[0])):
             largest = f"{row['largest']:.1e}" if row["bound"] != "equal" else "0"
             lines.append(f"| {name} | {row['values']:,} | {largest} | {row['bound']} | {self.excused.get(name, 0)} |")
+        return lines
+
+    def summary(self):
+        """The table by stage, with the largest difference as a share of its bound."""
+        lines = ["| numbers of | quantities | values | largest difference, share of its bound | at a boundary |", "|---|---|---|---|---|"]
+        for stage in STAGES:
+            names = [name for name in self.rows if name.split(":")[0] == stage]
+            values, share = sum(self.rows[name]["values"] for name in names), max(self.rows[name]["share"] for name in names)
+            lines.append(f"| {stage} | {len(names)} | {values:,} | {share:.2g} | {sum(self.excused.get(name, 0) for name in names)} |")
         return lines

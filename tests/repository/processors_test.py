@@ -1,6 +1,6 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""lib and tools take elementary functions from base/portable_math.h; docs/quality/processors.md lists the others, each with its reason."""
+"""lib and tools take elementary functions from base/portable_math.h; docs/quality/tests.md lists the others, each with its reason."""
 import glob
 import os
 import re
@@ -9,7 +9,7 @@ import unittest
 
 ROOT = os.environ["LANDFALL_ROOT"]
 BUILD = os.path.dirname(os.environ["LANDFALL_BIN"])
-PAGE = os.path.join(ROOT, "docs", "quality", "processors.md")
+PAGE = os.path.join(ROOT, "docs", "quality", "tests.md")
 # The functions of <cmath> that IEEE 754 does not define, and Eigen's that call them.
 CALLS = re.compile(r"\bstd::(?:sin|cos|tan|asin|acos|atan|atan2|sinh|cosh|tanh|asinh|acosh|atanh|exp|exp2|expm1|log|log2|log10|log1p|pow"
                    r"|hypot|cbrt|erf|erfc|tgamma|lgamma|polar)\b|\bAngleAxis\w*|\bslerp\(|\bboost::math::(?!tools\b)\w+")
