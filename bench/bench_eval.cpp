@@ -19,14 +19,14 @@
 #include <string>
 #include <vector>
 
-#include "base/parallel.h"
-#include "base/random.h"
-#include "evaluation/accuracy.h"
-#include "evaluation/evaluate.h"
-#include "evaluation/judge/verdict.h"
-#include "evaluation/quantile/window_quantile.h"
-#include "files/evaluation_file.h"
-#include "raster/region.h"
+#include "base/core/parallel.h"
+#include "base/numerics/random.h"
+#include "base/raster/region.h"
+#include "chain/evaluation/accuracy.h"
+#include "chain/evaluation/evaluate.h"
+#include "chain/evaluation/judge/verdict.h"
+#include "chain/evaluation/quantile/window_quantile.h"
+#include "store/files/evaluation_file.h"
 
 namespace landfall {
 namespace {

@@ -14,10 +14,10 @@
 #include <span>
 #include <vector>
 
-#include "base/parallel.h"
-#include "base/zeroed_memory.h"
-#include "gridding/method.h"
-#include "gridding/weighted_mean_accumulator.h"
+#include "base/core/parallel.h"
+#include "base/memory/zeroed_memory.h"
+#include "chain/gridding/method.h"
+#include "chain/gridding/weighted_mean_accumulator.h"
 
 namespace landfall {
 namespace {

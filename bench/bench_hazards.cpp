@@ -17,9 +17,9 @@
 #include <string>
 #include <vector>
 
-#include "base/parallel.h"
-#include "base/random.h"
-#include "hazards/measures.h"
+#include "base/core/parallel.h"
+#include "base/numerics/random.h"
+#include "chain/hazards/measures.h"
 
 namespace landfall {
 namespace {

@@ -19,8 +19,8 @@
 #include <thread>
 #include <vector>
 
-#include "ray/cgal_engine.h"
-#include "ray/heightfield_engine.h"
+#include "chain/ray/cgal_engine.h"
+#include "chain/ray/heightfield_engine.h"
 #ifdef LANDFALL_BENCH_EMBREE
 #include "embree_engine.h"
 #endif

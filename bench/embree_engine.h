@@ -3,8 +3,8 @@
 
 #include <memory>
 
-#include "ray/engine.h"
-#include "terrain/relief/triangulated_grid.h"
+#include "chain/ray/engine.h"
+#include "chain/terrain/relief/triangulated_grid.h"
 
 namespace landfall {
 

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-# landfall_embed_texts(folder NAME assets FILES a.html b.css ...): files as raw string literals in a header that CMake makes, so
+# landfall_embed_texts(NAME assets FILES a.html b.css ...): files as raw string literals in a header that CMake makes, so
 # that a tool needs no file beside it. The target of this folder's library adds the header to its sources:
-#   #include "folder/embedded_assets.h"      // namespace landfall::embedded: kAssets[i].name, kAssets[i].text
+#   #include "app/report/embedded_assets.h"  // namespace landfall::embedded: kAssets[i].name, kAssets[i].text
 # The header's path is left in embedded_assets; its include folder must be added to the target. The file is also the script
 # that writes it: cmake -DOUTPUT=... -DNAME=assets "-DTEXTS=a.html;b.css" -P EmbedTexts.cmake
 if(CMAKE_SCRIPT_MODE_FILE)
@@ -21,9 +21,10 @@ if(CMAKE_SCRIPT_MODE_FILE)
   return()
 endif()
 
-function(landfall_embed_texts folder)
+function(landfall_embed_texts)
   cmake_parse_arguments(arg "" "NAME" "FILES" ${ARGN})
   set(script ${CMAKE_SOURCE_DIR}/cmake/EmbedTexts.cmake)
+  cmake_path(RELATIVE_PATH CMAKE_CURRENT_SOURCE_DIR BASE_DIRECTORY ${CMAKE_SOURCE_DIR}/lib OUTPUT_VARIABLE folder)
   set(header ${CMAKE_CURRENT_BINARY_DIR}/include/${folder}/embedded_${arg_NAME}.h)
   add_custom_command(OUTPUT ${header}
     COMMAND ${CMAKE_COMMAND} -DOUTPUT=${header} -DNAME=${arg_NAME} "-DTEXTS=${arg_FILES}" -P ${script}

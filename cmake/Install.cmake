@@ -6,7 +6,7 @@ set(share ${CMAKE_INSTALL_DATADIR}/landfall)
 install(DIRECTORY schemas studies DESTINATION ${share} USE_SOURCE_PERMISSIONS PATTERN __pycache__ EXCLUDE)
 install(FILES Makefile.studies DESTINATION ${share})
 install(DIRECTORY python DESTINATION ${share} USE_SOURCE_PERMISSIONS PATTERN __pycache__ EXCLUDE)
-install(DIRECTORY lib/report/web DESTINATION ${share}/lib/report)
+install(DIRECTORY lib/app/report/web DESTINATION ${share}/lib/app/report)
 # `import landfall` in Debian's python3: a link, so that there is one copy.
 file(MAKE_DIRECTORY ${CMAKE_BINARY_DIR}/dist-packages)
 file(CREATE_LINK ../../../share/landfall/python/landfall ${CMAKE_BINARY_DIR}/dist-packages/landfall SYMBOLIC)

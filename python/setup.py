@@ -12,7 +12,7 @@ from setuptools import setup
 from setuptools.command.build_py import build_py
 
 CLONE = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..")
-DATA = ("schemas", "studies/presets", "lib/report/web")
+DATA = ("schemas", "studies/presets", "lib/app/report/web")
 
 
 def version():

@@ -116,7 +116,7 @@ def shared_headers(folder: pathlib.Path, files):
 
 
 def violations(root: pathlib.Path):
-    for list_file in sorted([*root.glob("lib/*/CMakeLists.txt"), *root.glob("tests/unit/*/CMakeLists.txt"), *root.glob("tools/CMakeLists.txt")]):
+    for list_file in sorted([*root.glob("lib/**/CMakeLists.txt"), *root.glob("tests/unit/**/CMakeLists.txt"), *root.glob("tools/CMakeLists.txt")]):
         text = re.sub(r"#.*", "", list_file.read_text()).replace("${CMAKE_SOURCE_DIR}", str(root.resolve()))
         for name, value in SETTING.findall(text):
             text = text.replace("${" + name + "}", value)

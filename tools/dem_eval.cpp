@@ -8,16 +8,16 @@
 #include <utility>
 #include <vector>
 
-#include "cli/judged_region.h"
-#include "cli/meeting_options.h"
-#include "cli/outcomes.h"
-#include "cli/result_tables.h"
-#include "cli/tool.h"
-#include "config/dem_config.h"
-#include "files/evaluation_file.h"
-#include "files/metrics_json.h"
-#include "report/page.h"
-#include "terrain/gdal/gdal_loader.h"
+#include "app/cli/judged_region.h"
+#include "app/cli/meeting_options.h"
+#include "app/cli/outcomes.h"
+#include "app/cli/result_tables.h"
+#include "app/cli/tool.h"
+#include "app/report/page.h"
+#include "formats/gdal/gdal_loader.h"
+#include "store/config/dem_config.h"
+#include "store/files/evaluation_file.h"
+#include "store/files/metrics_json.h"
 #include "tools.h"
 
 namespace landfall::dem_eval {

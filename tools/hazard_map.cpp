@@ -7,18 +7,18 @@
 #include <utility>
 #include <vector>
 
-#include "cli/hazard_input.h"
-#include "cli/judged_region.h"
-#include "cli/meeting_options.h"
-#include "cli/outcomes.h"
-#include "cli/result_tables.h"
-#include "cli/tool.h"
-#include "config/hazard_config.h"
-#include "files/hazard_file.h"
-#include "files/hazard_strips.h"
-#include "hazards/sharp_relief.h"
-#include "report/hazard_page.h"
-#include "terrain/gdal/gdal_loader.h"
+#include "app/cli/hazard_input.h"
+#include "app/cli/judged_region.h"
+#include "app/cli/meeting_options.h"
+#include "app/cli/outcomes.h"
+#include "app/cli/result_tables.h"
+#include "app/cli/tool.h"
+#include "app/report/hazard_page.h"
+#include "chain/hazards/sharp_relief.h"
+#include "formats/gdal/gdal_loader.h"
+#include "store/config/hazard_config.h"
+#include "store/files/hazard_file.h"
+#include "store/files/hazard_strips.h"
 #include "tools.h"
 
 namespace landfall::hazard_map {

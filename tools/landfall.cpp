@@ -13,13 +13,13 @@
 #include <string>
 #include <vector>
 
-#include "base/error.h"
-#include "base/shown_text.h"
-#include "cli/standard_streams.h"
-#include "cli/umbrella_page.h"
-#include "config/schema.h"
-#include "dictionary/tables/tools.h"
-#include "files/provenance.h"
+#include "app/cli/standard_streams.h"
+#include "app/cli/umbrella_page.h"
+#include "base/core/error.h"
+#include "base/dictionary/tables/tools.h"
+#include "base/text/shown_text.h"
+#include "store/config/schema.h"
+#include "store/files/provenance.h"
 #include "tools.h"
 #include "watched_child.h"
 

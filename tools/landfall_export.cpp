@@ -2,10 +2,10 @@
 // landfall-export: converts a landfall file to formats of other programs.
 #include <CLI/CLI.hpp>
 
-#include "cli/tool.h"
-#include "exports/file_export.h"
-#include "output/byte_sink.h"
-#include "runs/cloud_output.h"
+#include "app/cli/tool.h"
+#include "app/exports/file_export.h"
+#include "app/runs/cloud_output.h"
+#include "base/output/byte_sink.h"
 #include "tools.h"
 
 namespace landfall::landfall_export {

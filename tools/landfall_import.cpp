@@ -9,15 +9,15 @@
 #include <utility>
 #include <vector>
 
-#include "base/number_text.h"
-#include "base/shown_text.h"
-#include "base/trimmed.h"
-#include "cli/meeting_options.h"
-#include "cli/tool.h"
-#include "files/landfall_file.h"
-#include "imports/cloud_reader.h"
-#include "runs/cloud_import.h"
-#include "runs/raster_import.h"
+#include "app/cli/meeting_options.h"
+#include "app/cli/tool.h"
+#include "app/runs/cloud_import.h"
+#include "app/runs/raster_import.h"
+#include "base/text/number_text.h"
+#include "base/text/shown_text.h"
+#include "base/text/trimmed.h"
+#include "formats/points/cloud_reader.h"
+#include "store/files/landfall_file.h"
 #include "tools.h"
 
 namespace landfall::landfall_import {

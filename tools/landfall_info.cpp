@@ -6,18 +6,18 @@
 #include <iostream>
 #include <optional>
 
-#include "base/parsed_number.h"
-#include "base/shown_text.h"
-#include "base/trimmed.h"
-#include "cli/comparison_text.h"
-#include "cli/description_text.h"
-#include "cli/devices.h"
-#include "cli/meeting_options.h"
-#include "cli/tool.h"
-#include "files/bin_description.h"
-#include "files/comparison.h"
-#include "files/file_description.h"
-#include "files/landfall_file.h"
+#include "app/cli/comparison_text.h"
+#include "app/cli/description_text.h"
+#include "app/cli/devices.h"
+#include "app/cli/meeting_options.h"
+#include "app/cli/tool.h"
+#include "base/text/parsed_number.h"
+#include "base/text/shown_text.h"
+#include "base/text/trimmed.h"
+#include "store/files/bin_description.h"
+#include "store/files/comparison.h"
+#include "store/files/file_description.h"
+#include "store/files/landfall_file.h"
 #include "tools.h"
 
 namespace landfall::landfall_info {

@@ -8,19 +8,19 @@
 #include <optional>
 #include <vector>
 
-#include "base/joined.h"
-#include "cli/chain.h"
-#include "cli/chain_record.h"
-#include "cli/meeting_options.h"
-#include "cli/standard_streams.h"
-#include "cli/tool.h"
-#include "config/chain_config.h"
-#include "config/import_config.h"
-#include "config/stage_sections.h"
-#include "dictionary/tables/stages.h"
-#include "exports/terrain_output.h"
-#include "files/landfall_file.h"
-#include "output/output_path.h"
+#include "app/cli/chain.h"
+#include "app/cli/chain_record.h"
+#include "app/cli/meeting_options.h"
+#include "app/cli/standard_streams.h"
+#include "app/cli/tool.h"
+#include "app/exports/terrain_output.h"
+#include "base/dictionary/tables/stages.h"
+#include "base/output/output_path.h"
+#include "base/text/joined.h"
+#include "store/config/chain_config.h"
+#include "store/config/import_config.h"
+#include "store/config/stage_sections.h"
+#include "store/files/landfall_file.h"
 #include "tools.h"
 
 namespace landfall::landfall_run {

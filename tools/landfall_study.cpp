@@ -17,8 +17,8 @@
 #include <string>
 #include <vector>
 
-#include "base/error.h"
-#include "base/shown_text.h"
+#include "base/core/error.h"
+#include "base/text/shown_text.h"
 #include "tools.h"
 #include "watched_child.h"
 

@@ -4,13 +4,13 @@
 #include <optional>
 #include <utility>
 
-#include "base/parallel.h"
-#include "cli/meeting_options.h"
-#include "cli/outcomes.h"
-#include "cli/tool.h"
-#include "config/uncertainty_config.h"
-#include "runs/default_grid.h"
-#include "runs/dem_output.h"
+#include "app/cli/meeting_options.h"
+#include "app/cli/outcomes.h"
+#include "app/cli/tool.h"
+#include "app/runs/default_grid.h"
+#include "app/runs/dem_output.h"
+#include "base/core/parallel.h"
+#include "store/config/uncertainty_config.h"
 #include "tools.h"
 
 namespace landfall::regrid {

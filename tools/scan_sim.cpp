@@ -4,17 +4,17 @@
 #include <map>
 #include <memory>
 
-#include "cli/outcomes.h"
-#include "cli/plan.h"
-#include "cli/tool.h"
-#include "config/receiver_config.h"
-#include "config/scan_config.h"
-#include "files/range_file.h"
-#include "files/scan_file.h"
-#include "files/table_reader.h"
-#include "runs/redraw.h"
-#include "scene/scene.h"
-#include "simulation/scan_pipeline.h"
+#include "app/cli/outcomes.h"
+#include "app/cli/plan.h"
+#include "app/cli/tool.h"
+#include "app/runs/redraw.h"
+#include "app/runs/scene.h"
+#include "chain/lidar/simulation/scan_pipeline.h"
+#include "store/config/receiver_config.h"
+#include "store/config/scan_config.h"
+#include "store/files/range_file.h"
+#include "store/files/scan_file.h"
+#include "store/files/table_reader.h"
 #include "tools.h"
 
 namespace landfall::scan_sim {

@@ -4,13 +4,13 @@
 #include <utility>
 #include <vector>
 
-#include "cli/meeting_options.h"
-#include "cli/outcomes.h"
-#include "cli/tool.h"
-#include "config/import_config.h"
-#include "config/terrain_config.h"
-#include "exports/terrain_output.h"
-#include "files/current_output.h"
+#include "app/cli/meeting_options.h"
+#include "app/cli/outcomes.h"
+#include "app/cli/tool.h"
+#include "app/exports/terrain_output.h"
+#include "store/config/import_config.h"
+#include "store/config/terrain_config.h"
+#include "store/files/current_output.h"
 #include "tools.h"
 
 namespace landfall::terrain_gen {

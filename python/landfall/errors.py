@@ -2,7 +2,7 @@
 """Errors of the package, with the same exit codes as the tools, and texts as they may be printed."""
 import re
 
-# Characters that could move the cursor, change colours or hide, reverse or imitate others, as in lib/base/shown_text.cpp; and bytes of
+# Characters that could move the cursor, change colours or hide, reverse or imitate others, as in lib/base/text/shown_text.cpp; and bytes of
 # file names that are not UTF-8, which Python keeps as surrogates.
 _HIDDEN = re.compile("[\x00-\x1f\x7f-\x9f\xad\u061c\u180e\u200b-\u200f\u2028-\u202e\u2060-\u206f\ufeff\ufff9-\ufffb\ud800-\udfff]")
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The effects of the keys of a scan's configuration, as schemas/scan.schema.json says (lib/config/key_effects.h has the words)."""
+"""The effects of the keys of a scan's configuration, as schemas/scan.schema.json says (lib/store/config/key_effects.h has the words)."""
 import functools
 import os
 

@@ -11,7 +11,7 @@ import re
 from landfall import tools
 from landfall.errors import UsageError
 
-MAX_BYTES = 64 << 20  # of a configuration, as in lib/config/json_source.cpp
+MAX_BYTES = 64 << 20  # of a configuration, as in lib/store/config/json_source.cpp
 STRING_OR_COMMENT = re.compile(r'"(?:[^"\\]|\\.)*"|//[^\n]*|/\*.*?\*/', re.DOTALL)
 TYPES = {"object": dict, "array": list, "string": str, "boolean": bool, "null": type(None)}
 WORDS = {"$schema", "$id", "title", "description", "default", "definitions", "type", "properties", "additionalProperties",

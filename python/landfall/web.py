@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Puts the templates, styles and scripts of lib/report/web together, one self-contained HTML template for each report.
+"""Puts the templates, styles and scripts of lib/app/report/web together, one self-contained HTML template for each report.
 
 usage: web.py WEB_FOLDER OUTPUT_FOLDER PAGE...
 

@@ -1,6 +1,6 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The grid that regrid chooses for imported points (tests/unit/gridding/posting_test.cpp has the search)."""
+"""The grid that regrid chooses for imported points (tests/unit/chain/gridding/posting_test.cpp has the search)."""
 import json
 import os
 import subprocess

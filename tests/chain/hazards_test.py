@@ -464,7 +464,7 @@ class Interface(ChainTest):
             self.assertGreaterEqual(len(np.unique(classes)), least)
             rows, cols = classes.shape
             zoom = 600 // max(rows, cols)
-            # The map begins at (88, 120), from the north (lib/picture/map_picture.cpp).
+            # The map begins at (88, 120), from the north (lib/formats/picture/map_picture.cpp).
             image = imread(self.path(layer + ".png"))[88:88 + zoom * rows:zoom, 120:120 + zoom * cols:zoom, :3][::-1]
             expected = np.array([to_rgb(color) for _, (_, color) in sorted(plot_hazards.CLASSES[layer].items())])[classes]
             np.testing.assert_allclose(image, expected, atol=1e-6)

@@ -176,7 +176,7 @@ class Las(Imports):
         self.assertAlmostEqual(data["x_est"][1] - data["x_est"][0], 5.0, delta=0.02)
 
     def test_damaged_files_are_refused(self):
-        """Further ones: tests/unit/imports."""
+        """Further ones: tests/unit/formats/points."""
         good = clouds.las(clouds.las_points(20), 1, offset=OFFSET)
 
         def patched(at, form, value):

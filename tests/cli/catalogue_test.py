@@ -12,7 +12,7 @@ the file names in messages are short and constant.
 
 The catalogue lacks messages that no command line provokes:
 - errors of lib/ that the configuration's schema or another check prevents (a direct caller of the library sees them);
-- errors of the library's interface (lib/host), which tests/chain/host_test.py and tests/unit/host provoke;
+- errors of the library's interface (lib/app/host), which tests/chain/host_test.py and tests/unit/app/host provoke;
 - sizes beyond 2^31 vertices, triangles, pulses or returns of a DEM or in a bin of a plan, rows beyond 10^8, blocks of more than 256 MiB;
 - failures of the system during a run (a compressor without memory, a failing HDF5 call, a file that shrinks while it is
   read, an output that appears during the run, a refused rename or thread), which tests/faults provokes;

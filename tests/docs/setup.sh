@@ -26,8 +26,8 @@ small_maps() {
 # Copies the files of the repository that make and the scripts use, and links the tools to where a build puts them.
 checkout() {
   cp -r "$LANDFALL_ROOT"/{Makefile.studies,bench,examples,python,schemas,scripts,studies} .
-  mkdir -p build/release lib/report
-  cp -r "$LANDFALL_ROOT/lib/report/web" lib/report/
+  mkdir -p build/release lib/app/report
+  cp -r "$LANDFALL_ROOT/lib/app/report/web" lib/app/report/
   ln -s "$LANDFALL_BIN" build/release/bin
 }
 

@@ -5,7 +5,7 @@
     statistics_test.py            compares the pages' tables
     statistics_test.py --print    prints them
 
-It shares no code and, where there is a choice, no formula with lib/campaign: an interval covers p if its test does not reject p, so
+It shares no code and, where there is a choice, no formula with lib/chain/draws: an interval covers p if its test does not reject p, so
 that no bound is computed here.
 """
 import math

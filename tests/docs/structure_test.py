@@ -112,15 +112,19 @@ class Structure(unittest.TestCase):
         self.assertEqual(sorted(set(os.listdir(folder)) - shown), [])
 
     def test_cited_files_exist(self):
-        """Except paths with a NAME for the reader to fill in: lib/scanner/NAME.h."""
+        """Except paths with a NAME for the reader to fill in: lib/chain/lidar/scanner/NAME.h."""
         found = [(page.name, path) for page in self.pages.values() if page.name not in RECORDS for line in page.prose.values()
                  for path in CITED.findall(pages.LINK.sub("", line)) if "NAME" not in path and not ELSEWHERE.match(path)]
         self.assertGreater(len(found), 100)
         self.assertEqual([where for where in found if not os.path.exists(os.path.join(ROOT, where[1]))], [])
 
-    def test_the_layers_agree_with_check_includes(self):
-        shown = {folder: int(level) for level, folders in re.findall(r"^ +(\d)((?: +[a-z0-9_]+)+)$", read("docs/architecture.md"), re.M)
-                 for folder in folders.split()}
+    def test_the_wings_agree_with_check_includes(self):
+        page = read("docs/architecture.md")
+        arrows = re.search(r"(?m)^    tools/((?: +--> +\w+)+)$", page)[1].split("-->")
+        self.assertEqual(tuple(wing.strip() for wing in reversed(arrows[1:])), check_includes.WINGS)
+        rows = re.findall(r"(?m)^\| `(\w+)`: [^|]* \| (0 .*) \|$", page)
+        shown = {f"{wing}/{room}": int(level) for wing, rooms in rows for level, names in re.findall(r"(\d)([^;]*)", rooms)
+                 for room in re.findall("`([\\w/]+)`", re.sub(r"\(.*?\)", "", names))}
         self.assertEqual(shown, check_includes.LEVELS)
 
     def decisions(self):

@@ -57,7 +57,7 @@ PLOTS = {"terrain": [plot_terrain], "mesh": [plot_terrain], "populations": [plot
 
 
 def seal_begin(content):
-    """The size of a file before its seal (lib/hdf5/guard/file_seal.h)."""
+    """The size of a file before its seal (lib/store/hdf5/guard/file_seal.h)."""
     return int.from_bytes(content[-56:-48], "little") if content.endswith(b"landfall seal 1\n") else len(content)
 
 

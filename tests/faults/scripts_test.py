@@ -103,7 +103,7 @@ class Names(StudyTest):
         return result
 
     def test_a_study_is_made_in_a_folder_of_any_name(self):
-        for name in ("python", "schemas", "studies", "lib/report/web"):
+        for name in ("python", "schemas", "studies", "lib/app/report/web"):
             shutil.copytree(os.path.join(ROOT, name), os.path.join(self.hostile, name), symlinks=True)
         shutil.copy(os.path.join(ROOT, "Makefile.studies"), self.hostile)
         tree = study({**SIGMAS, "list": [0.01, 0.02], "label": MARKUP}, title=MARKUP + HIDDEN, description="$(touch hacked) " + MARKUP + HIDDEN)

@@ -1,6 +1,6 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Real full waveforms through lib/receiver, and the pulses' origins and directions through scan-sim.
+"""Real full waveforms through lib/chain/lidar/receiver, and the pulses' origins and directions through scan-sim.
 
 `real_waveforms_test.py --figure FILE` also draws the figure of docs/quality/real-scan.md.
 """
@@ -46,7 +46,7 @@ def sub_rays(samples):
 
 
 def received(times, counts):
-    """The reports of lib/receiver: height in counts; leading edge, constant fraction, peak, centroid in ns."""
+    """The reports of lib/chain/lidar/receiver: height in counts; leading edge, constant fraction, peak, centroid in ns."""
     lines = (" ".join(f"{t:g} {e:.9g}" for t, e in zip(times[row > 0], row[row > 0])) for row in counts)
     result = subprocess.run([RECEIVER, str(FWHM_PER_SIGMA * KERNEL_NS), str(THRESHOLD), "0.5"], input="\n".join(lines), text=True,
                             capture_output=True, check=True, timeout=300)
@@ -214,7 +214,7 @@ class RealWaveforms(ToolTest):
         from matplotlib import pyplot
         figure, (left, right) = pyplot.subplots(1, 2, figsize=(11, 4.2), layout="constrained")
         judged = ~self.fitted
-        left.plot(self.height[judged], CM_PER_NS * self.walk[judged], ".", ms=3, color="#0072b2", alpha=0.4, label="lib/receiver on real waveforms")
+        left.plot(self.height[judged], CM_PER_NS * self.walk[judged], ".", ms=3, color="#0072b2", alpha=0.4, label="lib/chain/lidar/receiver on real waveforms")
         curve = np.linspace(17, 260, 200)
         left.plot(curve, -CM_PER_NS * self.sigma_ns * np.sqrt(2 * np.log(curve / THRESHOLD)), color="#d55e00", label="closed form")
         left.set(xlabel="amplitude, counts", ylabel="threshold crossing after the maximum, cm", title="Walk of 1,100 real pulses that were not fitted", ylim=(-85, -5))

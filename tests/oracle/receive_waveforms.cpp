@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Waveforms through lib/receiver, for tests/oracle/real_waveforms_test.py.
+// Waveforms through lib/chain/lidar/receiver, for tests/oracle/real_waveforms_test.py.
 //
 // usage: receive_waveforms FWHM_NS THRESHOLD FRACTION < waveforms > times
 //
@@ -15,8 +15,8 @@
 #include <string>
 #include <vector>
 
-#include "base/light.h"
-#include "receiver/receiver.h"
+#include "base/numerics/light.h"
+#include "chain/lidar/receiver/receiver.h"
 
 namespace landfall {
 namespace {

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The reports of a receiver of the sub-rays of its pixels (lib/receiver/*.h): signals, echoes, photoelectrons, the clock."""
+"""The reports of a receiver of the sub-rays of its pixels (lib/chain/lidar/receiver/*.h): signals, echoes, photoelectrons, the clock."""
 from statistics import NormalDist
 
 import numpy as np

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The echoes of pixels and the points of their waveforms (lib/receiver/echo.h, echo_timing.h), by sampling and bisection."""
+"""The echoes of pixels and the points of their waveforms (lib/chain/lidar/receiver/echo.h, echo_timing.h), by sampling and bisection."""
 import numpy as np
 
 CLOSE = 2e-3  # heights whose relative difference is below it may be mistaken for each other by a search in steps

@@ -41,7 +41,7 @@ class Package(unittest.TestCase):
     @needs("setuptools", "python3-setuptools")
     def test_pip_installs_it_without_a_network(self):
         clone = os.path.join(self.folder, "clone")
-        for name in ("python", "schemas", os.path.join("studies", "presets"), os.path.join("lib", "report", "web")):
+        for name in ("python", "schemas", os.path.join("studies", "presets"), os.path.join("lib", "app", "report", "web")):
             shutil.copytree(os.path.join(ROOT, name), os.path.join(clone, name), ignore=shutil.ignore_patterns("__pycache__"))
         shutil.copy(os.path.join(ROOT, "CMakeLists.txt"), clone)
         before = sorted(os.listdir(os.path.join(clone, "python")))

@@ -166,7 +166,7 @@ class ScaleTest(unittest.TestCase):
 
 
 class ReliefTest(unittest.TestCase):
-    """Closed forms of lib/picture/pixel_map.h."""
+    """Closed forms of lib/formats/picture/pixel_map.h."""
 
     def test_level_ground_has_the_colours_of_the_map(self):
         scale = scales.Scale("elevation", 0, 1, (0, 1), (0, 1), "")

@@ -1,6 +1,6 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""lib and tools take elementary functions from base/portable_math.h; docs/quality/tests.md lists the others, each with its reason."""
+"""lib and tools take elementary functions from base/numerics/portable_math.h; docs/quality/tests.md lists the others, each with its reason."""
 import glob
 import os
 import re
@@ -38,10 +38,10 @@ class ElementaryFunctions(unittest.TestCase):
     def test_header_libraries_call_no_others(self):
         """By the symbols of each archive, which no pattern of the source finds: Boost, CGAL and Eigen call functions as well."""
         rows = re.findall(r"^\| `(lib/[^`]+)` \| (.*?) \|", read(PAGE), re.MULTILINE)
-        archives = glob.glob(os.path.join(BUILD, "lib", "*", "liblandfall_*.a"))
+        archives = glob.glob(os.path.join(BUILD, "lib", "**", "liblandfall_*.a"), recursive=True)
         self.assertGreater(len(archives), 20)
         for archive in archives:
-            folder = "lib/" + os.path.basename(os.path.dirname(archive)) + "/"
+            folder = os.path.relpath(os.path.dirname(archive), BUILD) + "/"
             listed = {name for file, names in rows if file.startswith(folder) for name in re.findall(r"`(\w+)`", names)}
             symbols = subprocess.run(["nm", "--undefined-only", archive], capture_output=True, text=True, check=True).stdout
             with self.subTest(folder):

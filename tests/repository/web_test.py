@@ -1,6 +1,6 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""python/landfall/web.py: the pages of lib/report/web, and what it refuses in small ones."""
+"""python/landfall/web.py: the pages of lib/app/report/web, and what it refuses in small ones."""
 import base64
 import hashlib
 import os
@@ -13,7 +13,7 @@ import unittest
 
 ROOT = pathlib.Path(os.environ["LANDFALL_ROOT"])
 SCRIPT = ROOT / "python" / "landfall" / "web.py"
-WEB = ROOT / "lib" / "report" / "web"
+WEB = ROOT / "lib" / "app" / "report" / "web"
 sys.path.insert(0, str(SCRIPT.parent))
 import web  # pylint: disable=wrong-import-position
 

@@ -6,7 +6,7 @@
 #include <string>
 #include <string_view>
 
-#include "evaluation/metrics.h"
+#include "chain/evaluation/metrics.h"
 
 namespace landfall {
 

@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "opencl/devices.h"
+#include "chain/opencl/devices.h"
 
 namespace landfall {
 

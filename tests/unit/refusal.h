@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "base/error.h"
+#include "base/core/error.h"
 
 namespace landfall {
 

@@ -1,6 +1,6 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""eslint and tsc, as scripts/lint web runs them: nothing is wrong with lib/report/web, and they find what is."""
+"""eslint and tsc, as scripts/lint web runs them: nothing is wrong with lib/app/report/web, and they find what is."""
 import os
 import pathlib
 import subprocess
@@ -25,7 +25,7 @@ class Lint(unittest.TestCase):
         for text, rule in (("call(undeclared);", "no-undef"), ("const unused = 1;", "no-unused-vars"), ("export const a = 1, b = 2;", "one name at a time"),
                            ("{\n  document.title = '';\n}", "No block at the top level"), ("document.body.innerHTML = '';", "no-restricted-properties"),
                            ("import * as all from './map.js';\nall.draw();", "no-restricted-syntax")):
-            code, output = run(MODULES / "eslint", "--config", "tests/web/eslint.config.mjs", "--stdin", "--stdin-filename", "lib/report/web/x.js",
+            code, output = run(MODULES / "eslint", "--config", "tests/web/eslint.config.mjs", "--stdin", "--stdin-filename", "lib/app/report/web/x.js",
                                stdin=text + "\n")
             self.assertEqual(code, 1, output)
             self.assertIn(rule, output)

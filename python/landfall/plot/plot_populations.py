@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Draws how many rocks, ice blocks and craters of which size a terrain has, against the laws they were drawn from.
 
-The laws are those of lib/terrain/populations, implemented independently: N(>D) per square metre, D in metres.
+The laws are those of lib/chain/terrain/populations, implemented independently: N(>D) per square metre, D in metres.
 """
 import json
 from dataclasses import dataclass

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Shaded relief, as lib/picture/pixel_map.cpp computes it: light from the north-west, 45 degrees high."""
+"""Shaded relief, as lib/formats/picture/pixel_map.cpp computes it: light from the north-west, 45 degrees high."""
 import math
 
 import numpy as np

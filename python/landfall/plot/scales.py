@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Scales of maps: the colour map of each quantity, which values the colours show, and what the figure says about it.
 
-The rules are those of the report (lib/report/web/scales.js) and of --view (lib/picture/map_picture.cpp).
+The rules are those of the report (lib/app/report/web/scales.js) and of --view (lib/formats/picture/map_picture.cpp).
 """
 from dataclasses import dataclass
 

@@ -37,11 +37,11 @@ def page(tree, figures):
 
 
 def document(name, title, note, sections, elements=""):
-    """The page `name` of lib/report/web. Sections are (name, heading, HTML); `note`, HTML, is below the title; `elements` are data of
+    """The page `name` of lib/app/report/web. Sections are (name, heading, HTML); `note`, HTML, is below the title; `elements` are data of
     the script."""
     body = "".join(f'<section id="{name}"><h2>{escaped(heading)}</h2>\n{text}</section>\n' for name, heading, text in sections)
     parts = {"title": escaped(title), "subtitle": note, "banner": "", "sections": body, "data": elements}
-    folder = os.path.join(tools.SHARE, "lib", "report", "web")
+    folder = os.path.join(tools.SHARE, "lib", "app", "report", "web")
     try:
         return web.filled(web.template(folder, name), parts)
     except OSError as error:
@@ -216,7 +216,7 @@ def estimate_cell(estimate):
     return f'<td class="number" data-value="{value}">{number(value)}{interval}</td>'
 
 
-# Cases: lib/report/web/study.js fills this
+# Cases: lib/app/report/web/study.js fills this
 
 CASES = """<noscript><p>This table needs JavaScript; results.csv beside this page holds the same numbers.</p></noscript>
 <div class="controls" id="filters"></div>

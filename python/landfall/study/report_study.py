@@ -79,7 +79,7 @@ class Study:
 
 
 def report(folder, figures):
-    """The tree: name, title, tools, axes, columns, points, configs, runs and failures (lib/report/web/study_*.js read it)."""
+    """The tree: name, title, tools, axes, columns, points, configs, runs and failures (lib/app/report/web/study_*.js read it)."""
     study = Study(folder)
     numbers = FigureNumbers(study, figures)
     shown = range(min(len(study.rows), MAX_CASES))

@@ -2,8 +2,8 @@
 // Files of points, as landfall-import takes them: LAS, PLY, PCD, PTX, QFIT, text.
 //
 // An input is a letter (c: columns are chosen, else not) and the file.
+#include "formats/points/cloud_reader.h"
 #include "fuzz_target.h"
-#include "imports/cloud_reader.h"
 #include "memory_file.h"
 
 namespace landfall::fuzz {

@@ -9,20 +9,20 @@
 #include <array>
 #include <vector>
 
-#include "base/json_text.h"
-#include "config/dem_config.h"
-#include "config/draws_config.h"
-#include "config/hazard_config.h"
-#include "config/import_config.h"
-#include "config/region_config.h"
-#include "config/scan_config.h"
-#include "config/schema.h"
-#include "config/stage_sections.h"
-#include "config/terrain_config.h"
-#include "config/uncertainty_config.h"
+#include "base/text/json_text.h"
+#include "chain/lidar/simulation/simulation.h"
+#include "chain/ray/flat_ground.h"
 #include "fuzz_target.h"
-#include "ray/flat_ground.h"
-#include "simulation/simulation.h"
+#include "store/config/dem_config.h"
+#include "store/config/draws_config.h"
+#include "store/config/hazard_config.h"
+#include "store/config/import_config.h"
+#include "store/config/region_config.h"
+#include "store/config/scan_config.h"
+#include "store/config/schema.h"
+#include "store/config/stage_sections.h"
+#include "store/config/terrain_config.h"
+#include "store/config/uncertainty_config.h"
 
 namespace landfall::fuzz {
 namespace {

@@ -3,12 +3,12 @@
 //
 // An input is a byte that chooses a valid file (landfall_files.h), one that chooses its reader, and edits of
 // the file (hdf5_edits.h). The file stays valid HDF5; hdf5_bits.cpp damages it.
-#include "base/parallel.h"
+#include "base/core/parallel.h"
 #include "fuzz_target.h"
-#include "hdf5/h5.h"
 #include "hdf5_edits.h"
 #include "hdf5_readers.h"
 #include "memory_file.h"
+#include "store/hdf5/h5.h"
 
 namespace landfall::fuzz {
 namespace {

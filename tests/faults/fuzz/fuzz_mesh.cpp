@@ -4,9 +4,9 @@
 // An input is a letter (o: OBJ, p: PLY, f: OFF, s: STL, t: shape table) and the file.
 #include <cmath>
 
+#include "chain/terrain/mesh/triangle_mesh.h"
+#include "formats/mesh/mesh_file.h"
 #include "fuzz_target.h"
-#include "meshio/mesh_file.h"
-#include "terrain/mesh/triangle_mesh.h"
 
 namespace landfall::fuzz {
 namespace {

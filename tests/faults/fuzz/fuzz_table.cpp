@@ -5,13 +5,13 @@
 // CSV, or HDF5 by its signature.
 #include <cmath>
 
-#include "detector/perspective.h"
-#include "files/table_reader.h"
+#include "chain/lidar/detector/perspective.h"
+#include "chain/lidar/scanner/patterns.h"
+#include "chain/lidar/scanner/table_scanner.h"
+#include "chain/lidar/trajectory/table_trajectory.h"
 #include "fuzz_target.h"
 #include "memory_file.h"
-#include "scanner/patterns.h"
-#include "scanner/table_scanner.h"
-#include "trajectory/table_trajectory.h"
+#include "store/files/table_reader.h"
 
 namespace landfall::fuzz {
 namespace {

@@ -30,14 +30,14 @@
 #include <string_view>
 #include <vector>
 
-#include "base/parallel.h"
-#include "base/random.h"
-#include "files/landfall_file.h"
+#include "base/core/parallel.h"
+#include "base/numerics/random.h"
 #include "fuzz_target.h"
-#include "hdf5/h5.h"
 #include "hdf5_readers.h"
 #include "landfall_files.h"
 #include "memory_file.h"
+#include "store/files/landfall_file.h"
+#include "store/hdf5/h5.h"
 
 namespace landfall::fuzz {
 namespace {
@@ -101,7 +101,7 @@ std::vector<std::size_t> metadata_of(const MemoryFile& file) {
   return places;
 }
 
-/// The place where the seal of a file begins (lib/hdf5/guard/file_seal.cpp).
+/// The place where the seal of a file begins (lib/store/hdf5/guard/file_seal.cpp).
 std::size_t seal_begin(const std::vector<std::byte>& bytes) {
   std::uint64_t size = 0;
   std::memcpy(&size, bytes.data() + bytes.size() - 56, sizeof(size));

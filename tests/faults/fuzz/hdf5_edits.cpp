@@ -8,8 +8,8 @@
 #include <optional>
 #include <vector>
 
-#include "hdf5/h5.h"
 #include "hdf5_values.h"
+#include "store/hdf5/h5.h"
 
 namespace landfall::fuzz {
 namespace {

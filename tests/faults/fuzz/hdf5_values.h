@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "fuzz_target.h"
-#include "hdf5/h5.h"
+#include "store/hdf5/h5.h"
 
 namespace landfall::fuzz {
 

@@ -6,7 +6,7 @@
 #include <utility>
 #include <vector>
 
-#include "files/provenance.h"
+#include "store/files/provenance.h"
 
 namespace landfall::fuzz {
 

@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <functional>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "app/runs/campaign.h"
+#include "app/runs/campaign_parts.h"
+#include "base/core/progress.h"
+#include "base/output/output_path.h"
+
+namespace landfall {
+
+/// A traced scan and the terrain that it scanned.
+struct ScanPair {
+  std::string scan;     ///< scan.h5; empty: each draw traces its rays
+  std::string terrain;  ///< terrain.h5; may be empty for draws that trace
+};
+
+/// The scans and terrains of a campaign.
+struct CampaignSources {
+  /// With several, all draws run over the first, then over the next: row p N + i is draw i of N over pair p.
+  /// Such a campaign has no maps.
+  std::vector<ScanPair> pairs;
+  std::string samples;  ///< a table of values; empty: none
+  /// The OpenCL device that draws errors and grids the returns; none: the CPU does.
+  std::optional<OpenClOptions> device{};
+  TerrainMaker make_terrain{};  ///< for draws that trace
+  MeetingRules rules{};
+};
+
+struct CampaignOutput {
+  OutputOptions file;
+  nlohmann::json config;    ///< of the campaign
+  Provenance provenance;    ///< its configuration and inputs are added later
+  std::string config_name;  ///< for messages
+  PhaseRunner phase;
+  std::function<void(const std::string&)> warn;
+  std::function<void(const std::string&)> log;
+  std::function<void(const std::string&)> note;  ///< gets the verdict so far, after each draw
+  std::function<double()> clock_s;
+  /// Called with the finished draws before the output is complete; may be empty.
+  std::function<void(const Draws&, const nlohmann::ordered_json& verdict, const Provenance&)> report{};
+};
+
+struct CampaignResult {
+  nlohmann::ordered_json verdict;  ///< verdict_json()
+  double draws_per_s = 0;          ///< of this run
+};
+
+/// Runs a campaign, or its part, and writes draws.h5. At most every 30 s the state of the run is written
+/// beside the output (CampaignState); a run of the same campaign begins there. An interrupt ends the run
+/// after the draw that is being made and a last state. The state is removed when the output is complete.
+/// Throws as DrawsConfig and Campaign do, and UsageError for a part beyond the rows or of a sequential test,
+/// and for a sequential test over several pairs.
+CampaignResult run_campaign(const CampaignSources& sources, const std::optional<DrawSpan>& part,
+                            CampaignOutput output);
+
+}  // namespace landfall

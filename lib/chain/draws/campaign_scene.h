@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <optional>
+
+#include "base/raster/grid_spec.h"
+#include "base/raster/region.h"
+#include "chain/lidar/simulation/pulse_simulator.h"
+#include "chain/terrain/surface.h"
+
+namespace landfall {
+
+/// The inputs that the draws of a campaign share.
+struct CampaignScene {
+  TrueRanges truth;  ///< one range per pixel and pulse, and its echo if the receiver sees waveforms; empty
+                     ///< for draws that trace
+  const TerrainSurface* ground;  ///< the true ground of all draws; null where it varies
+  GridSpec grid;
+  BinMask region;                                       ///< judged_region(), which no draw changes
+  std::optional<BinMask> hazard_region = std::nullopt;  ///< HazardInput::region
+};
+
+}  // namespace landfall

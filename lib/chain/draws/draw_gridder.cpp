@@ -1,0 +1,146 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "chain/draws/draw_gridder.h"
+
+#include <algorithm>
+#include <memory>
+#include <numeric>
+#include <type_traits>
+
+#include "base/core/parallel.h"
+
+namespace landfall {
+namespace {
+
+/// Enough points that a pass on all threads costs more than its start.
+constexpr std::int64_t kBatchPoints = std::int64_t{1} << 17U;
+constexpr std::int64_t kPointsPerPiece = 16384;
+
+/// Memory for every bin; its values are not set.
+void require_layers(DrawnDem& dem, const GridSpec& grid) {
+  const auto require = [&](auto& layer) {
+    if (layer.spec() != grid) layer = std::remove_reference_t<decltype(layer)>::unset(grid);
+  };
+  if (!dem.layers.truth) dem.layers.truth.emplace();
+  require(dem.layers.z_est);
+  require(dem.layers.truth->x);
+  require(dem.layers.truth->y);
+  require(dem.layers.truth->z);
+  require(dem.count);
+}
+
+}  // namespace
+
+DrawGridder::DrawGridder(const TrueRanges& truth, const GridSpec& grid,
+                         const std::optional<OpenClOptions>& device)
+    : truth_(truth), grid_(grid) {
+  if (device) device_ = std::make_unique<DeviceGridder>(truth, grid, *device);
+}
+
+template <class Bins>
+void DrawGridder::take_values(const Bins& bins, TruthAt truth_at, const TerrainSurface& truth) {
+  require_layers(dem_, grid_);
+  const auto elevation = [&](double x_m, double y_m) { return truth.elevation(x_m, y_m); };
+  parallel_for(static_cast<std::size_t>(grid_.rows), 16, [&](std::size_t begin, std::size_t end) {
+    std::vector<BinValues> row(static_cast<std::size_t>(grid_.cols));
+    for (auto r = static_cast<std::int64_t>(begin); r < static_cast<std::int64_t>(end); ++r) {
+      bins.values({r, 0}, row);
+      for (std::int64_t c = 0; c < grid_.cols; ++c) {
+        const BinIndex bin{r, c};
+        const BinValues& values = row[static_cast<std::size_t>(c)];
+        dem_.layers.z_est.at(bin) = values.z_est;
+        dem_.layers.truth->x.at(bin) = values.x_true;
+        dem_.layers.truth->y.at(bin) = values.y_true;
+        dem_.layers.truth->z.at(bin) = true_elevation(values, grid_, bin, elevation, truth_at);
+        dem_.count.at(bin) = values.count;
+      }
+    }
+  });
+}
+
+DrawnDem& DrawGridder::draw(const Simulation& simulation, Method method, TruthAt truth_at,
+                            const TerrainSurface& truth) {
+  if (device_ && device_->draw(simulation, method)) {
+    take_values(*device_, truth_at, truth);
+    return dem_;
+  }
+  Accumulator& bins = empty_bins(method);
+  const auto rows = static_cast<std::int64_t>(simulation.rows_per_pulse());
+  const std::int64_t pulses_per_pass = std::max<std::int64_t>(1, kBatchPoints / rows);
+  do {
+    for (std::int64_t first = 0; first < simulation.pulse_count(); first += pulses_per_pass) {
+      fill(simulation, {first, std::min(pulses_per_pass, simulation.pulse_count() - first)});
+      bins.add(take_returns());
+    }
+  } while (bins.end_pass());
+  take_values(bins, truth_at, truth);
+  return dem_;
+}
+
+Accumulator& DrawGridder::empty_bins(Method method) {
+  if (!bins_ || method != method_ || !bins_->clear()) {
+    bins_.reset();  // the old bins first, so that both never exist at once
+    bins_ = make_accumulator(method, grid_);
+    method_ = method;
+  }
+  return *bins_;
+}
+
+void DrawGridder::fill(const Simulation& simulation, PulseSpan pulses) {
+  const std::size_t rows = simulation.rows_per_pulse();
+  batch_.resize(static_cast<std::size_t>(pulses.count), rows, PointContent::all, simulation.columns());
+  const std::int64_t per_piece = std::max<std::int64_t>(1, kPointsPerPiece / static_cast<std::int64_t>(rows));
+  parallel_for(static_cast<std::size_t>((pulses.count + per_piece - 1) / per_piece), 1,
+               [&](std::size_t begin, std::size_t end) {
+                 const std::int64_t slot = static_cast<std::int64_t>(begin) * per_piece;
+                 const std::int64_t count =
+                     std::min(static_cast<std::int64_t>(end) * per_piece, pulses.count) - slot;
+                 fill_slots(simulation, {pulses.first + slot, count}, static_cast<std::size_t>(slot));
+               });
+}
+
+void DrawGridder::fill_slots(const Simulation& simulation, PulseSpan pulses, std::size_t first_slot) {
+  if (simulation.can_trace()) return simulation.simulate_slots(pulses, first_slot, batch_);
+  const std::size_t pixels = simulation.pixel_count();
+  const TrueRanges seen = truth_.part(static_cast<std::size_t>(pulses.first) * pixels,
+                                      static_cast<std::size_t>(pulses.count) * pixels);
+  simulation.replay_slots(pulses, seen, first_slot, batch_);
+}
+
+GridPoints DrawGridder::take_returns() {
+  const PointColumns& points = batch_.points;
+  const std::size_t size = points.size();
+  constexpr auto kPerPiece = static_cast<std::size_t>(kPointsPerPiece);
+  const std::size_t pieces = (size + kPerPiece - 1) / kPerPiece;
+  const auto end_of = [&](std::size_t piece) { return std::min((piece + 1) * kPerPiece, size); };
+  const auto is_kept = [&](std::size_t row) {
+    return is_return(points.status[row]) &&
+           (points.return_number.empty() || points.return_number[row] != PulseBatch::kNoSuchReturn);
+  };
+  std::vector<std::size_t> first(pieces + 1);  // return of each piece
+  parallel_for(pieces, 1, [&](std::size_t piece, std::size_t) {
+    for (std::size_t row = piece * kPerPiece; row < end_of(piece); ++row)
+      first[piece + 1] += is_kept(row) ? 1U : 0U;
+  });
+  std::partial_sum(first.begin(), first.end(), first.begin());
+  for (std::vector<double>& column : returns_) column.resize(std::max(column.size(), first.back()));
+  parallel_for(pieces, 1, [&](std::size_t piece, std::size_t) {
+    for (std::size_t i = 0; i < kCoordinates.size(); ++i) {
+      const std::vector<double>& from = points.*kCoordinates[i];
+      double* to = returns_[i].data() + first[piece];
+      for (std::size_t row = piece * kPerPiece; row < end_of(piece); ++row)
+        if (is_kept(row)) *to++ = from[row];
+    }
+  });
+  // No layer of the DEM that is judged needs the times of the returns.
+  no_times_.resize(std::max(no_times_.size(), first.back()));
+  const auto column = [&](std::size_t i) { return std::span<const double>(returns_[i]).first(first.back()); };
+  return {column(0),
+          column(1),
+          column(2),
+          column(3),
+          column(4),
+          column(5),
+          std::span(no_times_).first(first.back())};
+}
+
+}  // namespace landfall

@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "chain/hazards/measure_rows.h"
+
+#include <limits>
+
+#include "base/core/parallel.h"
+
+namespace landfall {
+
+PlaceMeasures measure_rows(const GridSpec& spec, const MeasureRows& rows, const ProgressCallback& progress) {
+  constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+  PlaceMeasures result{Grid<double>(spec, kNan), Grid<double>(spec, kNan)};
+  parallel_for(
+      static_cast<std::size_t>(spec.rows), kRowsPerPiece,
+      [&](std::size_t begin, std::size_t end) {
+        rows(static_cast<std::int64_t>(begin), static_cast<std::int64_t>(end), result);
+      },
+      progress);
+  return result;
+}
+
+}  // namespace landfall

@@ -1,0 +1,458 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Decisions: D346
+//
+// A lidar below a mesh's H is not an error: it may be under an overhang or in a cave. Inside a closed body
+// it sees the body from within.
+#include "chain/lidar/simulation/pulse_simulator.h"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <array>
+#include <cassert>
+#include <cmath>
+#include <limits>
+#include <sstream>
+#include <utility>
+
+#include "base/core/error.h"
+#include "base/numerics/light.h"
+#include "chain/lidar/simulation/echo_columns.h"
+#include "chain/lidar/simulation/incidence.h"
+#include "chain/lidar/simulation/pattern_aim.h"
+
+namespace landfall {
+namespace {
+
+constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+constexpr float kNoIntensity = std::numeric_limits<float>::quiet_NaN();
+
+[[noreturn]] void refuse_origin(std::int64_t pulse, const Point<DemFrame>& origin, double ground_m) {
+  std::ostringstream message;
+  message.precision(10);
+  message << "pulse " << pulse << ": the lidar at x = " << origin.v.x() << " m, y = " << origin.v.y()
+          << " m is " << origin.v.z() << " m high, at or below the terrain, " << ground_m << " m";
+  throw FormatError(message.str());
+}
+
+/// The columns of a true or an estimated pose.
+struct PoseColumns {
+  std::vector<double>&px, &py, &pz, &qw, &qx, &qy, &qz;
+};
+
+void record_pose(const Pose& pose, std::size_t slot, const PoseColumns& columns) {
+  Eigen::Quaterniond q(pose.rotation.m);
+  if (q.w() < 0) q.coeffs() *= -1;  // q and -q are the same attitude; the file holds the one with w >= 0
+  columns.px[slot] = pose.position.v.x();
+  columns.py[slot] = pose.position.v.y();
+  columns.pz[slot] = pose.position.v.z();
+  columns.qw[slot] = q.w();
+  columns.qx[slot] = q.x();
+  columns.qy[slot] = q.y();
+  columns.qz[slot] = q.z();
+}
+
+void record_pulse(const PulseInput& pulse, const ScannerState& state, std::size_t slot, PulseColumns& out) {
+  out.t[slot] = pulse.t_s;
+  out.angle_1[slot] = state.angle_1_rad;
+  out.angle_2[slot] = state.angle_2_rad;
+  record_pose(pulse.truth, slot,
+              {out.px_true, out.py_true, out.pz_true, out.qw_true, out.qx_true, out.qy_true, out.qz_true});
+  record_pose(pulse.estimate, slot,
+              {out.px_est, out.py_est, out.pz_est, out.qw_est, out.qx_est, out.qy_est, out.qz_est});
+}
+
+/// Expands the engine's ranges, which omit the lost beams, to all beams.
+void spread_over(std::span<const Beam> beams, std::vector<double>& hits_m) {
+  if (hits_m.size() == beams.size()) return;
+  std::size_t from = hits_m.size();
+  hits_m.resize(beams.size());
+  for (std::size_t i = beams.size(); i-- > 0;) hits_m[i] = beams[i].lost ? kNan : hits_m[--from];
+}
+
+std::vector<std::int8_t> dead_map_of(const Lidar& lidar) {
+  std::vector<std::int8_t> dead(lidar.detector.pixel_count());
+  for (std::size_t i = 0; i < dead.size(); ++i)
+    dead[i] = lidar.range_errors.is_dead(static_cast<std::int64_t>(i)) ? 1 : 0;
+  return dead;
+}
+
+}  // namespace
+
+PulseSimulator::PulseSimulator(Lidar lidar, const RayEngine* engine, const TerrainSurface* ground,
+                               const SurfaceAlbedo* albedo)
+    : lidar_(std::move(lidar)),
+      engine_(engine),
+      ground_(ground),
+      albedo_(albedo),
+      dead_map_(dead_map_of(lidar_)) {
+  if (lidar_.range_errors.needs_incidence() && ground_ == nullptr)
+    throw UsageError("incidence_sigma_rad: needs the terrain's surface");
+  if (lidar_.receiver.sees_waveforms() && engine_ != nullptr && ground_ == nullptr)
+    throw UsageError("receiver/type: needs the terrain's surface");
+  assert(lidar_.link_constants_pe_m2.size() ==
+         (lidar_.receiver.sees_waveforms() ? lidar_.detector.samples().size() : 0));
+}
+
+void PulseSimulator::simulate(const PulseInput& pulse, std::size_t slot, PulseBatch& batch,
+                              PulseWorkspace& workspace) const {
+  steer_to_trace(pulse, workspace.aimed);
+  make_rays(pulse, workspace.aimed, workspace.traced);
+  trace(workspace.traced.rays, workspace.traced.hits_m);
+  if (!workspace.aimed.state.blanked)
+    spread_over(traced_beams(workspace.aimed, workspace.traced), workspace.traced.hits_m);
+  combine_samples(pulse.time.pulse, workspace.aimed, workspace.traced, workspace.received);
+  record(pulse, slot, batch, workspace);
+}
+
+void PulseSimulator::replay(const PulseInput& pulse, const TrueRanges& truth, std::size_t slot,
+                            PulseBatch& batch, PulseWorkspace& workspace) const {
+  load_true_ranges(pulse, truth, workspace);
+  record(pulse, slot, batch, workspace);
+}
+
+void PulseSimulator::prepare_replay(const PulseInput& pulse, const TrueRanges& truth,
+                                    PulseWorkspace& workspace) const {
+  load_true_ranges(pulse, truth, workspace);
+  find_incidences(workspace.aimed, workspace.received, workspace.measured);
+}
+
+void PulseSimulator::load_true_ranges(const PulseInput& pulse, const TrueRanges& truth,
+                                      PulseWorkspace& workspace) const {
+  steer(pulse, workspace.aimed);
+  ReceivedPulse& received = workspace.received;
+  received.ranges_m.assign(truth.ranges_m.begin(), truth.ranges_m.end());
+  received.echoes.assign(truth.echoes.begin(), truth.echoes.end());
+  const auto later = std::ranges::equal_range(truth.later, pulse.time.pulse, {},
+                                              [](const LaterEcho& echo) { return echo.where.pulse; });
+  received.later_echoes.assign(later.begin(), later.end());
+}
+
+Transform<BodyFrame, LidarFrame> PulseSimulator::true_mount(std::int64_t pulse) const {
+  if (!lidar_.pointing_error.turns_beams()) return lidar_.mount;
+  return {lidar_.mount.rotation * lidar_.pointing_error.turn(pulse), lidar_.mount.position};
+}
+
+PulseContext PulseSimulator::context_of(const PulseInput& pulse, double mirror_time_error_s) const {
+  PulseContext context{.time = {pulse.time.pulse, pulse.time.since_start_s + mirror_time_error_s}};
+  const Pattern* const pattern = lidar_.pattern.get();
+  if (pattern == nullptr || !pattern->ground_aim(pulse.time)) return context;
+  const PatternAim aim(*pattern, pulse.interval_s);
+  const auto [near, later_s] = aim.time_after(pulse.time, mirror_time_error_s);
+  const Point<DemFrame> target = later_s == 0 ? *pattern->ground_aim(near) : aim.at(near, later_s);
+  const Transform<DemFrame, LidarFrame> T_dem_lidar = pulse.nominal * lidar_.mount;
+  context.aim = direction_to(target, T_dem_lidar);
+  const ContextNeeds needs = lidar_.scanner->needs();
+  if (needs.jumps) {
+    if (const auto jump = pattern->last_jump(near)) {
+      context.since_jump_s = std::max(0.0, jump->since_s + later_s);
+      if (const auto before = pattern->ground_aim(jump->before))
+        context.aim_before_jump = direction_to(*before, T_dem_lidar);
+      if (needs.motion && context.aim_before_jump && pulse.interval_s > 0)
+        context.jump_aims = aim.around(*jump, near, T_dem_lidar);
+    }
+  }
+  if (needs.echo) {
+    const double distance_m = (target - T_dem_lidar.position).norm();
+    context.aim_at_echo =
+        direction_to(aim.at(near, later_s + 2 * distance_m / kSpeedOfLight_mps), T_dem_lidar);
+  }
+  return context;
+}
+
+void PulseSimulator::steer(const PulseInput& pulse, AimedPulse& aimed) const {
+  const Scanner& scanner = *lidar_.scanner;
+  const PulseContext context = context_of(pulse, 0);
+  const ScannerState on_time = scanner.state(context);
+  const double mirror_time_error_s = lidar_.pointing_error.mirror_time_error_s(pulse.time.pulse);
+  aimed.state = on_time;
+  if (mirror_time_error_s != 0) {
+    aimed.state = scanner.state(context_of(pulse, mirror_time_error_s));
+    aimed.state.blanked = on_time.blanked;  // the laser keeps the lander's time
+  }
+  aimed.T_dem_lidar = pulse.truth * true_mount(pulse.time.pulse);
+  if (lidar_.pattern && !context.aim) aimed.state.blanked = true;
+  const auto pixels = lidar_.detector.pixels();
+  aimed.beams.resize(pixels.size());
+  scanner.steer(aimed.state, pixels, aimed.beams);
+  aimed.believed_beams.clear();
+  if (scanner.is_known() && mirror_time_error_s == 0) return;
+  aimed.believed_beams.resize(pixels.size());
+  scanner.steer(scanner.believed_state(context, on_time), pixels, aimed.believed_beams);
+  for (std::size_t i = 0; i < pixels.size(); ++i)
+    if (aimed.believed_beams[i].lost) aimed.beams[i].lost = true;  // such a point has no estimate
+}
+
+std::span<const Beam> PulseSimulator::traced_beams(const AimedPulse& aimed, const TracedPulse& traced) const {
+  return lidar_.detector.samples_per_pixel() > 1 ? traced.sample_beams : aimed.beams;
+}
+
+void PulseSimulator::make_rays(const PulseInput& pulse, const AimedPulse& aimed, TracedPulse& traced) const {
+  traced.rays.clear();
+  if (aimed.state.blanked) return;
+  if (lidar_.detector.samples_per_pixel() > 1) {
+    std::vector<Beam>& samples = traced.sample_beams;
+    samples.resize(lidar_.detector.samples().size());
+    lidar_.scanner->steer(aimed.state, lidar_.detector.samples(), samples);
+    if (lidar_.receiver.sees_waveforms())
+      samples.insert(samples.end(), aimed.beams.begin(), aimed.beams.end());
+  }
+  for (const Beam& beam : traced_beams(aimed, traced))
+    if (!beam.lost)
+      traced.rays.push_back({aimed.T_dem_lidar * beam.exit, aimed.T_dem_lidar.rotation * beam.direction});
+  require_above_ground(pulse, traced.rays);
+}
+
+void PulseSimulator::trace(std::span<const Ray> rays, std::vector<double>& hits_m) const {
+  hits_m.resize(rays.size());
+  assert(engine_ != nullptr);
+  if (!rays.empty()) engine_->first_hits(rays, hits_m);
+}
+
+void PulseSimulator::combine_samples(std::int64_t pulse, const AimedPulse& aimed, TracedPulse& traced,
+                                     ReceivedPulse& received) const {
+  const bool sees_waveforms = lidar_.receiver.sees_waveforms();
+  const std::size_t pixels = aimed.beams.size();
+  received.ranges_m.assign(pixels, kNan);
+  received.echoes.assign(sees_waveforms && lidar_.receiver.hears_kept_echoes() ? pixels : 0, {});
+  received.later_echoes.clear();
+  if (aimed.state.blanked) return;
+  if (sees_waveforms) return build_waveforms(pulse, aimed, traced, received);
+  const std::size_t per_pixel = lidar_.detector.samples_per_pixel();
+  for (std::size_t i = 0; i < pixels; ++i)
+    if (!aimed.beams[i].lost)
+      received.ranges_m[i] =
+          lidar_.detector.estimator().range_m(std::span(traced.hits_m).subspan(i * per_pixel, per_pixel));
+}
+
+/// The pixels' own rays follow those of all samples, unless a pixel has a single sample.
+void PulseSimulator::build_waveforms(std::int64_t pulse, const AimedPulse& aimed, TracedPulse& traced,
+                                     ReceivedPulse& received) const {
+  const std::size_t per_pixel = lidar_.detector.samples_per_pixel();
+  const std::span<const Beam> beams = traced_beams(aimed, traced);
+  const std::size_t first_own = beams.size() - aimed.beams.size();
+  for (std::size_t i = 0; i < aimed.beams.size(); ++i)
+    if (!aimed.beams[i].lost) received.ranges_m[i] = traced.hits_m[first_own + i];
+  find_signals(traced, beams.first(lidar_.detector.samples().size()), received);
+  received.waveforms.clear(per_pixel);
+  for (std::size_t i = 0; i < aimed.beams.size(); ++i) {
+    const std::size_t seen = std::isnan(received.ranges_m[i]) ? 0 : per_pixel;
+    lidar_.receiver.add_pixel(std::span(traced.hits_m).subspan(i * per_pixel, seen),
+                              std::span(received.signals_pe).subspan(i * per_pixel, seen),
+                              received.waveforms);
+  }
+  lidar_.receiver.time(received.waveforms);
+  if (lidar_.receiver.hears_kept_echoes())
+    lidar_.receiver.keep_echoes(pulse, received.waveforms, received.echoes, received.later_echoes);
+}
+
+void PulseSimulator::find_signals(const TracedPulse& traced, std::span<const Beam> samples,
+                                  ReceivedPulse& received) const {
+  ReceivedPulse& r = received;
+  r.hits.clear();
+  r.hit_directions.clear();
+  for (std::size_t i = 0, ray = 0; i < samples.size(); ++i) {
+    if (samples[i].lost) continue;
+    const Ray& sent = traced.rays[ray++];
+    if (std::isnan(traced.hits_m[i])) continue;
+    r.hits.push_back(sent.origin.v + traced.hits_m[i] * sent.direction.v);
+    r.hit_directions.push_back(sent.direction.v);
+  }
+  r.cosines.resize(r.hits.size());
+  ground_->cosines(r.hits, r.hit_directions, r.cosines);
+  r.signals_pe.assign(samples.size(), kNan);
+  for (std::size_t i = 0, hit = 0; i < samples.size(); ++i) {
+    const double range_m = traced.hits_m[i];
+    if (std::isnan(range_m)) continue;
+    double signal_pe = lidar_.link_constants_pe_m2[i] / (range_m * range_m);
+    if (!std::isnan(r.cosines[hit])) signal_pe *= r.cosines[hit];  // NaN on the edge of a hole
+    if (albedo_ != nullptr) signal_pe *= albedo_->at(r.hits[hit].x(), r.hits[hit].y());
+    r.signals_pe[i] = signal_pe;
+    ++hit;
+  }
+}
+
+void PulseSimulator::steer_to_trace(const PulseInput& pulse, AimedPulse& aimed) const {
+  try {
+    steer(pulse, aimed);
+  } catch (const FormatError&) {
+    const std::array boresight = {Ray{(pulse.truth * true_mount(pulse.time.pulse)).position, {}}};
+    require_above_ground(pulse, boresight);
+    throw;
+  }
+}
+
+void PulseSimulator::require_above_ground(const PulseInput& pulse, std::span<const Ray> rays) const {
+  if (ground_ == nullptr || !ground_->is_ground_below()) return;
+  const double highest_m = ground_->highest_m();
+  const Point<DemFrame>* checked = nullptr;
+  for (const Ray& ray : rays) {
+    if (checked != nullptr && ray.origin == *checked) continue;
+    checked = &ray.origin;
+    if (ray.origin.v.z() > highest_m) continue;
+    const double ground_m = ground_->elevation(ray.origin.v.x(), ray.origin.v.y());
+    if (ray.origin.v.z() <= ground_m) refuse_origin(pulse.time.pulse, ray.origin, ground_m);
+  }
+}
+
+PointStatus PulseSimulator::status(PulsePixel where, const PulseWorkspace& workspace) const {
+  const auto i = static_cast<std::size_t>(where.pixel);
+  if (dead_map_[i] != 0) return PointStatus::dead;
+  if (workspace.aimed.state.blanked) return PointStatus::blanked;
+  if (workspace.aimed.beams[i].lost) return PointStatus::lost_in_optics;
+  if (std::isnan(workspace.received.ranges_m[i])) return PointStatus::miss;
+  if (!workspace.measured.receptions.empty() &&
+      std::isnan(workspace.measured.receptions[i * lidar_.receiver.max_returns()].range_m))
+    return PointStatus::undetected;
+  return lidar_.range_errors.is_dropped(where) ? PointStatus::dropout : PointStatus::returned;
+}
+
+PulseSimulator::Report PulseSimulator::report(PulsePixel where, const PulseWorkspace& workspace) const {
+  const auto i = static_cast<std::size_t>(where.pixel);
+  const auto number = static_cast<std::size_t>(where.number);
+  const PointStatus what = status({where.pulse, where.pixel}, workspace);
+  const bool has_echo = what == PointStatus::returned;
+  const bool may_be_false = has_echo || what == PointStatus::miss || what == PointStatus::undetected ||
+                            what == PointStatus::dropout;
+  if (number == 0 && may_be_false && lidar_.range_errors.has_false_returns()) {
+    // The first detection is reported. The true range decides, so that other errors do not change the choice.
+    const std::optional<double> false_m = lidar_.range_errors.false_range_m(where);
+    if (false_m && !(has_echo && *false_m >= workspace.received.ranges_m[i]))
+      return {PointStatus::false_return, *false_m, kNoIntensity, 1};
+  }
+  if (workspace.measured.receptions.empty())
+    return {what, has_echo ? workspace.measured.measured_m[i] : kNan, kNoIntensity};
+  const Reception& reception = workspace.measured.receptions[i * lidar_.receiver.max_returns() + number];
+  const bool is_background = reception.is_background && (has_echo || what == PointStatus::miss);
+  if (!is_background && (!has_echo || std::isnan(reception.range_m)))
+    return {what, kNan, kNoIntensity, number == 0 ? std::int8_t{0} : PulseBatch::kNoSuchReturn};
+  return {is_background ? PointStatus::false_return : what,
+          workspace.measured.measured_m[number * workspace.aimed.beams.size() + i], reception.intensity_pe,
+          static_cast<std::int8_t>(number + 1)};
+}
+
+void PulseSimulator::find_incidences(const AimedPulse& aimed, const ReceivedPulse& received,
+                                     MeasuredPulse& measured) const {
+  measured.tan_incidences.clear();
+  if (!lidar_.range_errors.needs_incidence()) return;
+  for (std::size_t i = 0; i < aimed.beams.size(); ++i) {
+    const Beam& beam = aimed.beams[i];
+    const double tangent =
+        tan_incidence(*ground_, aimed.T_dem_lidar * (beam.exit + received.ranges_m[i] * beam.direction),
+                      aimed.T_dem_lidar.rotation * beam.direction);
+    // a miss, where the receiver may still report background
+    measured.tan_incidences.push_back(std::isnan(tangent) ? 0 : tangent);
+  }
+}
+
+void PulseSimulator::measure(std::int64_t pulse, const AimedPulse& aimed, const ReceivedPulse& received,
+                             MeasuredPulse& measured) const {
+  MeasuredPulse& m = measured;
+  find_incidences(aimed, received, m);
+  const std::size_t pixels = aimed.beams.size();
+  const std::size_t most = lidar_.receiver.max_returns();
+  receive(pulse, aimed, received, m);
+  m.measured_m.resize(pixels * most);
+  for (std::size_t number = 0; number < most; ++number) {
+    const std::span<double> measured_m = std::span(m.measured_m).subspan(number * pixels, pixels);
+    const auto n = static_cast<std::int64_t>(number);
+    std::span<const double> reported_m = received.ranges_m;
+    if (!m.receptions.empty()) {
+      for (std::size_t i = 0; i < pixels; ++i) m.reported_m[i] = m.receptions[i * most + number].range_m;
+      reported_m = m.reported_m;
+    }
+    lidar_.range_errors.measure(pulse, reported_m, m.tan_incidences, measured_m, n);
+    lidar_.range_timer.apply(pulse, n, measured_m);
+  }
+}
+
+void PulseSimulator::receive(std::int64_t pulse, const AimedPulse& aimed, const ReceivedPulse& received,
+                             MeasuredPulse& measured) const {
+  const Receiver& receiver = lidar_.receiver;
+  measured.receptions.clear();
+  if (!receiver.sees_waveforms()) return;
+  measured.receptions.resize(rows_per_pulse());
+  measured.reported_m.resize(aimed.beams.size());
+  if (aimed.state.blanked) return;
+  if (receiver.hears_kept_echoes()) {
+    receiver.receive(pulse, received.echoes, received.later_echoes, measured.receptions);
+  } else {
+    receiver.receive(pulse, received.waveforms, measured.receptions);
+  }
+}
+
+void PulseSimulator::record(const PulseInput& pulse, std::size_t slot, PulseBatch& batch,
+                            PulseWorkspace& workspace) const {
+  const std::size_t rows = rows_per_pulse();
+  record_pulse(pulse, workspace.aimed.state, slot, batch.pulses);
+  batch.pulses.point_count[slot] = static_cast<std::int32_t>(rows);
+  measure(pulse.time.pulse, workspace.aimed, workspace.received, workspace.measured);
+  const std::size_t first_row = slot * rows;
+  record_estimate(pulse, first_row, batch.points, workspace);
+  if (batch.keeps_later_echoes) record_later_echoes(batch.later_echoes, workspace.received);
+  if (!batch.points.holds_truth()) return;
+  record_truth(pulse, first_row, batch.points, workspace);
+  if (batch.points.holds_echoes()) record_echoes(first_row, batch.points, workspace.received);
+}
+
+void PulseSimulator::record_echoes(std::size_t first_row, PointColumns& out, const ReceivedPulse& received) {
+  for (std::size_t i = 0; i < received.echoes.size(); ++i) {
+    for (const EchoMember& part : kEchoMembers)
+      (out.*part.first)[first_row + i] = received.echoes[i].*part.member;
+  }
+}
+
+void PulseSimulator::record_later_echoes(EchoColumns& out, const ReceivedPulse& received) {
+  for (const auto& [where, echo] : received.later_echoes) {
+    out.pulse.push_back(static_cast<std::int32_t>(where.pulse));
+    out.pixel.push_back(static_cast<std::int32_t>(where.pixel));
+    out.number.push_back(static_cast<std::int32_t>(where.number));
+    for (const EchoMember& part : kEchoMembers) (out.*part.later).push_back(echo.*part.member);
+  }
+}
+
+// A NaN range gives a NaN point.
+void PulseSimulator::record_estimate(const PulseInput& pulse, std::size_t first_row, PointColumns& out,
+                                     const PulseWorkspace& workspace) const {
+  const Transform<DemFrame, LidarFrame> T_dem_lidar_est = pulse.estimate * lidar_.mount;
+  const std::vector<Beam>& beams =
+      workspace.aimed.believed_beams.empty() ? workspace.aimed.beams : workspace.aimed.believed_beams;
+  const std::size_t most = lidar_.receiver.max_returns();
+  for (std::size_t i = 0; i < beams.size(); ++i) {
+    const Beam& beam = beams[i];
+    for (std::size_t number = 0; number < most; ++number) {
+      const Report said = report(
+          {pulse.time.pulse, static_cast<std::int64_t>(i), static_cast<std::int64_t>(number)}, workspace);
+      const Point<DemFrame> estimate = T_dem_lidar_est * (beam.exit + said.range_m * beam.direction);
+      const std::size_t row = first_row + i * most + number;
+      out.x_est[row] = estimate.v.x();
+      out.y_est[row] = estimate.v.y();
+      out.z_est[row] = estimate.v.z();
+      out.range_measured[row] = said.range_m;
+      out.status[row] = said.status;
+      if (!out.intensity.empty()) out.intensity[row] = said.intensity_pe;
+      if (!out.return_number.empty()) out.return_number[row] = said.number;
+    }
+  }
+}
+
+void PulseSimulator::record_truth(const PulseInput& pulse, std::size_t first_row, PointColumns& out,
+                                  const PulseWorkspace& workspace) const {
+  const std::size_t most = lidar_.receiver.max_returns();
+  for (std::size_t k = 0; k < workspace.aimed.beams.size() * most; ++k) {
+    const std::size_t i = k / most;
+    const Beam& beam = workspace.aimed.beams[i];
+    const double range = workspace.received.ranges_m[i];
+    const std::size_t row = first_row + k;
+    const bool has_no_hit = out.status[row] == PointStatus::false_return && std::isnan(range);
+    const double shown = has_no_hit ? out.range_measured[row] : range;
+    const Point<DemFrame> truth = workspace.aimed.T_dem_lidar * (beam.exit + shown * beam.direction);
+    out.x_true[row] = truth.v.x();
+    out.y_true[row] = truth.v.y();
+    out.z_true[row] = truth.v.z();
+    out.range_true[row] = range;
+    out.pulse[row] = static_cast<std::int32_t>(pulse.time.pulse);
+    out.pixel[row] = static_cast<std::int32_t>(i);
+  }
+}
+
+}  // namespace landfall

@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+#include "chain/ray/pyramid_traversal.h"
+
+namespace landfall {
+
+/// The number of rays that are prepared together.
+inline constexpr std::size_t kChunkRays = 64;
+
+/// GridRays component by component. A downward ray passes horizontal position foot + slope * elevation;
+/// foot_x is NaN for other rays.
+struct RayChunk {
+  alignas(64) double x[kChunkRays], y[kChunkRays], z[kChunkRays];
+  alignas(64) double dx[kChunkRays], dy[kChunkRays], dz[kChunkRays];
+  alignas(64) double position_error[kChunkRays], height_error[kChunkRays];
+  alignas(64) double climb[kChunkRays];  ///< 1 / dz
+  alignas(64) double foot_x[kChunkRays], foot_y[kChunkRays];
+  alignas(64) double slope_x[kChunkRays], slope_y[kChunkRays];
+  alignas(64) double range[kChunkRays];
+  double greatest_slope;  ///< cells per metre, of the downward rays
+};
+
+/// The elevations between which rays are examined. It is certain that no downward ray of the group meets the
+/// surface above `high`; `low` is a guess that holes may contradict.
+struct HeightSlab {
+  double low;
+  double high;
+};
+
+/// The data that lanes walk over: rungs of square blocks, 4^rung cells wide, up to a single block for the
+/// grid or the last rung that fits.
+struct WalkGround {
+  static constexpr int kMaxRungs = 8;
+
+  const float* highs;  ///< ElevationPyramid::highs, lows
+  double to_lows;      ///< blocks from highs to lows
+  const double* nodes;
+  std::int64_t node_cols;
+  double rows, cols;  ///< cells
+  double lowest, highest;
+  int top_rung = 0;
+  alignas(64) double size[kMaxRungs];        ///< edge of a block, cells
+  alignas(64) double per_size[kMaxRungs];    ///< its inverse
+  alignas(64) double first[kMaxRungs];       ///< first block of each rung, in `highs`
+  alignas(64) double block_cols[kMaxRungs];  ///< columns of blocks of each rung
+
+  explicit WalkGround(const Heightfield& field)
+      : highs(field.pyramid.highs().data()),
+        to_lows(static_cast<double>(field.pyramid.lows().data() - field.pyramid.highs().data())),
+        nodes(field.terrain.nodes().values().data()),
+        node_cols(field.spec().cols),
+        rows(static_cast<double>(field.spec().rows - 1)),
+        cols(static_cast<double>(field.spec().cols - 1)),
+        lowest(field.pyramid.lowest()),
+        highest(field.pyramid.highest()) {
+    for (int rung = 0; rung < kMaxRungs; ++rung) {
+      const int level = rung == 0 ? 0 : 2 * rung - 1;
+      if (level < field.pyramid.level_count()) top_rung = rung;
+      const ElevationPyramid::Level& blocks = field.pyramid.level(top_rung == 0 ? 0 : 2 * top_rung - 1);
+      size[rung] = static_cast<double>(std::int64_t{1} << (2 * rung));
+      per_size[rung] = 1 / size[rung];
+      first[rung] = static_cast<double>(blocks.first);
+      block_cols[rung] = static_cast<double>(blocks.cols);
+    }
+  }
+};
+
+}  // namespace landfall

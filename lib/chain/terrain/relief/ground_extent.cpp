@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Decisions: D437
+#include "chain/terrain/relief/ground_extent.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace landfall {
+namespace {
+
+constexpr double kTurn = 2 * std::numbers::pi;
+
+}  // namespace
+
+void GroundExtentSearch::Range::add(double value) {
+  low = std::min(low, value);
+  high = std::max(high, value);
+}
+
+void GroundExtentSearch::add(const LonLat& ground) {
+  if (!std::isfinite(ground.lon_rad) || !std::isfinite(ground.lat_rad)) return;
+  lon_.add(ground.lon_rad);
+  lat_.add(ground.lat_rad);
+  const double lon_rad = ground.lon_rad - kTurn * std::floor(ground.lon_rad / kTurn);
+  const auto sector = static_cast<std::size_t>(std::clamp(lon_rad / kTurn, 0.0, 1.0) * kSectors);
+  sectors_[std::min(sector, kSectors - 1)].add(lon_rad);
+}
+
+std::optional<GroundExtent> GroundExtentSearch::across_seam() const {
+  if (lon_.empty()) return std::nullopt;
+  constexpr double kRounding = 1e-12;
+  double widest = kTurn - (lon_.high - lon_.low) + kRounding;
+  std::optional<GroundExtent> extent;
+  const auto filled = [](const Range& sector) { return !sector.empty(); };
+  const Range& last = *std::find_if(sectors_.rbegin(), sectors_.rend(), filled);
+  double before = last.high - kTurn;
+  for (const Range& sector : sectors_) {
+    if (sector.empty()) continue;
+    if (sector.low - before > widest) {
+      widest = sector.low - before;
+      extent = {{sector.low, lat_.low}, {before + kTurn, lat_.high}};
+    }
+    before = sector.high;
+  }
+  return extent;
+}
+
+}  // namespace landfall

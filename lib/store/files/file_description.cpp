@@ -1,0 +1,367 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "store/files/file_description.h"
+#include "store/files/place_json.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "base/returns/columns.h"
+#include "base/text/netcdf_name.h"
+#include "base/text/number_text.h"
+#include "formats/gdal/gdal_loader.h"
+#include "store/files/crs.h"
+#include "store/files/grid_file.h"
+#include "store/files/imported_scan.h"
+#include "store/files/landfall_file.h"
+#include "store/files/map_position_json.h"
+#include "store/files/stored_json.h"
+#include "store/hdf5/dataset_list.h"
+#include "store/hdf5/table.h"
+#include "store/hdf5/value_statistics.h"
+
+namespace landfall {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+/// The root's own datasets come first, under this name.
+constexpr const char* kLayers = "layers";
+
+Json number(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
+
+Json parsed(const std::optional<std::string>& text) { return stored_json<Json>(text); }
+
+std::string text_attribute(hid_t object, const char* name) {
+  return h5::read_text_attribute(object, name).value_or("");
+}
+
+/// The name is the first text of a WKT: PROJCRS["name", ...
+std::string crs_name(const std::string& wkt) {
+  const std::size_t begin = wkt.find('"');
+  const std::size_t end = begin == std::string::npos ? begin : wkt.find('"', begin + 1);
+  return end == std::string::npos ? "" : wkt.substr(begin + 1, end - begin - 1);
+}
+
+Json head(const std::filesystem::path& path, const LandfallFileReader& file) {
+  const std::string format = text_attribute(file.root(), "format_name");
+  Json json = {{"file", path.string()},
+               {"kind", format.substr(format.find('.') + 1)},
+               {"title", text_attribute(file.root(), "title")},
+               {"format_version", text_attribute(file.root(), "format_version")},
+               {"complete", true},
+               {"size_bytes", std::filesystem::file_size(path)},
+               {"file_id", file.file_id()},
+               {"source", text_attribute(file.root(), "source")}};
+  const std::string wkt = read_crs(file);
+  json["crs"] = {{"name", crs_name(wkt)}, {"wkt", wkt}, {"place", place_json(wkt)}};
+  const Json origin = map_position_json(map_positions(wkt, {SitePoint{}}).front());
+  if (!origin.empty()) json["crs"]["origin"] = origin;
+  return json;
+}
+
+/// The names by which GDAL and GMT open the most important layer of a grid.
+Json opens_as(const std::filesystem::path& path, const std::vector<DatasetEntry>& layers) {
+  std::string layer = layers.front().name;
+  for (const char* const elevation : {"z_est", "z", "e_z"})
+    for (const DatasetEntry& entry : layers)
+      if (entry.name == elevation) layer = elevation;
+  const std::optional<std::string> gdal = netcdf_name(path.string(), layer);
+  return {{"gdal", gdal ? Json(*gdal) : Json()}, {"gmt", path.string() + "?" + layer}};
+}
+
+Json grid_json(const GridSpec& spec) {
+  return {{"resolution_m", spec.resolution_m},
+          {"rows", spec.rows},
+          {"columns", spec.cols},
+          {"x_m", {spec.x(0), spec.x(spec.cols - 1)}},
+          {"y_m", {spec.y(0), spec.y(spec.rows - 1)}}};
+}
+
+/// Counts how often each named value, or each named bit, occurs.
+Json flag_counts(const DatasetEntry& entry, const ValueStatistics& statistics) {
+  const bool bits = !entry.flag_masks.empty();
+  const std::vector<int>& flags = bits ? entry.flag_masks : entry.flag_values;
+  Json counts = Json::object();
+  for (std::size_t i = 0; i < std::min(flags.size(), entry.flag_meanings.size()); ++i) {
+    std::int64_t count = 0;
+    for (std::size_t k = 0; k < statistics.int8_counts.size(); ++k) {
+      const int value = static_cast<int>(k) - 128;
+      if (bits ? (value & flags[i]) != 0 : value == flags[i]) count += statistics.int8_counts[k];
+    }
+    counts[entry.flag_meanings[i]] = count;
+  }
+  return counts;
+}
+
+void add_statistics(Json& json, const DatasetEntry& entry, const std::optional<ValueStatistics>& statistics) {
+  if (!statistics) {
+    for (const char* const key : {"count", "nan_count", "infinite_count", "min", "max", "mean", "std"})
+      json[key] = nullptr;
+    json["not_read"] = "its chunks have more than " + grouped(kMaxChunkValues) +
+                       " values; store it in smaller ones (h5repack)";
+    return;
+  }
+  const ValueStatistics& s = *statistics;
+  const bool any = s.count > 0;
+  json["count"] = s.count;
+  json["nan_count"] = s.nan_count;
+  json["infinite_count"] = s.infinite_count;
+  json["min"] = any ? number(s.min) : Json(nullptr);
+  json["max"] = any ? number(s.max) : Json(nullptr);
+  json["mean"] = any ? number(s.mean) : Json(nullptr);
+  json["std"] = any ? number(s.std()) : Json(nullptr);
+  if (entry.type == "int8" && !entry.flag_meanings.empty()) json["flag_counts"] = flag_counts(entry, s);
+}
+
+Json entry_json(const DatasetEntry& entry) {
+  return {{"name", entry.name},   {"type", entry.type},
+          {"shape", entry.shape}, {"stored_bytes", entry.stored_bytes},
+          {"unit", entry.units},  {"long_name", entry.long_name}};
+}
+
+/// The datasets of a group, and the destination of the group's description.
+struct Group {
+  std::string name;
+  std::vector<DatasetEntry> entries;
+};
+
+std::vector<Group> groups_of(const LandfallFileReader& file) {
+  std::vector<Group> groups;
+  std::vector<DatasetEntry> layers = list_datasets(file.root());
+  std::erase_if(layers, [](const DatasetEntry& e) {  // H5DSis_scale() frees a damaged class twice
+    return h5::read_text_attribute(e.dataset.get(), "CLASS") == "DIMENSION_SCALE";
+  });
+  if (!layers.empty()) groups.push_back({kLayers, std::move(layers)});
+  for (const std::string& name : list_groups(file.root())) {
+    if (name == "provenance") continue;
+    const h5::Handle group = h5::open_group(file.root(), name);
+    groups.push_back({name, list_datasets(group.get())});
+  }
+  return groups;
+}
+
+/// Converts the progress of one dataset to that of all, weighted by their numbers of values.
+class Share {
+ public:
+  Share(const std::vector<Group>& groups, const ProgressCallback& progress) : progress_(progress) {
+    for (const Group& group : groups)
+      for (const DatasetEntry& entry : group.entries) all_ += entry.value_count();
+  }
+  [[nodiscard]] ProgressCallback of(const DatasetEntry& entry) {
+    const double done = done_;
+    done_ += entry.value_count();
+    return [this, done, mine = entry.value_count()](double fraction) {
+      if (all_ > 0) report(progress_, std::min(1.0, (done + fraction * mine) / all_));
+    };
+  }
+
+ private:
+  const ProgressCallback& progress_;
+  double all_ = 0;
+  double done_ = 0;
+};
+
+Json datasets_json(const LandfallFileReader& file, const std::vector<Group>& groups, bool statistics,
+                   const ProgressCallback& progress) {
+  Share share(groups, progress);
+  Json result = Json::object();
+  for (const Group& group : groups) {
+    Json& list = result[group.name] = Json::array();
+    for (const DatasetEntry& entry : group.entries) {
+      list.push_back(entry_json(entry));
+      if (!statistics) continue;
+      const std::string name = (group.name == kLayers ? "/" : "/" + group.name + "/") + entry.name;
+      add_statistics(list.back(), entry,
+                     dataset_statistics(entry.dataset.get(), file.name(), name, share.of(entry)));
+    }
+  }
+  return result;
+}
+
+/// The number of rows of a table, from its first column.
+std::int64_t row_count(const Json& datasets, const char* group) {
+  return datasets.contains(group) && !datasets[group].empty()
+             ? datasets[group][0]["shape"][0].get<std::int64_t>()
+             : 0;
+}
+
+Json member(const Json& config, std::initializer_list<const char*> path) {
+  const Json* value = &config;
+  for (const char* const key : path) {
+    if (!value->is_object() || !value->contains(key)) return nullptr;
+    value = &(*value)[key];
+  }
+  return *value;
+}
+
+Json scan_json(const LandfallFileReader& file, const Json& datasets, const Json& config) {
+  if (!h5::exists(file.root(), "pulses") && !is_imported_scan(file)) file.fail("no table /pulses");
+  const std::int64_t pulses = row_count(datasets, "pulses");
+  Json json = {{"row_count", row_count(datasets, "points")},
+               {"pulse_count", pulses},
+               {"pixel_count", row_count(datasets, "detector")},
+               {"detector_rows", member(config, {"detector", "rows"})},
+               {"detector_columns", member(config, {"detector", "columns"})},
+               {"t_first_s", nullptr},
+               {"t_last_s", nullptr}};
+  std::array<double, 1> t = {};
+  if (pulses > 0) {
+    const TableReader table(file.root(), "pulses", file.name());
+    table.read("t", 0, std::span<double>(t));
+    json["t_first_s"] = number(t[0]);
+    table.read("t", static_cast<std::size_t>(pulses - 1), std::span<double>(t));
+    json["t_last_s"] = number(t[0]);
+  }
+  const TableReader points(file.root(), "points", file.name());
+  if (is_imported_scan(file)) {
+    json["imported_from"] = h5::read_text_attribute(points.group(), "imported_from").value_or("");
+    for (const char* const axis : {"origin_x", "origin_y", "origin_z"})
+      json[axis] = number(h5::read_number_attribute(points.group(), axis).value_or(std::nan("")));
+  }
+  for (const PointStatusInfo& info : kPointStatuses) {
+    if (!info.is_counted(points.has(name_of(&PointColumns::intensity)))) continue;
+    const auto count = h5::read_number_attribute(points.group(), info.count_name);
+    json[info.count_name] =
+        count && std::abs(*count) < 0x1p62 ? Json(static_cast<std::int64_t>(*count)) : Json(nullptr);
+  }
+  json["misses_kept"] = h5::read_number_attribute(points.group(), "misses_kept").value_or(0) == 1;
+  return json;
+}
+
+/// The least and greatest coordinate along each axis; `vertices` is of the shape (V, 3).
+std::array<std::array<double, 2>, 3> mesh_bounds(const LandfallFileReader& file,
+                                                 const DatasetEntry& vertices) {
+  constexpr hsize_t kRows = 65536;
+  constexpr double kInfinite = std::numeric_limits<double>::infinity();
+  std::array<std::array<double, 2>, 3> bounds;
+  bounds.fill({kInfinite, -kInfinite});
+  std::vector<double> values;
+  const h5::Handle space(H5Dget_space(vertices.dataset.get()), H5Sclose);
+  for (hsize_t row = 0; row < vertices.shape[0]; row += kRows) {
+    const std::array<hsize_t, 2> start = {row, 0};
+    const std::array<hsize_t, 2> count = {std::min(kRows, vertices.shape[0] - row), 3};
+    const h5::Handle memory(H5Screate_simple(2, count.data(), nullptr), H5Sclose);
+    values.resize(3 * count[0]);
+    H5Sselect_hyperslab(space.get(), H5S_SELECT_SET, start.data(), nullptr, count.data(), nullptr);
+    if (!h5::read_values(vertices.dataset.get(), H5T_NATIVE_DOUBLE, memory.get(), space.get(), values.data()))
+      file.fail("reading /mesh/vertices failed: " + h5::reading_failure());
+    for (std::size_t i = 0; i < values.size(); ++i) {
+      bounds[i % 3][0] = std::min(bounds[i % 3][0], values[i]);
+      bounds[i % 3][1] = std::max(bounds[i % 3][1], values[i]);
+    }
+  }
+  return bounds;
+}
+
+Json mesh_json(const LandfallFileReader& file, const Group& mesh, bool statistics) {
+  const auto find = [&](const char* name) -> const DatasetEntry& {
+    for (const DatasetEntry& entry : mesh.entries)
+      if (entry.name == name && entry.shape.size() == 2 && entry.shape[1] == 3) return entry;
+    file.fail("no dataset /mesh/" + std::string(name) + " of the shape (n, 3)");
+  };
+  const DatasetEntry& vertices = find("vertices");
+  Json json = {{"vertex_count", vertices.shape[0]}, {"triangle_count", find("triangles").shape[0]}};
+  constexpr std::array kAxes = {"x_m", "y_m", "z_m"};
+  for (const char* const axis : kAxes) json[axis] = nullptr;
+  if (!statistics || vertices.shape[0] == 0) return json;
+  const auto bounds = mesh_bounds(file, vertices);
+  for (std::size_t axis = 0; axis < kAxes.size(); ++axis)
+    json[kAxes[axis]] = {number(bounds[axis][0]), number(bounds[axis][1])};
+  return json;
+}
+
+Json features_json(const Json& datasets) {
+  Json json = {{"count", row_count(datasets, "features")}, {"count_by_kind", nullptr}};
+  for (const Json& entry : datasets["features"])
+    if (entry["name"] == "kind" && entry.contains("flag_counts")) {
+      json["count_by_kind"] = Json::object();
+      for (const auto& [kind, count] : entry["flag_counts"].items())
+        if (count != 0) json["count_by_kind"][kind] = count;
+    }
+  return json;
+}
+
+/// The first value of a column of /sites; none without a site.
+std::optional<double> first_value(const LandfallFileReader& file, const DatasetEntry& column) {
+  if (column.shape.size() != 1 || column.shape[0] == 0) return std::nullopt;
+  const hsize_t first = 0;
+  const hsize_t one = 1;
+  const h5::Handle space(H5Dget_space(column.dataset.get()), H5Sclose);
+  const h5::Handle memory(H5Screate_simple(1, &one, nullptr), H5Sclose);
+  H5Sselect_hyperslab(space.get(), H5S_SELECT_SET, &first, nullptr, &one, nullptr);
+  double value = 0;
+  if (!h5::read_values(column.dataset.get(), H5T_NATIVE_DOUBLE, memory.get(), space.get(), &value))
+    file.fail("reading /sites/" + column.name + " failed: " + h5::reading_failure());
+  return value;
+}
+
+/// Whether the first site is safe on the true ground, null if there is no site or it is unknown; its
+/// coordinates on the map, if the file has them.
+Json best_site_json(const LandfallFileReader& file, const Group& sites) {
+  Json json = {{"true_safe", nullptr}};
+  for (const DatasetEntry& entry : sites.entries) {
+    const auto* const coordinate = std::ranges::find(kMapCoordinates, entry.name, &MapCoordinate::column);
+    if (entry.name != "true_safe" && coordinate == kMapCoordinates.end()) continue;
+    const std::optional<double> value = first_value(file, entry);
+    if (!value) continue;
+    if (coordinate != kMapCoordinates.end())
+      json[coordinate->key] = number(*value);
+    else if (*value == 0 || *value == 1)
+      json["true_safe"] = *value == 1;
+  }
+  return json;
+}
+
+void add_provenance(Json& json, const LandfallFileReader& file) {
+  json["config"] = file.config();
+  json["options"] = nullptr;
+  json["inputs"] = nullptr;
+  json["environment"] = nullptr;
+  if (!file.chain().empty() && file.chain().back().value("file_id", "") == file.file_id()) {
+    const Json step = file.chain().back();
+    json["tool"] = step["tool"];
+    json["version"] = step["version"];
+    json["inputs"] = step["inputs"];
+    if (step.contains("options")) json["options"] = step["options"];
+  }
+  json["chain"] = file.chain();
+  const h5::Handle group = h5::open_group(file.root(), "provenance");
+  if (group) json["environment"] = parsed(h5::read_text(group.get(), "environment_json"));
+}
+
+}  // namespace
+
+Json describe_file(const std::filesystem::path& path, const DescriptionOptions& options,
+                   const ProgressCallback& progress) {
+  const LandfallFileReader file(path, kLandfallKinds);
+  Json json = head(path, file);
+  if (h5::exists(file.root(), "x") && h5::exists(file.root(), "y"))
+    json["grid"] = grid_json(GridLayerReader(file).spec());
+  const std::vector<Group> groups = groups_of(file);
+  if (json.contains("grid") && !groups.empty() && groups.front().name == kLayers)
+    json["opens_as"] = opens_as(path, groups.front().entries);
+  const Json datasets = datasets_json(file, groups, options.statistics, progress);
+  report(progress, 1);
+  if (json["kind"] == "scan") json["scan"] = scan_json(file, datasets, Json(file.config()));
+  for (const Group& group : groups)
+    if (json["kind"] == "hazards" && group.name == "sites") json["best_site"] = best_site_json(file, group);
+  for (const Group& group : groups)
+    if (group.name == "mesh") json["mesh"] = mesh_json(file, group, options.statistics);
+  if (datasets.contains("features")) json["features"] = features_json(datasets);
+  if (h5::exists(file.root(), "metrics_json"))
+    json["metrics"] = parsed(h5::read_text(file.root(), "metrics_json"));
+  if (h5::exists(file.root(), "plan_json")) json["plan"] = parsed(h5::read_text(file.root(), "plan_json"));
+  if (h5::exists(file.root(), "score_json")) json["score"] = parsed(h5::read_text(file.root(), "score_json"));
+  if (h5::exists(file.root(), "verdict_json"))
+    json["verdict"] = parsed(h5::read_text(file.root(), "verdict_json"));
+  json["datasets"] = datasets;
+  add_provenance(json, file);
+  return json;
+}
+
+}  // namespace landfall

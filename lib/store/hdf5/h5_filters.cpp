@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// No HDF5 plug-ins. The filter number in a file would select a library to load. Data compressed with Blosc
+// and the like is refused with the filter's number and name; `h5repack` converts it to deflate.
+#include "store/hdf5/h5_filters.h"
+
+#include <array>
+#include <cstddef>
+
+namespace landfall::h5 {
+
+std::vector<Filter> filters_in(hid_t properties) {
+  std::vector<Filter> filters;
+  for (int i = 0; i < H5Pget_nfilters(properties); ++i) {
+    std::array<char, 64> name{};
+    std::size_t value_count = 0;
+    unsigned flags = 0;
+    const H5Z_filter_t id = H5Pget_filter2(properties, static_cast<unsigned>(i), &flags, &value_count,
+                                           nullptr, name.size() - 1, name.data(), nullptr);
+    filters.push_back({id, name.data()});
+  }
+  return filters;
+}
+
+std::string text_of(const Filter& filter) {
+  return std::to_string(filter.id) + (filter.name.empty() ? "" : " (" + filter.name + ")");
+}
+
+}  // namespace landfall::h5

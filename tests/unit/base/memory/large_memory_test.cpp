@@ -1,0 +1,74 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "base/memory/large_memory.h"
+
+#include <gtest/gtest.h>
+#include <sys/mman.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cstdint>
+#include <limits>
+#include <new>
+#include <vector>
+
+namespace landfall {
+namespace {
+
+constexpr std::size_t kBlock = 5U << 20U;
+
+TEST(LargeMemory, IsAlignedAndUsableToTheLastByte) {
+  auto* const block = static_cast<char*>(take_large_block(kBlock));
+  EXPECT_EQ(reinterpret_cast<std::uintptr_t>(block) % (1U << 21U), 0U);
+  block[0] = 1;
+  block[kBlock - 1] = 2;
+  EXPECT_EQ(block[0] + block[kBlock - 1], 3);
+  give_large_block_back(block, kBlock);
+}
+
+TEST(LargeMemory, ABlockIsGivenToOneAtATimeAndUsedAgain) {
+  void* const first = take_large_block(kBlock);
+  void* const second = take_large_block(kBlock);
+  EXPECT_NE(first, second);
+  give_large_block_back(first, kBlock);
+  void* const other_size = take_large_block(2 * kBlock);
+  EXPECT_NE(other_size, first);
+  EXPECT_EQ(take_large_block(kBlock), first);
+  give_large_block_back(first, kBlock);
+  give_large_block_back(second, kBlock);
+  give_large_block_back(other_size, 2 * kBlock);
+}
+
+bool is_mapped(void* block) {
+  unsigned char resident = 0;
+  return mincore(block, static_cast<std::size_t>(::sysconf(_SC_PAGESIZE)), &resident) == 0;
+}
+
+TEST(LargeMemory, MoreThanIsKeptGoesBackToTheSystem) {
+  constexpr std::size_t kSize = std::size_t{50} << 20U;  // two fit into the 128 MiB that are kept
+  std::vector<void*> blocks;
+  for (int i = 0; i < 3; ++i) blocks.push_back(take_large_block(kSize));
+  EXPECT_EQ(std::ranges::count_if(blocks, is_mapped), 3);
+  for (void* const block : blocks) give_large_block_back(block, kSize);
+  EXPECT_EQ(std::ranges::count_if(blocks, is_mapped), 2);
+}
+
+TEST(LargeMemory, RefusesWhatNoMachineHas) {
+  EXPECT_THROW(static_cast<void>(take_large_block(std::numeric_limits<std::size_t>::max())), std::bad_alloc);
+  EXPECT_THROW(static_cast<void>(take_large_block(std::size_t{1} << 62U)), std::bad_alloc);
+  EXPECT_THROW(static_cast<void>(LargeAllocator<double>().allocate(std::numeric_limits<std::size_t>::max())),
+               std::bad_array_new_length);
+}
+
+TEST(LargeAllocator, AValueIsSetInAUsedBlockToo) {
+  using Values = std::vector<double, LargeAllocator<double>>;
+  constexpr std::size_t kCount = kLargeBlock / sizeof(double) + 3;
+  Values(kCount, 7.0);
+  const Values zeros(kCount, 0.0);
+  for (const double value : zeros) ASSERT_EQ(value, 0.0);
+  const Values copy = zeros;
+  EXPECT_EQ(copy, zeros);
+  EXPECT_NE(copy.data(), zeros.data());
+}
+
+}  // namespace
+}  // namespace landfall

@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "base/text/number_table.h"
+
+#include <gmock/gmock.h>
+
+namespace landfall {
+namespace {
+
+TEST(NumberTable, ColumnsAreOfOneLength) {
+  EXPECT_EQ(NumberTable("a.csv", {{"t_s", {1, 2}}, {"x_m", {3, 4}}}).row_count(), 2U);
+  EXPECT_EQ(NumberTable().row_count(), 0U);
+  try {
+    const NumberTable table("a.csv", {{"t_s", {1, 2}}, {"x_m", {3}}});
+    ADD_FAILURE() << "accepted";
+  } catch (const FormatError& error) {
+    EXPECT_STREQ(error.what(), "a.csv: columns t_s and x_m differ in length");
+  }
+}
+
+TEST(NumberTable, RowsAreCountedFromOne) {
+  try {
+    NumberTable("a.csv", {}).fail_at(0, "is odd");
+    ADD_FAILURE() << "accepted";
+  } catch (const FormatError& error) {
+    EXPECT_STREQ(error.what(), "a.csv: row 1: is odd");
+  }
+}
+
+}  // namespace
+}  // namespace landfall

@@ -1,0 +1,106 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "chain/lidar/scanner/patterns.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <map>
+#include <utility>
+
+#include "base/core/error.h"
+#include "pattern_random.h"
+
+namespace landfall {
+namespace {
+
+using Eigen::Vector3d;
+using enum LineDirection;
+using enum AtEnd;
+
+Vector3d aim(const StepStare& pattern, std::int64_t pulse) { return aim_of(pattern, {pulse, 0}); }
+
+// 2 rows x 3 columns over +-6 m: tiles of 4 m x 6 m, two pulses each.
+TEST(StepStare, RestsOnTheCentresOfItsTiles) {
+  const StepStare pattern({.rows = 2, .columns = 3, .half_width_m = 6, .pulses_per_step = 2});
+  const double expected[6][2] = {{-4, 3}, {0, 3}, {4, 3}, {4, -3}, {0, -3}, {-4, -3}};
+  for (int k = 0; k < 12; ++k)
+    EXPECT_EQ(aim(pattern, k), Vector3d(expected[k / 2][0], expected[k / 2][1], 0)) << "pulse " << k;
+}
+
+TEST(StepStare, UnidirectionalRunsEveryRowFromTheLeft) {
+  const StepStare pattern({.rows = 2, .columns = 2, .half_width_m = 4, .direction = unidirectional});
+  const double expected[4][2] = {{-2, 2}, {2, 2}, {-2, -2}, {2, -2}};
+  for (int k = 0; k < 4; ++k) EXPECT_EQ(aim(pattern, k), Vector3d(expected[k][0], expected[k][1], 0));
+}
+
+// Every tile is visited once a pass, for pulses_per_step pulses; boustrophedon steps to a neighbour.
+TEST(StepStare, VisitsEveryTileOnce) {
+  PatternRandom random;
+  for (int trial = 0; trial < 100; ++trial) {
+    const StepStareParameters p{.rows = random.whole(1, 12),
+                                .columns = random.whole(1, 12),
+                                .half_width_m = random.real(1, 100),
+                                .pulses_per_step = random.whole(1, 5),
+                                .direction = random.whole(0, 1) == 0 ? unidirectional : boustrophedon};
+    const StepStare pattern(p);
+    const int count = p.rows * p.columns * p.pulses_per_step;
+    std::map<std::pair<int, int>, int> pulses;
+    for (int k = 0; k < count; ++k) {
+      const Vector3d at = aim(pattern, k);
+      const double column = (at.x() + p.half_width_m) / (2 * p.half_width_m) * p.columns - 0.5;
+      const double row = (p.half_width_m - at.y()) / (2 * p.half_width_m) * p.rows - 0.5;
+      ASSERT_NEAR(column, std::round(column), 1e-12);
+      ASSERT_NEAR(row, std::round(row), 1e-12);
+      ++pulses[{static_cast<int>(std::round(row)), static_cast<int>(std::round(column))}];
+      ASSERT_EQ(at, aim(pattern, k + count)) << "the next pass differs";
+    }
+    ASSERT_EQ(pulses.size(), static_cast<std::size_t>(p.rows * p.columns));
+    for (const auto& [tile, times] : pulses) {
+      ASSERT_EQ(times, p.pulses_per_step);
+      ASSERT_TRUE(tile.first >= 0 && tile.first < p.rows && tile.second >= 0 && tile.second < p.columns);
+    }
+    if (p.direction == unidirectional) continue;
+    for (int k = 1; k < count; ++k) {
+      const Vector3d step = (aim(pattern, k) - aim(pattern, k - 1)) / (2 * p.half_width_m);
+      ASSERT_LE(std::abs(step.x()) * p.columns + std::abs(step.y()) * p.rows, 1 + 1e-12);
+    }
+  }
+}
+
+TEST(StepStare, StopsOnRequest) {
+  const StepStare pattern({.rows = 2, .columns = 3, .pulses_per_step = 4, .at_end = stop});
+  EXPECT_EQ(pattern.pulse_limit(), 24);
+  EXPECT_TRUE(pattern.ground_aim({23, 0}).has_value());
+  EXPECT_FALSE(pattern.ground_aim({24, 0}).has_value());
+  EXPECT_FALSE(StepStare({}).pulse_limit().has_value());
+}
+
+// At 10 Hz and four pulses a step: pulse 10 is the third of its step, which began at pulse 8.
+TEST(StepStare, EveryStepIsAJump) {
+  const StepStare pattern({.rows = 2, .columns = 2, .pulses_per_step = 4});
+  for (int k = 0; k < 4; ++k) EXPECT_FALSE(pattern.last_jump({k, 0.1 * k}).has_value());
+  const PatternJump jump = pattern.last_jump({10, 1.0}).value();
+  EXPECT_DOUBLE_EQ(jump.since_s, 0.2);
+  EXPECT_EQ(jump.before.pulse, 7);
+  EXPECT_DOUBLE_EQ(jump.before.since_start_s, 0.7);
+  EXPECT_EQ(pattern.last_jump({16, 1.6}).value().since_s, 0) << "the next pass begins with a jump";
+  EXPECT_FALSE(StepStare({.rows = 1, .columns = 1}).last_jump({5, 0.5}).has_value());
+}
+
+TEST(StepStare, SaysWhetherItIsCompensated) {
+  EXPECT_TRUE(StepStare({}).compensated());
+  EXPECT_FALSE(StepStare({.compensated = false}).compensated());
+}
+
+TEST(StepStare, RefusesParametersOutOfRange) {
+  for (const int bad : {0, -1, (1 << 20) + 1}) {
+    EXPECT_THROW(StepStare({.rows = bad}), UsageError) << bad;
+    EXPECT_THROW(StepStare({.columns = bad}), UsageError) << bad;
+    EXPECT_THROW(StepStare({.pulses_per_step = bad}), UsageError) << bad;
+  }
+  for (const double bad : {0.0, -1.0, HUGE_VAL, std::nan("")})
+    EXPECT_THROW(StepStare({.half_width_m = bad}), UsageError) << bad;
+}
+
+}  // namespace
+}  // namespace landfall

@@ -1,0 +1,133 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "store/config/json_source.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <ctime>
+#include <fstream>
+
+#include "base/core/error.h"
+#include "temporary_folder.h"
+
+namespace landfall {
+namespace {
+
+using testing::HasSubstr;
+
+std::string json_refusal(const std::string& text) {
+  const TemporaryFolder folder;
+  const std::filesystem::path path = folder / "source.json";
+  std::ofstream(path) << text;
+  try {
+    static_cast<void>(read_json(path.string()));
+  } catch (const UsageError& error) {
+    return error.what();
+  }
+  return "accepted";
+}
+
+TEST(ReadJson, Comments) {
+  EXPECT_EQ(json_refusal("// a lidar\n{\"a\": 1, /* not 2 */ \"b\": \"// text\"} // end"), "accepted");
+  EXPECT_THAT(json_refusal("{\"a\": 1} /* open"), HasSubstr("not valid JSON"));
+  EXPECT_THAT(json_refusal("{\"a\": 1, // first\n \"a\": 2}"), HasSubstr("given twice"));
+}
+
+TEST(ReadJson, MissingFileAndWrongContent) {
+  EXPECT_THROW(static_cast<void>(read_json("/nonexistent/a.json")), UsageError);
+  EXPECT_THAT(json_refusal("{\"a\": 1,}"), HasSubstr("line 1, column 9"));
+  EXPECT_THAT(json_refusal("[1]"), HasSubstr("must be a JSON object"));
+  EXPECT_THAT(json_refusal(""), HasSubstr("not valid JSON"));
+}
+
+TEST(ReadJson, AMessageQuotesTheEndOfALongText) {
+  const std::string end(57, 'x');
+  const std::string text = "\"" + std::string(3000, 'x');
+  EXPECT_THAT(json_refusal("{" + text),
+              HasSubstr("missing closing quote; last read: '..." + end + "'; expected string literal"));
+  EXPECT_THAT(json_refusal("{\"a\": " + text),
+              testing::EndsWith("missing closing quote; last read: '..." + end + "'"));
+  EXPECT_THAT(json_refusal("{\"a\": nil}"), testing::EndsWith("last read: '\"a\": ni'"));
+}
+
+TEST(ReadJson, NanAndInfinityAreNotJson) {
+  EXPECT_THAT(json_refusal("{\"a\": NaN}"), HasSubstr("not valid JSON"));
+  EXPECT_THAT(json_refusal("{\"a\": -Infinity}"), HasSubstr("not valid JSON"));
+  EXPECT_THAT(json_refusal("{\"a\": 1e999}"), HasSubstr("not valid JSON"));
+}
+
+TEST(ReadJson, AKeyStandsOnce) {
+  EXPECT_THAT(json_refusal("{\"a\": {\"b\": 1, \"b\": 2}}"), HasSubstr("\"b\" is given twice"));
+  EXPECT_EQ(json_refusal("{\"a\": {\"b\": 1}, \"c\": {\"b\": 2}}"), "accepted");
+}
+
+std::string nested(std::size_t depth) {
+  return R"({"a":)" + std::string(depth - 1, '[') + std::string(depth - 1, ']') + "}";
+}
+
+TEST(ReadJson, DeepNestingIsRefused) {
+  EXPECT_EQ(json_refusal(nested(64)), "accepted");
+  EXPECT_THAT(json_refusal(nested(65)), HasSubstr(": is nested deeper than 64 levels"));
+  EXPECT_THAT(json_refusal(nested(200'000)), HasSubstr(": is nested deeper than 64 levels"));
+  std::string key = "a";
+  for (int i = 0; i < 80'000; ++i) key += ".a";
+  JsonSource source{"config", nlohmann::json::object()};
+  EXPECT_THROW(apply_assignments(source, {key + "=1"}), UsageError);
+}
+
+// A list's entries must not be looked at once more for each entry.
+TEST(ReadJson, LongListsTakeLinearTime) {
+  const auto ticks = [](std::size_t count) {
+    std::string text = R"({"a": [)";
+    for (std::size_t i = 0; i < count; ++i) text += R"({"x":1},)";
+    text += R"({"x":1}]})";
+    const std::clock_t start = std::clock();  // processor time, which other programs do not change
+    EXPECT_EQ(parse_json(text, "config").value.at("a").size(), count + 1);
+    return static_cast<double>(std::clock() - start);
+  };
+  const double few = std::min(ticks(20'000), ticks(20'000));
+  EXPECT_LT(std::min(ticks(200'000), ticks(200'000)), 40 * few);
+}
+
+TEST(ReadJson, LongKeysAreCut) {
+  const std::string key(1'000'000, 'k');
+  EXPECT_LT(json_refusal(R"({")" + key + R"(": 1, ")" + key + R"(": 2})").size(), 300U);
+}
+
+TEST(Assignments, MakeReplaceAndIndex) {
+  JsonSource source{"config", {{"list", {1, 2}}}};
+  apply_assignments(source, {"a.b=1.5", "a.c=\"text\"", "list.1=7", "a.b=[1,2]"});
+  EXPECT_EQ(source.value, nlohmann::json::parse(R"({"a": {"b": [1,2], "c": "text"}, "list": [1, 7]})"));
+}
+
+TEST(Assignments, AnIndexOfADefaultArray) {
+  const auto default_at = [](const nlohmann::json& config, const std::string& pointer) {
+    EXPECT_FALSE(config.contains("list"));
+    return pointer == "/a/list" ? nlohmann::json({1, 2, 3}) : nlohmann::json();
+  };
+  JsonSource source{"config", {{"b", 1}}};
+  apply_assignments(source, {"a.list.1=7"}, default_at);
+  EXPECT_EQ(source.value, nlohmann::json({{"b", 1}, {"a", {{"list", {1, 7, 3}}}}}));
+  apply_assignments(source, {"a.list.0=8", "a.other.0=9"}, default_at);  // an array that exists; no array
+  EXPECT_EQ(source.value["a"], nlohmann::json({{"list", {8, 7, 3}}, {"other", {{"0", 9}}}}));
+  JsonSource other{"config", nlohmann::json::object()};
+  EXPECT_THROW(apply_assignments(other, {"a.list.3=7"}, default_at), UsageError);
+}
+
+TEST(Assignments, AWordIsAText) {
+  JsonSource source{"config", nlohmann::json::object()};
+  apply_assignments(source, {"a=text", "b=NaN", "c=0,01", "d=1e3", "e=true"});
+  EXPECT_EQ(source.value,
+            nlohmann::json::parse(R"({"a": "text", "b": "NaN", "c": "0,01", "d": 1000.0, "e": true})"));
+}
+
+TEST(Assignments, RefuseWhatIsNoAssignment) {
+  JsonSource source{"config", {{"list", {1, 2}}, {"x", 3}}};
+  for (const char* const wrong :
+       {"a", "=1", "a=", "a={", "a=[1", "a=\"open", "a.=1", "list.2=1", "list.b=1", "x.y=1"})
+    EXPECT_THROW(apply_assignments(source, {wrong}), UsageError) << wrong;
+}
+
+}  // namespace
+}  // namespace landfall

@@ -1,0 +1,75 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "store/config/own_requirement_config.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "refusal.h"
+
+namespace landfall {
+namespace {
+
+using testing::HasSubstr;
+using testing::IsEmpty;
+
+/// A result with two numbers and a text.
+const ResultFields kResult{"r.json", {{"a.first_m", true}, {"a.second_m", true}, {"shape", false}}};
+
+std::vector<Requirement> parsed(const std::string& list) {
+  return own_requirements(nlohmann::json::parse(R"({"requirements": )" + list + "}"), "c.json: ", kResult);
+}
+
+std::string refused(const std::string& list) {
+  return refusal([&] { static_cast<void>(parsed(list)); });
+}
+
+TEST(OwnRequirementConfig, NoneWithoutTheKey) {
+  EXPECT_THAT(own_requirements(nlohmann::json::object(), "c.json: ", kResult), IsEmpty());
+}
+
+TEST(OwnRequirementConfig, BoundsInOrder) {
+  EXPECT_EQ(parsed(R"([{"name": "x y-1_", "metric": "a.first_m", "max": 2},
+                       {"name": "z", "metric": "a.second_m", "min": -1}])"),
+            (std::vector<Requirement>{{"x y-1_", "a.first_m", 2, false}, {"z", "a.second_m", -1, true}}));
+}
+
+TEST(OwnRequirementConfig, OneBound) {
+  EXPECT_EQ(refused(R"([{"name": "x", "metric": "a.first_m"}])"),
+            "c.json: /requirements/0: has neither max nor min; give one of them");
+  EXPECT_EQ(refused(R"([{"name": "x", "metric": "a.first_m", "max": 1, "min": 1}])"),
+            "c.json: /requirements/0: has both of max and min; give one of them");
+}
+
+TEST(OwnRequirementConfig, TheMetricIsANumber) {
+  const auto metric = [](const std::string& path) {
+    return refused(R"([{"name": "x", "metric": ")" + path + R"(", "max": 1}])");
+  };
+  EXPECT_EQ(
+      metric("a.frst_m"),
+      R"(c.json: /requirements/0/metric: "a.frst_m": r.json has no such number; did you mean "a.first_m"?)");
+  EXPECT_EQ(metric("shape"), R"(c.json: /requirements/0/metric: "shape" of r.json is not a number)");
+  EXPECT_EQ(
+      metric("a"),
+      R"(c.json: /requirements/0/metric: "a" of r.json is not a number; name one in it, such as "a.first_m")");
+  EXPECT_EQ(metric("nothing of all"),
+            R"(c.json: /requirements/0/metric: "nothing of all": r.json has no such number)");
+}
+
+TEST(OwnRequirementConfig, NamesArePartsOfPaths) {
+  const auto name = [](const std::string& text) {
+    return refused(R"([{"name": ")" + text + R"(", "metric": "a.first_m", "max": 1}])");
+  };
+  for (const std::string& bad : {std::string("a.b"), std::string("a/b"), std::string(" a"), std::string("a "),
+                                 std::string("\u00e4"), std::string(41, 'a')})
+    EXPECT_THAT(name(bad), HasSubstr("/requirements/0/name: \"")) << bad;
+  EXPECT_EQ(name(std::string(40, 'a')), "accepted");
+  for (const char* const taken :
+       {"coverage", "absolute_horizontal", "all", "all_and_own", "chosen_place_safe"})
+    EXPECT_THAT(name(taken), HasSubstr("is the name of another requirement")) << taken;
+  EXPECT_EQ(refused(R"([{"name": "x", "metric": "a.first_m", "max": 1},
+                        {"name": "x", "metric": "a.second_m", "max": 1}])"),
+            R"(c.json: /requirements/1/name: "x" is the name of another requirement)");
+}
+
+}  // namespace
+}  // namespace landfall
