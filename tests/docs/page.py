@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Parses a page of the documentation: its fenced blocks, the comments that annotate them, headings and links.
 
-A comment on its own line annotates the next block:
+tests/docs/notes has, under the name of the page, the comments of its blocks, each below `## ` and the first line of its block (`(2)` behind
+it: of the second block that begins so). A comment on its own line of the page itself annotates the next block too:
 
     <!-- setup: COMMANDS -->      shell commands, on one or more lines, that run here and are not shown to readers
     <!-- long: REASON -->         the next block runs only with LANDFALL_TEST_LONG=1; otherwise it is listed as skipped
@@ -18,6 +19,7 @@ and one gives a line that only the site shows (scripts/docs):
 
     <!-- site: MARKDOWN -->
 """
+import collections
 import os
 import re
 
@@ -26,6 +28,7 @@ FENCE = re.compile(r"^( *)```(\w*) *$")
 COMMENT = re.compile(r"^<!-- (setup|long setup|long|bare|all tests|file|check|output|site|yours)(?:: *(.*))?$", re.DOTALL)
 LINK = re.compile(r"(!?)\[(?:[^\[\]]|\[[^\]]*\])*\]\(([^()\s]+)\)")
 RUN_LANGUAGES = ("sh", "python")
+NOTES = os.path.join(ROOT, "tests", "docs", "notes")
 # Names of files in commands.
 FILE = re.compile(r"(?<![\w$}{*/.-])(?:[\w-]+/)*[\w-]+\.(?:h5|tif|json|csv|obj|ply|stl|las|txt|png|gpkg|geojson|npy|html|asc|img)\b")
 # The files that a reader of any page has: those of the chain, under the names that all pages give them.
@@ -53,11 +56,22 @@ class Block:
         return self.is_command and not RUN_ELSEWHERE & self.notes.keys() and (LONG or "long" not in self.notes)
 
 
+def notes_of(name):
+    """{key: [comment]} of tests/docs/notes; the key is the first line of a block."""
+    path = os.path.join(NOTES, name)
+    if not os.path.exists(path):
+        return {}
+    with open(path, encoding="utf-8") as file:
+        parts = re.split(r"(?m)^## (.*)\n", file.read())[1:]
+    return {key: re.findall(r"(?ms)^<!-- .*?-->$", text) for key, text in zip(parts[::2], parts[1::2])}
+
+
 class Page:
     """`name` is relative to the repository; `blocks` are in order; `prose` maps line numbers to lines outside of blocks."""
 
     def __init__(self, name, text=None):
         self.name, self.blocks, self.prose, self.faults = name, [], {}, []
+        self._notes, self._begins = notes_of(name) if text is None else {}, collections.Counter()
         if text is None:
             with open(os.path.join(ROOT, name), encoding="utf-8") as file:
                 text = file.read()
@@ -69,6 +83,8 @@ class Page:
         while number < len(self._lines):
             fence = FENCE.match(self._lines[number])
             if fence:
+                for comment in self._notes_of_block(self._lines[number + 1].strip()):
+                    self._take(comment, number, notes)
                 number = self._read_block(number, fence, notes)
                 notes = {}
             elif self._lines[number].startswith("<!--"):
@@ -80,6 +96,12 @@ class Page:
                     self.prose[number + 1] = self._lines[number]
                 number += 1
         self._refuse_unused(notes, number)
+        self.faults += [f"tests/docs/notes/{self.name}: no block begins with {key}" for key in self._notes]
+
+    def _notes_of_block(self, line):
+        self._begins[line] += 1
+        again = self._begins[line]
+        return self._notes.pop(line if again == 1 else f"{line} ({again})", [])
 
     def _refuse_unused(self, notes, number):
         if notes:
@@ -99,10 +121,13 @@ class Page:
         end = first
         while end < len(self._lines) and "-->" not in self._lines[end]:
             end += 1
-        text = "\n".join(self._lines[first:end + 1])
+        self._take("\n".join(self._lines[first:end + 1]), first, notes)
+        return end + 1
+
+    def _take(self, text, first, notes):
         match = COMMENT.match(text[:text.find("-->")].rstrip())
         if not match:
-            self.faults.append(f"{self.name}:{first + 1}: an unknown comment: {self._lines[first]}")
+            self.faults.append(f"{self.name}:{first + 1}: an unknown comment: {text}")
         elif match[1] == "site":
             pass
         elif match[1] in ("setup", "long setup"):
@@ -110,7 +135,6 @@ class Page:
             self.blocks.append(Block(match[1], first + 1 + lines_before, match[2] + "\n", {}))
         else:
             notes[match[1]] = match[2] or ""
-        return end + 1
 
     def hidden_inputs(self):
         """(line, file) of each file that a visible block names and that only hidden commands have made: a reader who types the page does not have

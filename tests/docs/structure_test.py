@@ -77,6 +77,11 @@ class Structure(unittest.TestCase):
         self.assertEqual(sorted(block.notes["bare"] for _, block in self.blocks_with("bare")), sorted(run_in_bare))
         self.assertEqual({page.name for page, _ in self.blocks_with("bare")}, {"docs/user/install.md"})
 
+    def test_pages_hold_no_comments_for_tests(self):
+        """They are in tests/docs/notes: a reader of the raw page sees only the page, and what the site shows besides."""
+        self.assertEqual([f"{name}: {line}" for name in pages.names() for line in read(name).splitlines()
+                          if line.startswith("<!--") and not line.startswith("<!-- site:")], [])
+
     def test_ci_runs_the_command_of_all_tests(self):
         [(_, block)] = self.blocks_with("all tests")
         command = block.text.split("#")[0].strip()
