@@ -19,7 +19,7 @@ inline ExactPair exact_sum(double a, double b) {
   return {value, (a - (value - b_part)) + (b - b_part)};
 }
 
-/// a b, where neither product nor rest over- or underflows.
+/// The product a b, if neither it nor its rounding error over- or underflows.
 inline ExactPair exact_product(double a, double b) {
   const double value = a * b;
   return {value, std::fma(a, b, -value)};

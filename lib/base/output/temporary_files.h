@@ -20,7 +20,7 @@ void install_signal_cleanup(const std::string& program);
 
 /// While one exists, the first interrupt does not end the run: requested() is true from then on, and the run
 /// saves its work. The destructor ends the run by that signal, unless an exception does. A second interrupt
-/// ends the run at once. Outputs may be renamed meanwhile. There is one at a time.
+/// ends the run at once. Outputs may be renamed meanwhile. At most one instance exists at a time.
 class DeferredInterrupts {
  public:
   DeferredInterrupts();

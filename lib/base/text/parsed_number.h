@@ -10,7 +10,7 @@
 
 namespace landfall {
 
-/// The number that a text writes.
+/// Parses a number from text.
 struct ParsedNumber {
   enum class Outcome { number, not_a_number, too_large };
   Outcome outcome = Outcome::not_a_number;

@@ -14,7 +14,7 @@ namespace landfall {
 /// is at the bins' centres. Conditional simulation: a draw agrees with the map as well as its noise allows,
 /// and is as rough as the map itself says.
 ///
-/// The map is taken apart into details of 1, 2, 4, ... bins (scale_filter.h), up to a reach of 4 m. At each
+/// The map is decomposed into details of 1, 2, 4, ... bins (scale_filter.h), up to a reach of 4 m. At each
 /// scale the true detail is normal about a part of that of the map (relief_prior.h): none on a plane, nearly
 /// all where relief stands out of the noise. The means over the bins of a draw are the smooth rest, plus at
 /// each scale the expected detail and the detail of a new white noise, scaled to its spread.

@@ -28,9 +28,10 @@ struct ScaleRelief {
 /// The bins within which relief_of() depends on details and noise.
 [[nodiscard]] std::int64_t relief_reach_bins(std::int64_t step, double resolution_m);
 
-/// The detail is the true one plus noise of variance V. How much relief there is, is asked of the map itself,
-/// by a mixture of normal distributions (Portilla, Strela, Wainwright and Simoncelli, IEEE Trans. Image
-/// Processing 12, 2003): the true detail has the variance r V, where r is one of 11 classes from 0 to 4000.
+/// The detail is the true one plus noise of variance V. The amount of relief is estimated from the map
+/// itself, by a mixture of normal distributions (Portilla, Strela, Wainwright and Simoncelli, IEEE Trans.
+/// Image Processing 12, 2003): the true detail has the variance r V, where r is one of 11 classes from 0 to
+/// 4000.
 ///  - The likelihood of a class is that of the mean square of the details about the bin (blurred over the
 ///    scale) with 11.5 degrees of freedom.
 ///  - The probabilities of the classes are those of the ground around: from equal ones, two steps of
@@ -39,8 +40,8 @@ struct ScaleRelief {
 ///  - Natural relief falls with its wavelength: a class that is rougher than the next coarser scale about the
 ///    bin (`coarser`, relief_m2 of that scale; null at the coarsest) is less likely by exp(-x^2 / 2), x =
 ///    ln(r V / coarser) / 0.4.
-/// Where less than half was measured the detail tells the less, and the ground has more of the mean relief of
-/// its cell's surroundings.
+/// Where less than half of the bins were measured, the detail counts less and the mean relief of the
+/// surrounding cells counts more.
 ///
 /// The cells begin at bin (0, 0): a bin's result does not depend on the map's extent.
 [[nodiscard]] ScaleRelief relief_of(const ScaleDetails& scale, const Grid<float>* coarser);

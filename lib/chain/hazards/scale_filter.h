@@ -25,7 +25,7 @@ inline constexpr std::int64_t kBlurReach = 2;
 template <class T>
 [[nodiscard]] Grid<T> low_pass(const Grid<T>& map, std::int64_t step);
 
-/// The B3-spline filter, (1, 4, 6, 4, 1) / 16 in each direction, which keeps what is not negative so. Beyond
+/// The B3-spline filter, (1, 4, 6, 4, 1) / 16 in each direction, which preserves non-negative values. Beyond
 /// the border the outermost bins repeat.
 [[nodiscard]] Grid<float> blur(const Grid<float>& map, std::int64_t step);
 

@@ -15,7 +15,7 @@ struct WalkOutcome {
   std::int64_t uncertified = 0;  ///< windows still to be computed
   /// At most the lower of the two order statistics of each of them.
   double lower_bound = std::numeric_limits<double>::infinity();
-  /// The smallest answer of the windows computed now.
+  /// The smallest quantile found in this walk.
   double smallest = std::numeric_limits<double>::infinity();
 };
 
