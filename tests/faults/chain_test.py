@@ -1,9 +1,11 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: GPL-3.0-or-later
 """`landfall run` is killed just before each output gets its name: the next run continues, without -O."""
+import contextlib
 import os
 import shutil
 import signal
+import subprocess
 import sys
 import unittest
 
@@ -87,6 +89,36 @@ class Chain(ToolTest):
             result = self.chain()
             self.assertEqual((result.returncode, "landfall run did not make it; use -O" in result.stderr), (2, True), result.stderr)
             self.assertEqual(read_bytes(self.path("out/metrics.json")), b"mine\n")
+
+
+class Memory(ToolTest):
+    GROUPS = (("/sys/fs/cgroup/memory", "memory.limit_in_bytes"), ("/sys/fs/cgroup", "memory.max"))  # versions 1 and 2
+
+    def group(self, size):
+        """The folder of a control group with so many bytes of memory; skips the test where none can be made."""
+        for root, limit in self.GROUPS:
+            folder = os.path.join(root, f"landfall-test-{os.getpid()}")
+            with contextlib.suppress(OSError, subprocess.SubprocessError):
+                os.mkdir(folder)
+                self.addCleanup(os.rmdir, folder)
+                with open(os.path.join(folder, limit), "r+", encoding="ascii") as file:
+                    file.write(str(size))
+                subprocess.run(["true"], check=True, preexec_fn=lambda folder=folder: self.enter(folder))
+                return folder
+        raise unittest.SkipTest("no control group of memory can be made")
+
+    @staticmethod
+    def enter(group):
+        with open(os.path.join(group, "cgroup.procs"), "w", encoding="ascii") as file:
+            file.write("0")
+
+    @unittest.skipIf(os.environ.get("LANDFALL_SANITIZE"), "sanitizers need more memory")
+    def test_a_run_that_a_control_group_kills_is_named(self):
+        group = self.group(40 << 20)
+        result = run("landfall", "run", "-c", "preset:paper", "-o", self.path("out"), "--set", "regrid.resolution_m=0.1",
+                     preexec_fn=lambda: self.enter(group))
+        self.assertEqual(result.returncode, -signal.SIGKILL, result.stderr)
+        self.assertEqual(result.stderr.splitlines()[-1], "landfall run: killed, as when memory runs out; the same command continues")
 
 
 if __name__ == "__main__":
