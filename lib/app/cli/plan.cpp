@@ -129,8 +129,8 @@ std::string plan_table(const PlanMetrics& plan) {
   text +=
       print("  seen by more than one frame: %.2f %% of the bins\n", 100 * plan.frames_per_bin.above_one_frac);
   if (plan.posting) text += posting_line(*plan.posting);
-  text += print("\n  %-20s %8s %8s %8s %8s %8s %8s\n", "Per bin of the region", "mean", "least", "5 %",
-                "median", "95 %", "most");
+  text += print("\n  %-20s %8s %8s %8s %8s %8s %8s\n", "Per bin of the region", "mean", "min", "5 %",
+                "median", "95 %", "max");
   return text + spread_line("returns", plan.returns_per_bin) + spread_line("frames", plan.frames_per_bin);
 }
 
