@@ -9,6 +9,7 @@
 #include "app/cli/tool.h"
 #include "app/runs/redraw.h"
 #include "app/runs/scene.h"
+#include "chain/lidar/error_models/range_errors.h"
 #include "chain/lidar/simulation/scan_pipeline.h"
 #include "store/config/receiver_config.h"
 #include "store/config/scan_config.h"
@@ -90,8 +91,8 @@ EngineKind engine_kind(const std::string& name) {
 Scene scanned_scene(cli::Session& session, const Options& o, const RangeFile* ranges, bool needs_surface) {
   if (ranges != nullptr && o.terrain.empty()) {
     if (needs_surface)
-      throw UsageError(session.config_name() + ": /noise/incidence_sigma_rad: " +
-                       session.config().at("noise").at("incidence_sigma_rad").dump() +
+      throw UsageError(session.config_name() + ": /noise/" + kIncidenceNoise + ": " +
+                       session.config().at("noise").at(kIncidenceNoise).dump() +
                        " with --ranges-from needs --terrain");
     return {ranges->terrain()};
   }

@@ -20,7 +20,7 @@ def _alternatives(node):
 
 
 def effect_of(*path, scan=None):
-    """The effect of a key: ("noise", "range_bias_m"), in this configuration if one is given. Of one that several scanners have the first
+    """The effect of a key: ("laser", "scan_time_s"), in this configuration if one is given. Of one that several scanners have the first
     of EFFECTS; of an unknown one that of the nearest known key above it."""
     if path[0] in SHARED:
         return "estimate"

@@ -159,9 +159,10 @@ class Structure(unittest.TestCase):
         properties = json.loads(read("schemas/scan.schema.json"))["properties"]
         names = {"requirements": [row["name"] for row in requirements if row["name"] != "coverage"],  # also a word
                  "limits": {row["worst_limit"] for row in requirements} | {"absolute_horizontal_frac"},
-                 "errors": [*properties["noise"]["properties"], *properties["pointing_error"]["properties"]]}
+                 "errors": [key for section in ("noise", "pointing_error") for key in properties[section]["properties"]
+                            if f'"{key}"' not in read("schemas/regrid.schema.json")]}  # regrid has keys of these names
         worst = {kind: max(sum(name in text for text in code) for name in some) for kind, some in names.items()}
-        self.assertEqual(worst, {"requirements": 6, "limits": 8, "errors": 22})
+        self.assertEqual(worst, {"requirements": 6, "limits": 8, "errors": 5})
 
     def test_decisions_are_in_order_below_their_subjects(self):
         order = {subject: [int(number[1:]) for number in numbers] for subject, _, numbers in self.decisions()}

@@ -13,6 +13,7 @@
 #include "base/core/error.h"
 #include "base/returns/point_status.h"
 #include "base/text/parameter_check.h"
+#include "chain/lidar/error_models/range_errors.h"
 #include "chain/lidar/simulation/pulse_simulator.h"
 #include "store/config/json_source.h"
 #include "store/config/scan_config.h"
@@ -97,8 +98,9 @@ ScanModel model_of(const std::string& text, const std::string& name, ReadTable r
   nlohmann::json config = resolve_config(parse_json(text, name), embedded_schema("scan"));
   complete_scan_config(config);
   require_no_estimate(config, name);
-  if (config.at("noise").at("incidence_sigma_rad") != 0)
-    throw UsageError(name + ": /noise/incidence_sigma_rad: needs the terrain's surface, which no host gives");
+  if (config.at("noise").at(kIncidenceNoise) != 0)
+    throw UsageError(name + ": /noise/" + kIncidenceNoise +
+                     ": needs the terrain's surface, which no host gives");
   if (config.at("receiver").at("type") != "none")
     throw UsageError(name + ": /receiver/type: needs the terrain's surface, which no host gives");
   config["trajectory"] = nlohmann::json{{"type", "constant_velocity"}};  // the host moves the lander

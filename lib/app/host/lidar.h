@@ -99,7 +99,7 @@ class Instrument {
   /// configurations that name tables; without it they are refused. Throws if the text is not valid JSON, a
   /// key is unknown or out of its bounds, `intersect` is empty, or the configuration has what a host gives
   /// itself (`navigation_error.table` and `attitude`, errors of time stamps) or needs what it does not give
-  /// (the slope of the terrain, for `noise.incidence_sigma_rad` and `receiver.type`).
+  /// (the slope of the terrain, for noise that depends on it and for `receiver.type`).
   Instrument(const std::string& config, Intersect intersect, const std::string& name = "config",
              ReadTable read_table = {});
   /// As above, with a callback that takes all rays of a pulse at once.

@@ -30,8 +30,7 @@ enum class DeviceWeights : std::int64_t {
 /// RangeErrorParameters and RandomStreams of one draw.
 struct DeviceErrors {
   std::uint64_t seed, draw, noise_stream, dropout_stream, false_stream;
-  double sigma_m, sigma_per_m, incidence_sigma_rad, bias_m, dropout_frac, false_frac, false_min_m,
-      false_span_m;
+  double sigma_m, sigma_per_m, spread_rad, bias_m, dropout, false_frac, false_min_m, false_span_m;
   std::int64_t is_noisy, has_constant_sigma;
   DeviceWeights weights;
   /// Bit i: the CPU adds the three products of row i of a rotation from the left; else from the right.

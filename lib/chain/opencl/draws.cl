@@ -15,7 +15,7 @@
 // Structures of lib/chain/opencl/device_draws.h.
 typedef struct {
   ulong seed, draw, noise_stream, dropout_stream, false_stream;
-  double sigma_m, sigma_per_m, incidence_sigma_rad, bias_m, dropout_frac, false_frac, false_min_m, false_span_m;
+  double sigma_m, sigma_per_m, spread_rad, bias_m, dropout, false_frac, false_min_m, false_span_m;
   long is_noisy, has_constant_sigma, weights, left_rows;
 } Errors;
 
@@ -145,7 +145,7 @@ double measured(constant Errors* e, double range, double tan_incidence, ulong pu
   const double normal = normal_draw(e, e->noise_stream, pulse, pixel);
   if (e->has_constant_sigma) return biased + e->sigma_m * normal;
   const double with_range = e->sigma_per_m * range;
-  const double with_incidence = e->incidence_sigma_rad == 0 ? 0 : (e->incidence_sigma_rad * range) * tan_incidence;
+  const double with_incidence = e->spread_rad == 0 ? 0 : (e->spread_rad * range) * tan_incidence;
   const double sigma = sqrt((e->sigma_m * e->sigma_m + with_range * with_range) + with_incidence * with_incidence);
   return biased + sigma * normal;
 }
@@ -243,7 +243,7 @@ kernel void place(constant Scene* s, constant Errors* e, global const Beam* beam
   if (!dead[pixel] && range != -INFINITY) {
     const bool hits = !isnan(range);
     const bool has_echo =
-        hits && !(e->dropout_frac > 0 && uniform_draw(e, e->dropout_stream, pulse, pixel) < e->dropout_frac);
+        hits && !(e->dropout > 0 && uniform_draw(e, e->dropout_stream, pulse, pixel) < e->dropout);
     if (e->false_frac > 0 && uniform_draw(e, e->false_stream, pulse, pixel) < e->false_frac) {
       const ulong second = pixel + (1UL << 32);
       const double false_m = e->false_min_m + uniform_draw(e, e->false_stream, pulse, second) * e->false_span_m;

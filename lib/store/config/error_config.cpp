@@ -49,8 +49,8 @@ RangeErrors make_range_errors(const Json& noise, const ComponentContext& context
            .range_sigma_per_m = number("range_sigma_per_m"),
            .incidence_sigma_rad = number("incidence_sigma_rad"),
            .false_return_frac = number("false_return_frac"),
-           .false_range_min_m = false_min,
-           .false_range_max_m = false_max},
+           .false_min_m = false_min,
+           .false_max_m = false_max},
           context.seed};
 }
 

@@ -39,7 +39,7 @@ struct EffectiveKey {
 /// the estimate ("beam_with" in the schema), else effect_of(pointer).
 [[nodiscard]] std::optional<KeyEffect> effect_of(const std::string& pointer, const nlohmann::json& config);
 
-/// The effect of a key, "/noise/range_bias_m" or, of an element, "/detector/ifov_rad/0". Of a key that
+/// The effect of a key, "/laser/scan_time_s" or, of an element, "/detector/ifov_rad/0". Of a key that
 /// several scanners have the first of KeyEffect's list; of an unknown one that of the nearest known key above
 /// it, none at the top. None of "/seed": the drawn keys say what it moves.
 [[nodiscard]] std::optional<KeyEffect> effect_of(const std::string& pointer);

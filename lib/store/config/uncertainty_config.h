@@ -33,9 +33,9 @@ void add_navigation_sigma(nlohmann::json& config, const std::string& assignment)
                                                            const std::vector<ScanOrigin>& scans);
 
 /// The errors that are switched on in the scans and that these sigmas leave out, each once, by their place in
-/// the scan's configuration: systematic ones (range_bias_m, tof_lag, errors of the mirror's clock, encoder
-/// harmonics, unknown facet tilts, the estimator "first" with sub-pixels, a receiver, pixel offsets, the
-/// clock's scale), false returns, and navigation and pointing errors whose sigma is 0.
+/// the scan's configuration: systematic ones (the bias of ranges, tof_lag, errors of the mirror's clock,
+/// encoder harmonics, unknown facet tilts, the estimator "first" with sub-pixels, a receiver, pixel offsets,
+/// the clock's scale), false returns, and navigation and pointing errors whose sigma is 0.
 [[nodiscard]] std::vector<std::string> errors_left_out(const UncertaintyParameters& parameters,
                                                        const std::vector<ScanOrigin>& scans);
 

@@ -31,14 +31,14 @@ RangeErrors::RangeErrors(const RangeErrorParameters& parameters, RandomSeed seed
   const RangeErrorParameters& p = parameters;
   require_not_negative({"", "range_sigma_m"}, p.range_sigma_m);
   require_not_negative({"", "range_sigma_per_m"}, p.range_sigma_per_m);
-  require_not_negative({"", "incidence_sigma_rad"}, p.incidence_sigma_rad);
+  require_not_negative({"", kIncidenceNoise}, p.incidence_sigma_rad);
   require_finite({"", "range_bias_m"}, p.range_bias_m);
   require_fraction({"", "dead_pixel_frac"}, p.dead_pixel_frac);
   require_fraction({"", "dropout_frac"}, p.dropout_frac);
   require_fraction({"", "false_return_frac"}, p.false_return_frac);
-  require_not_negative({"", "false_range_m/0"}, p.false_range_min_m);
-  require(std::isfinite(p.false_range_max_m) && p.false_range_max_m > p.false_range_min_m,
-          {"", "false_range_m/1"}, p.false_range_max_m, "finite and greater than the gate's begin");
+  require_not_negative({"", "false_range_m/0"}, p.false_min_m);
+  require(std::isfinite(p.false_max_m) && p.false_max_m > p.false_min_m, {"", "false_range_m/1"},
+          p.false_max_m, "finite and greater than the gate's begin");
 }
 
 bool RangeErrors::is_dead(std::int64_t pixel) const {
@@ -87,11 +87,11 @@ void RangeErrors::measure(std::int64_t pulse, std::span<const double> ranges_m,
   }
 }
 
-std::optional<double> RangeErrors::false_range_m(PulsePixel where) const {
+std::optional<double> RangeErrors::false_return_m(PulsePixel where) const {
   const RangeErrorParameters& p = parameters_;
   if (!has_false_returns() || draw_uniform(false_, where) >= p.false_return_frac) return std::nullopt;
   const PulsePixel second{where.pulse, where.pixel + kSecondDraw};
-  return p.false_range_min_m + draw_uniform(false_, second) * (p.false_range_max_m - p.false_range_min_m);
+  return p.false_min_m + draw_uniform(false_, second) * (p.false_max_m - p.false_min_m);
 }
 
 }  // namespace landfall

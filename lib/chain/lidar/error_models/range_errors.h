@@ -10,6 +10,9 @@
 
 namespace landfall {
 
+/// The key of the noise that depends on the incidence.
+inline constexpr const char* kIncidenceNoise = "incidence_sigma_rad";
+
 struct RangeErrorParameters {
   double range_sigma_m = 0;        ///< one sigma, >= 0
   double range_bias_m = 0;         ///< added to every range
@@ -18,8 +21,8 @@ struct RangeErrorParameters {
   double range_sigma_per_m = 0;    ///< k >= 0: noise that grows with range
   double incidence_sigma_rad = 0;  ///< a >= 0: half-width of a pixel's beam, one sigma
   double false_return_frac = 0;    ///< probability of a false detection per pixel and pulse, in [0, 1]
-  double false_range_min_m = 0;    ///< false ranges lie in [min, max), 0 <= min < max
-  double false_range_max_m = 1000;
+  double false_min_m = 0;          ///< false ranges lie in [min, max), 0 <= min < max
+  double false_max_m = 1000;
 };
 
 /// The receiver's effect on a range. Every draw is a function of (seed, draw, stream, pulse, pixel), and each
@@ -56,7 +59,7 @@ class RangeErrors {
   /// False: no pixel has a false detection.
   [[nodiscard]] bool has_false_returns() const { return parameters_.false_return_frac > 0; }
   /// The range of a false detection, uniform in its gate; empty without a false detection.
-  [[nodiscard]] std::optional<double> false_range_m(PulsePixel where) const;
+  [[nodiscard]] std::optional<double> false_return_m(PulsePixel where) const;
 
  private:
   [[nodiscard]] bool draws_dropout(PulsePixel where) const;

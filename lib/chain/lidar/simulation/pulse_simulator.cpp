@@ -12,6 +12,7 @@
 #include <cmath>
 #include <limits>
 #include <sstream>
+#include <string>
 #include <utility>
 
 #include "base/core/error.h"
@@ -86,7 +87,7 @@ PulseSimulator::PulseSimulator(Lidar lidar, const RayEngine* engine, const Terra
       albedo_(albedo),
       dead_map_(dead_map_of(lidar_)) {
   if (lidar_.range_errors.needs_incidence() && ground_ == nullptr)
-    throw UsageError("incidence_sigma_rad: needs the terrain's surface");
+    throw UsageError(std::string(kIncidenceNoise) + ": needs the terrain's surface");
   if (lidar_.receiver.sees_waveforms() && engine_ != nullptr && ground_ == nullptr)
     throw UsageError("receiver/type: needs the terrain's surface");
   assert(lidar_.link_constants_pe_m2.size() ==
@@ -315,7 +316,7 @@ PulseSimulator::Report PulseSimulator::report(PulsePixel where, const PulseWorks
                             what == PointStatus::dropout;
   if (number == 0 && may_be_false && lidar_.range_errors.has_false_returns()) {
     // The first detection is reported. The true range decides, so that other errors do not change the choice.
-    const std::optional<double> false_m = lidar_.range_errors.false_range_m(where);
+    const std::optional<double> false_m = lidar_.range_errors.false_return_m(where);
     if (false_m && !(has_echo && *false_m >= workspace.received.ranges_m[i]))
       return {PointStatus::false_return, *false_m, kNoIntensity, 1};
   }

@@ -85,8 +85,8 @@ const std::vector<RangeErrorParameters>& error_models() {
        .dropout_frac = 0.1,
        .incidence_sigma_rad = 1e-3,
        .false_return_frac = 0.2,
-       .false_range_min_m = 300,
-       .false_range_max_m = 600}};
+       .false_min_m = 300,
+       .false_max_m = 600}};
   return all;
 }
 

@@ -41,10 +41,9 @@ TEST(ErrorConfig, RangeErrorsAreRead) {
       "incidence_sigma_rad": 2e-4, "false_return_frac": 0.25, "false_range_m": [20, 30]}})")
                                .lidar.range_errors;
   EXPECT_NEAR(read.sigma_m(400, 1.5), 0.13, 1e-16);
-  const RangeErrors expected({.false_return_frac = 0.25, .false_range_min_m = 20, .false_range_max_m = 30},
-                             5);
+  const RangeErrors expected({.false_return_frac = 0.25, .false_min_m = 20, .false_max_m = 30}, 5);
   for (std::int64_t i = 0; i < 100; ++i)
-    EXPECT_EQ(read.false_range_m({i, 0}), expected.false_range_m({i, 0}));
+    EXPECT_EQ(read.false_return_m({i, 0}), expected.false_return_m({i, 0}));
 }
 
 TEST(ErrorConfig, PointingErrorsAreRead) {

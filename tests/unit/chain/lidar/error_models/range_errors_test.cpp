@@ -28,8 +28,8 @@ double fraction_of(const auto& happens) {
 TEST(RangeErrors, DefaultsAreNoErrorsAndAGateOfOneKilometre) {
   const RangeErrorParameters none;
   EXPECT_EQ(none.range_sigma_m, 0);
-  EXPECT_EQ(none.false_range_min_m, 0);
-  EXPECT_EQ(none.false_range_max_m, 1000);
+  EXPECT_EQ(none.false_min_m, 0);
+  EXPECT_EQ(none.false_max_m, 1000);
   EXPECT_EQ(PulsePixel{}.pulse, 0);
   EXPECT_EQ(PulsePixel{}.pixel, 0);
 }
@@ -44,7 +44,7 @@ TEST(RangeErrors, ChancesHoldUpToTheirOwnDraw) {
                            3);
   EXPECT_FALSE(errors.is_dead(8));
   EXPECT_FALSE(errors.is_dropped({2, 8}));
-  EXPECT_FALSE(errors.false_range_m({2, 8}));
+  EXPECT_FALSE(errors.false_return_m({2, 8}));
   for (std::uint64_t i = 0; i < 20; ++i) {
     EXPECT_EQ(errors.is_dead(static_cast<std::int64_t>(i)), dead.uniform(i) < dead.uniform(8));
     EXPECT_EQ(errors.is_dropped({2, static_cast<std::int64_t>(i)}),
@@ -54,9 +54,9 @@ TEST(RangeErrors, ChancesHoldUpToTheirOwnDraw) {
 
 // The range comes from a second draw, 2^32 pixels on (docs/reference/draws.md).
 TEST(RangeErrors, AFalseRangeIsItsSecondDraw) {
-  const RangeErrors errors({.false_return_frac = 1, .false_range_min_m = 100, .false_range_max_m = 300}, 3);
+  const RangeErrors errors({.false_return_frac = 1, .false_min_m = 100, .false_max_m = 300}, 3);
   const RandomField wrong(3, RandomStream::false_return);
-  EXPECT_EQ(errors.false_range_m({2, 8}), 100 + 200 * wrong.uniform(2, 8 + (std::uint64_t{1} << 32U)));
+  EXPECT_EQ(errors.false_return_m({2, 8}), 100 + 200 * wrong.uniform(2, 8 + (std::uint64_t{1} << 32U)));
 }
 
 TEST(RangeErrors, NoneByDefault) {
@@ -218,14 +218,13 @@ TEST(RangeErrors, OnlyTheScaleOfADrawChanges) {
 }
 
 TEST(RangeErrors, FalseReturnsHaveTheirFractionAndFillTheirGate) {
-  const RangeErrors errors({.false_return_frac = 0.05, .false_range_min_m = 100, .false_range_max_m = 300},
-                           2);
+  const RangeErrors errors({.false_return_frac = 0.05, .false_min_m = 100, .false_max_m = 300}, 2);
   double sum = 0;
   double squares = 0;
   int count = 0;
   for (std::int64_t pulse = 0; pulse < kNoisePulses; ++pulse)
     for (std::int64_t pixel = 0; pixel < kPixels; ++pixel)
-      if (const auto range = errors.false_range_m({pulse, pixel})) {
+      if (const auto range = errors.false_return_m({pulse, pixel})) {
         ASSERT_GE(*range, 100);
         ASSERT_LT(*range, 300);
         sum += *range;
@@ -236,7 +235,7 @@ TEST(RangeErrors, FalseReturnsHaveTheirFractionAndFillTheirGate) {
   // Uniform over 200 m: variance 200^2 / 12; of squares about the middle (200^4) (1/80 - 1/144).
   EXPECT_NEAR(sum / count, 200, 5 * 200 / std::sqrt(12.0 * count));
   EXPECT_NEAR(squares / count, 200 * 200 / 12.0, 5 * 200 * 200 * std::sqrt((1 / 80.0 - 1 / 144.0) / count));
-  EXPECT_FALSE(RangeErrors({}, 2).false_range_m({0, 0}));
+  EXPECT_FALSE(RangeErrors({}, 2).false_return_m({0, 0}));
 }
 
 TEST(RangeErrors, FalseReturnsHaveAStreamOfTheirOwn) {
@@ -245,8 +244,8 @@ TEST(RangeErrors, FalseReturnsHaveAStreamOfTheirOwn) {
       {.range_sigma_m = 1, .dead_pixel_frac = 0.5, .dropout_frac = 0.5, .false_return_frac = 0.5}, 2);
   int agree = 0;
   for (std::int64_t i = 0; i < 10000; ++i) {
-    ASSERT_EQ(alone.false_range_m({i, 3}), all.false_range_m({i, 3}));
-    agree += all.is_dropped({i, 3}) == all.false_range_m({i, 3}).has_value() ? 1 : 0;
+    ASSERT_EQ(alone.false_return_m({i, 3}), all.false_return_m({i, 3}));
+    agree += all.is_dropped({i, 3}) == all.false_return_m({i, 3}).has_value() ? 1 : 0;
   }
   EXPECT_NEAR(agree / 1e4, 0.5, 5 * std::sqrt(0.25 / 1e4));
 }
@@ -270,9 +269,9 @@ TEST(RangeErrors, RefusesWhatIsOutOfRange) {
   refused({.range_sigma_per_m = -1});
   refused({.incidence_sigma_rad = nan});
   refused({.false_return_frac = 1.1});
-  refused({.false_range_min_m = -1});
-  refused({.false_range_min_m = 5, .false_range_max_m = 5});
-  refused({.false_range_max_m = HUGE_VAL});
+  refused({.false_min_m = -1});
+  refused({.false_min_m = 5, .false_max_m = 5});
+  refused({.false_max_m = HUGE_VAL});
   try {
     const RangeErrors errors({.dropout_frac = 1.5}, 1);
     FAIL();

@@ -184,7 +184,7 @@ TEST(ErrorEffects, EstimatesMustReachOverTheScan) {
 }
 
 RangeErrorParameters false_in(double min_m, double max_m) {
-  return {.false_return_frac = 1, .false_range_min_m = min_m, .false_range_max_m = max_m};
+  return {.false_return_frac = 1, .false_min_m = min_m, .false_max_m = max_m};
 }
 
 TEST(ErrorEffects, AFalseReturnBeforeTheEchoIsReported) {
