@@ -13,7 +13,6 @@
 #include "base/core/error.h"
 #include "base/returns/point_status.h"
 #include "base/text/parameter_check.h"
-#include "chain/lidar/error_models/range_errors.h"
 #include "chain/lidar/simulation/pulse_simulator.h"
 #include "store/config/json_source.h"
 #include "store/config/scan_config.h"

@@ -20,10 +20,9 @@ namespace landfall {
 ///
 /// A walk over schema and value together fills in the defaults and reports errors; it knows the keywords of
 /// draft-07 that schemas/ uses (tests/unit/store/config/schema_test.cpp), and accepts what python3-jsonschema
-/// accepts (tests/cli/schemas_test.py). A message: `scan.json: /laser/scan_time_s: -1 is not > 0`,
-/// and for an unknown key the nearest known one. A `oneOf` is selected by the value's "type" (which defaults
-/// to that of the `oneOf` owner's default) or by JSON type. The keys "$schema" and "$comment" at the top, for
-/// an editor and for a reader, are removed. Throws UsageError.
+/// accepts (tests/cli/schemas_test.py). For an unknown key it names the nearest known one. A `oneOf` is
+/// selected by the value's "type" (which defaults to that of the `oneOf` owner's default) or by JSON type.
+/// The keys "$schema" and "$comment" at the top are removed. Throws UsageError.
 [[nodiscard]] nlohmann::json resolve_config(const JsonSource& source, const nlohmann::json& schema);
 
 /// The definition that a node of a schema refers to by "$ref"; the node itself where it does not.
