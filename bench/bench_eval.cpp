@@ -165,7 +165,7 @@ void measure_verdict(benchmark::State& state) {
   const DemLayers dem = noisy_dem(state.range(0));
   EvaluationParameters parameters;
   parameters.region_radius_m = 0.05 * static_cast<double>(state.range(0));
-  parameters.limits.relative_m[2] = 0.001 * static_cast<double>(state.range(1));
+  parameters.limits.relative_z_m = 0.001 * static_cast<double>(state.range(1));
   const BinMask region = judged_region(parameters, dem.z_est.spec(), nullptr);
   for (auto _ : state) benchmark::DoNotOptimize(decide(dem, region, parameters).metrics.pass);
   state.SetItemsProcessed(static_cast<std::int64_t>(dem.z_est.spec().size()) * state.iterations());

@@ -37,7 +37,7 @@ std::string accuracy_lines(const AccuracyMetrics& m, const EvaluationLimits& lim
          axes_line("relative error, 95th percentile", m.relative, &RelativeMetrics::p95_m) +
          axes_line("relative error, largest", m.relative, &RelativeMetrics::max_m) +
          axes_line("relative error, limit",
-                   {limits.relative_m[0], limits.relative_m[1], limits.relative_m[2]});
+                   {limits.relative_xy_m, limits.relative_xy_m, limits.relative_z_m});
 }
 
 std::string statistics_lines(const StatisticsMetrics& m) {

@@ -127,7 +127,7 @@ std::vector<const ReportLayer*> in_order(const std::vector<ReportLayer>& layers)
 }
 
 Json footprint_limits_json(const EvaluationLimits& limits) {
-  return {{"relative_m", limits.relative_m},
+  return {{"relative_m", limits.relative_m()},
           {"horizontal_m", limits.horizontal_m},
           {"horizontal_share", limits.horizontal_share}};
 }

@@ -44,9 +44,9 @@ std::int64_t best_of_row(std::span<const float> values, std::int64_t row, const 
 /// Sets the share, its requirement and its axis.
 void find_worst(WorstFootprint& f, const EvaluationLimits& limits) {
   const std::tuple<double, const char*, char> candidates[] = {
-      {share_of_limit(f.relative_m[2], limits.relative_m[2]), requirement_of(fail_relative_z), 'z'},
-      {share_of_limit(f.relative_m[0], limits.relative_m[0]), requirement_of(fail_relative_x), 'x'},
-      {share_of_limit(f.relative_m[1], limits.relative_m[1]), requirement_of(fail_relative_y), 'y'},
+      {share_of_limit(f.relative_m[2], limits.relative_z_m), requirement_of(fail_relative_z), 'z'},
+      {share_of_limit(f.relative_m[0], limits.relative_xy_m), requirement_of(fail_relative_x), 'x'},
+      {share_of_limit(f.relative_m[1], limits.relative_xy_m), requirement_of(fail_relative_y), 'y'},
       {share_of_limit(f.horizontal_m, limits.horizontal_m), requirement_of(fail_absolute_horizontal), 'h'}};
   std::tie(f.share, f.requirement, f.axis) = candidates[0];
   for (const auto& candidate : candidates)

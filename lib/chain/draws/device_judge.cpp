@@ -10,7 +10,7 @@ namespace {
 DeviceRule rule_of(const EvaluationParameters& parameters, const Footprint& footprint, TruthAt truth_at) {
   const EvaluationLimits limits = effective_limits(parameters, footprint);
   return {.quantile = parameters.quantile,
-          .relative_m = limits.relative_m,
+          .relative_m = limits.relative_m(),
           .horizontal_m = limits.horizontal_m,
           .half_bins = footprint.half_bins(),
           .is_square = footprint.is_square() ? 1 : 0,

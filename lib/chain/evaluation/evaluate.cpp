@@ -76,12 +76,12 @@ class AccuracyPass {
     statistics_.z = error_statistics(errors.z, region_);
     AccuracyMetrics::Absolute& absolute = metrics_.absolute;
     AccuracyMetrics::Relative& relative = metrics_.relative;
-    judge_axis({Axis::z, fail_relative_z, limits_.relative_m[2], absolute.z, relative.z}, std::move(errors.z),
+    judge_axis({Axis::z, fail_relative_z, limits_.relative_z_m, absolute.z, relative.z}, std::move(errors.z),
                part(progress, 0.99 - 3 * share, share));
     if (errors.x.spec().size() == 0) return;
-    AxisResult x = judge_axis({Axis::x, fail_relative_x, limits_.relative_m[0], absolute.x, relative.x},
+    AxisResult x = judge_axis({Axis::x, fail_relative_x, limits_.relative_xy_m, absolute.x, relative.x},
                               std::move(errors.x), part(progress, 0.99 - 2 * share, share));
-    const AxisResult y = judge_axis({Axis::y, fail_relative_y, limits_.relative_m[1], absolute.y, relative.y},
+    const AxisResult y = judge_axis({Axis::y, fail_relative_y, limits_.relative_xy_m, absolute.y, relative.y},
                                     std::move(errors.y), part(progress, 0.99 - share, share));
     judge_horizontal(horizontal_error(std::move(x.mean), y.mean));
     statistics_.horizontal = horizontal_statistics(horizontal_error(std::move(x.error), y.error), region_);
@@ -121,7 +121,7 @@ class AccuracyPass {
     statistics_.z_corrected = error_statistics(error, region_);
     const FootprintStatistics statistics = footprint_statistics(error, region_, rule_, progress);
     metrics_.absolute.z_corrected = summarise_absolute(statistics.mean);
-    metrics_.relative.z_corrected = summary_of_relative(statistics.relative, limits_.relative_m[2]);
+    metrics_.relative.z_corrected = summary_of_relative(statistics.relative, limits_.relative_z_m);
   }
 
   [[nodiscard]] RelativeMetrics summary_of_relative(const Grid<double>& relative, double limit_m) const {

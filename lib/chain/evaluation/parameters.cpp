@@ -62,7 +62,7 @@ std::optional<std::string> why_not_judged(const EvaluationParameters& parameters
 EvaluationLimits effective_limits(const EvaluationParameters& parameters, const Footprint& footprint) {
   EvaluationLimits limits = parameters.limits;
   if (judges_relative_errors(footprint.edge_bins())) return limits;
-  limits.relative_m.fill(std::numeric_limits<double>::infinity());
+  limits.relative_z_m = limits.relative_xy_m = std::numeric_limits<double>::infinity();
   return limits;
 }
 

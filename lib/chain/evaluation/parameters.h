@@ -6,7 +6,6 @@
 #include <optional>
 #include <string>
 #include <string_view>
-#include <type_traits>
 #include <vector>
 
 #include "base/core/fields.h"
@@ -18,21 +17,25 @@ namespace landfall {
 
 /// Table 1 of Chen et al.: a value equal to its limit passes.
 struct EvaluationLimits {
-  double invalid_share = 0.01;                         ///< invalid bins over all bins of the region
-  std::int64_t hole_size = 10;                         ///< bins of one hole
-  double hole_depth = 1;                               ///< bins from an invalid bin to the nearest valid one
-  std::array<double, 3> relative_m{0.05, 0.05, 0.05};  ///< rel_x, rel_y, rel_z of every footprint
-  double horizontal_m = 1;                             ///< hypot(abs_x, abs_y) of a footprint
-  double horizontal_share = 0.95;                      ///< fraction of footprints that must keep it
+  double invalid_share = 0.01;     ///< invalid bins over all bins of the region
+  std::int64_t hole_size = 10;     ///< bins of one hole
+  double hole_depth = 1;           ///< bins from an invalid bin to the nearest valid one
+  double relative_z_m = 0.05;      ///< rel_z of every footprint
+  double relative_xy_m = 0.05;     ///< rel_x and rel_y of every footprint
+  double horizontal_m = 1;         ///< hypot(abs_x, abs_y) of a footprint
+  double horizontal_share = 0.95;  ///< fraction of footprints that must keep it
 
-  /// The keys of eval.limits. x and y have one.
+  /// The relative limits by axis.
+  [[nodiscard]] std::array<double, 3> relative_m() const {
+    return {relative_xy_m, relative_xy_m, relative_z_m};
+  }
+  /// The keys of eval.limits.
   static void fields(auto& walk, auto& m) {
     walk("invalid_frac", m.invalid_share);
     walk("hole_bins", m.hole_size);
     walk("distance_bins", m.hole_depth);
-    walk("relative_elevation_m", m.relative_m[2]);
-    walk("relative_horizontal_m", m.relative_m[0]);
-    if constexpr (!std::is_const_v<std::remove_reference_t<decltype(m)>>) m.relative_m[1] = m.relative_m[0];
+    walk("relative_elevation_m", m.relative_z_m);
+    walk("relative_horizontal_m", m.relative_xy_m);
     walk("absolute_horizontal_m", m.horizontal_m);
     walk("absolute_horizontal_frac", m.horizontal_share);
   }

@@ -37,10 +37,9 @@ double largest(const Metrics& m, std::string_view metrics) {
   return found;
 }
 
-/// The words in braces of a dictionary's `text`.
-std::string placeholder(std::string_view word, const dictionary::Requirement& words, const Metrics& m,
-                        const EvaluationLimits& limits) {
-  const double value = *m.requirements[words.name].value;
+/// The meaning of a word in braces of a dictionary's `text`; `value` is that of the requirement.
+std::string meaning(std::string_view word, const dictionary::Requirement& words, double value,
+                    const Metrics& m, const EvaluationLimits& limits) {
   const double all = static_cast<double>(m.region.bin_count) *
                      static_cast<double>(std::string_view(words.footprints).size());
   if (word == "value" && words.unit == std::string_view("footprints"))
@@ -53,16 +52,16 @@ std::string placeholder(std::string_view word, const dictionary::Requirement& wo
   return grouped(static_cast<std::int64_t>(number_at(m, word).value()));
 }
 
-/// The measured value of a requirement that has one.
-std::string value_text(const dictionary::Requirement& words, const Metrics& m,
+/// The measured value of a requirement in words.
+std::string value_text(const dictionary::Requirement& words, double value, const Metrics& m,
                        const EvaluationLimits& limits) {
-  if (!std::isfinite(*m.requirements[words.name].value)) return "the DEM has no valid bin";
+  if (!std::isfinite(value)) return "the DEM has no valid bin";
   std::string text;
   std::string_view rest = words.text;
   for (std::size_t open = rest.find('{'); open != std::string_view::npos; open = rest.find('{')) {
     const std::size_t close = rest.find('}', open);
     text += rest.substr(0, open);
-    text += placeholder(rest.substr(open + 1, close - open - 1), words, m, limits);
+    text += meaning(rest.substr(open + 1, close - open - 1), words, value, m, limits);
     rest.remove_prefix(close + 1);
   }
   return text.append(rest);
@@ -123,7 +122,8 @@ std::vector<VerdictText> verdict_texts(const Metrics& m, const EvaluationLimits&
   std::vector<VerdictText> texts;
   for (const dictionary::Requirement& words : dictionary::kRequirements) {
     const RequirementVerdict& judged = m.requirements[words.name];
-    texts.push_back({words.name, judged.value ? value_text(words, m, limits) : no_value(m, judged),
+    texts.push_back({words.name,
+                     judged.value ? value_text(words, *judged.value, m, limits) : no_value(m, judged),
                      limit_text(words, limits), verdict(judged)});
   }
   std::ranges::move(own_texts(m.own_requirements), std::back_inserter(texts));

@@ -62,9 +62,9 @@ TileJudge::TileJudge(const DemLayers& dem, const BinMask& region, const Evaluati
       x_(Axis::x, dem, footprint),
       y_(Axis::y, dem, footprint),
       z_(Axis::z, dem, footprint),
-      judge_x_({footprint, parameters.quantile, limits_.relative_m[0], fail_relative_x}),
-      judge_y_({footprint, parameters.quantile, limits_.relative_m[1], fail_relative_y}),
-      judge_z_({footprint, parameters.quantile, limits_.relative_m[2], fail_relative_z}) {}
+      judge_x_({footprint, parameters.quantile, limits_.relative_xy_m, fail_relative_x}),
+      judge_y_({footprint, parameters.quantile, limits_.relative_xy_m, fail_relative_y}),
+      judge_z_({footprint, parameters.quantile, limits_.relative_z_m, fail_relative_z}) {}
 
 TileVerdict TileJudge::judge(const Tile& tile) {
   TileVerdict result;

@@ -127,8 +127,8 @@ TEST_F(DeviceJudging, RandomRules) {
     draw.method = seed % 3 == 0 ? Method::bilinear4 : Method::bilinear_nearest;
     draw.truth_at = seed % 2 == 0 ? TruthAt::bin_center : TruthAt::centroid;
     EvaluationLimits limits{.hole_size = 3};
-    limits.relative_m[2] = one_of({0, 0.03, 0.06, 0.1, 1});
-    limits.relative_m[0] = limits.relative_m[1] = one_of({0, 0.02, 0.04, 0.06, 1});
+    limits.relative_z_m = one_of({0, 0.03, 0.06, 0.1, 1});
+    limits.relative_xy_m = one_of({0, 0.02, 0.04, 0.06, 1});
     limits.horizontal_m = one_of({0, 0.2, 0.3, 0.35, 0.4, 1});
     draw.evaluation = rule(limits, one_of({0.1, 0.5, 1.7, 1.7, 3, 14}));
     draw.evaluation.footprint_shape = random() % 2 == 0 ? FootprintShape::square : FootprintShape::disc;

@@ -150,12 +150,12 @@ TEST(Evaluate, ViolationsAreJudgedInDouble) {
   dem.truth->z.at({5, 5}) += 0.0865;
   EvaluationParameters parameters = small();
   const double largest = evaluate(dem, parameters).metrics.accuracy->relative.z.max_m.value();
-  parameters.limits.relative_m[2] = largest;
+  parameters.limits.relative_z_m = largest;
   const Collected at_limit = collected(dem, parameters);
   EXPECT_EQ(at_limit.metrics.requirements["relative_elevation"].value, 0);
   EXPECT_EQ(std::ranges::count(at_limit.layers.fail.values(), 0), 11 * 11);
-  parameters.limits.relative_m[2] = std::nextafter(largest, 0);
-  ASSERT_EQ(static_cast<float>(largest), static_cast<float>(parameters.limits.relative_m[2]));
+  parameters.limits.relative_z_m = std::nextafter(largest, 0);
+  ASSERT_EQ(static_cast<float>(largest), static_cast<float>(parameters.limits.relative_z_m));
   EXPECT_GT(evaluate(dem, parameters).metrics.requirements["relative_elevation"].value, 0);
 }
 
@@ -294,7 +294,7 @@ TEST(Evaluate, WithTrueElevationsOnlyNothingHorizontalIsJudged) {
   DemLayers dem = noisy(12);
   dem.truth->x = dem.truth->y = {};
   EvaluationParameters parameters = small();
-  parameters.limits.relative_m[2] = 1;
+  parameters.limits.relative_z_m = 1;
   parameters.limits.invalid_share = 1;
   const Collected evaluation = collected(dem, parameters);
   EXPECT_EQ(evaluation.metrics.requirements["relative_elevation"].pass, true);
@@ -308,7 +308,7 @@ TEST(Evaluate, WithTrueElevationsOnlyNothingHorizontalIsJudged) {
   EXPECT_TRUE(evaluation.metrics.statistics.z.mean_m.has_value());
   EXPECT_TRUE(evaluation.layers.z);
   EXPECT_FALSE(evaluation.layers.x);
-  parameters.limits.relative_m[2] = 0;
+  parameters.limits.relative_z_m = 0;
   EXPECT_EQ(collected(dem, parameters).metrics.pass, false);
 }
 

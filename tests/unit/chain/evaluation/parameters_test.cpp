@@ -64,8 +64,8 @@ TEST(EvaluationParameters, LimitsAreNotNegative) {
   EXPECT_EQ(refusal([](auto& p) { p.limits.hole_size = -1; }), "limits/hole_bins: -1 is not finite and >= 0");
   for (const double bad : {-1.0, kNan, kInfinity}) {
     EXPECT_NE(refusal([&](auto& p) { p.limits.hole_depth = bad; }), "accepted");
-    EXPECT_NE(refusal([&](auto& p) { p.limits.relative_m[2] = bad; }), "accepted");
-    EXPECT_NE(refusal([&](auto& p) { p.limits.relative_m[0] = p.limits.relative_m[1] = bad; }), "accepted");
+    EXPECT_NE(refusal([&](auto& p) { p.limits.relative_z_m = bad; }), "accepted");
+    EXPECT_NE(refusal([&](auto& p) { p.limits.relative_xy_m = bad; }), "accepted");
     EXPECT_NE(refusal([&](auto& p) { p.limits.horizontal_m = bad; }), "accepted");
   }
 }
@@ -129,12 +129,12 @@ TEST(WhyNotJudged, FootprintsOfFewerThanFiveBins) {
 TEST(EffectiveLimits, AreInfiniteForRelativeErrorsThatAreNotJudged) {
   EvaluationParameters parameters = with_footprint(4);
   EXPECT_EQ(effective_limits(parameters, Footprint::square(2)), parameters.limits);
-  parameters.limits.relative_m.fill(kInfinity);
+  parameters.limits.relative_z_m = parameters.limits.relative_xy_m = kInfinity;
   EXPECT_EQ(effective_limits(with_footprint(4), Footprint::square(1)), parameters.limits);
 }
 
 TEST(LimitOfLayer, IsTheOneThatTheLayerIsJudgedBy) {
-  const EvaluationLimits limits{.relative_m = {2, 2, 1}, .horizontal_m = 3};
+  const EvaluationLimits limits{.relative_z_m = 1, .relative_xy_m = 2, .horizontal_m = 3};
   for (const char* const layer : {"rel_z", "e_z"}) EXPECT_EQ(limit_of_layer(limits, layer), 1) << layer;
   for (const char* const layer : {"rel_x", "rel_y", "e_x", "e_y"})
     EXPECT_EQ(limit_of_layer(limits, layer), 2) << layer;

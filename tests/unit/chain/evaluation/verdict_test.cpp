@@ -150,14 +150,12 @@ EvaluationParameters random_parameters(std::uint64_t i, const DemLayers& dem) {
   p.footprint_m = 1 + 22 * draw.uniform(i, 3) * draw.uniform(i, 4);
   p.footprint_shape = i % 2 == 0 ? FootprintShape::square : FootprintShape::disc;
   p.quantile = quantiles[i / 2 % 6];
-  p.limits.relative_m[2] = 0.08 * draw.uniform(i, 5);
-  p.limits.relative_m[0] = p.limits.relative_m[1] = 0.06 * draw.uniform(i, 6);
+  p.limits.relative_z_m = 0.08 * draw.uniform(i, 5);
+  p.limits.relative_xy_m = 0.06 * draw.uniform(i, 6);
   p.limits.horizontal_m = 0.2 * draw.uniform(i, 7);
   p.limits.hole_size = static_cast<std::int64_t>(5 * draw.uniform(i, 8));
-  if (i % 5 == 0) p.limits.relative_m[2] = some_value(error_of(Axis::z, dem.truth->z, dem.z_est), p, i);
-  if (i % 7 == 0)
-    p.limits.relative_m[0] = p.limits.relative_m[1] =
-        some_value(error_of(Axis::x, dem.truth->x, dem.z_est), p, i);
+  if (i % 5 == 0) p.limits.relative_z_m = some_value(error_of(Axis::z, dem.truth->z, dem.z_est), p, i);
+  if (i % 7 == 0) p.limits.relative_xy_m = some_value(error_of(Axis::x, dem.truth->x, dem.z_est), p, i);
   return p;
 }
 
@@ -190,7 +188,7 @@ TEST(Decide, TheFootprintOfThePaper) {
     DemLayers dem = scene(spec, {.relief = relief, .sigma_m = 0.012, .empty_frac = 0.01});
     for (const double limit : {0.024, 0.05, 0.07}) {
       SCOPED_TRACE(std::to_string(static_cast<int>(relief)) + ", limit " + std::to_string(limit));
-      parameters.limits.relative_m[2] = limit;
+      parameters.limits.relative_z_m = limit;
       expect_exact(dem, parameters);
     }
   }
@@ -211,7 +209,7 @@ TEST(Decide, LimitsThatValuesHit) {
       for (const double limit : {std::nextafter(exact, 0), exact, std::nextafter(exact, 1), 0.0, 0.1}) {
         SCOPED_TRACE(std::to_string(footprint) + " m, quantile " + std::to_string(quantile) + ", limit " +
                      std::to_string(limit));
-        parameters.limits.relative_m[2] = limit;
+        parameters.limits.relative_z_m = limit;
         expect_exact(dem, parameters);
       }
     }
@@ -224,7 +222,7 @@ TEST(Decide, OneWrongElevation) {
   dem.truth->z.at({5, 5}) += 2.5;
   EvaluationParameters parameters = small_region();
   parameters.quantile = 0.99;
-  parameters.limits.relative_m[2] = 0.2;
+  parameters.limits.relative_z_m = 0.2;
   EXPECT_EQ(expect_exact(dem, parameters).metrics.requirements["relative_elevation"].value, 25);
 }
 

@@ -348,8 +348,8 @@ TEST(RegridConfig, EmptyIsTheDefaultAndTheCentroidIsAChoice) {
 
 TEST(EvaluationConfig, EmptyIsTheDefaultAndEveryKeyIsRead) {
   EXPECT_EQ(evaluation_config(typed_config("eval", "{}"), "c.json"), EvaluationParameters{});
-  const EvaluationParameters expected{RegionShape::square,           1, {}, 3, 2, FootprintShape::disc, 0.5,
-                                      {0.1, 3, 4, {6, 6, 5}, 7, 0.8}};
+  const EvaluationParameters expected{RegionShape::square,      1, {}, 3, 2, FootprintShape::disc, 0.5,
+                                      {0.1, 3, 4, 5, 6, 7, 0.8}};
   EXPECT_EQ(evaluation_config(
                 typed_config("eval", R"({"region_radius_m": 1, "footprint_m": 2, "footprint_shape": "disc",
       "quantile": 0.5, "region": {"shape": "square", "half_width_m": 3},
