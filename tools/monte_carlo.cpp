@@ -19,6 +19,7 @@
 #include "store/config/draws_config.h"
 #include "store/config/import_config.h"
 #include "store/config/stage_sections.h"
+#include "store/files/draws_verdict.h"
 #include "store/files/table_reader.h"
 #include "tools.h"
 

@@ -12,6 +12,7 @@
 
 #include "base/core/error.h"
 #include "store/config/schema.h"
+#include "store/files/draws_verdict.h"
 
 namespace landfall {
 namespace {

@@ -11,6 +11,7 @@
 
 #include "base/output/temporary_files.h"
 #include "store/config/path_names.h"
+#include "store/files/draws_verdict.h"
 #include "store/files/table_reader.h"
 
 namespace landfall {

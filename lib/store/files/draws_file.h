@@ -12,7 +12,6 @@
 #include "chain/draws/draw_maps.h"
 #include "chain/draws/draw_runner.h"
 #include "chain/draws/draw_table.h"
-#include "chain/draws/sprt.h"
 #include "store/files/landfall_file.h"
 
 namespace landfall {
@@ -37,17 +36,8 @@ using NamedNumber = std::pair<std::string, double>;
 /// site.KEY, NaN where there is no site, and landing.KEY and blind.KEY of a draw that lands.
 [[nodiscard]] std::vector<NamedNumber> flat_metrics(const DrawResult& result);
 
-/// How many draws passed each requirement and all six ("all"), then each of the user's own and these and the
-/// six together ("all_and_own"), with Wilson's 95 % interval and the exact one-sided
-/// lower bound, and in how many it is judged; of a campaign that judges hazards also in how many the chosen
-/// place is safe in truth, and of one whose draws land in how many they land safely, with the lidar and
-/// without, with exact McNemar test and the interval of the difference (Newcombe). Over several scans for
-/// each of them, and for all. With the state of a sequential test the results decided the number of draws:
-/// both are then not valid, and marked so.
-[[nodiscard]] nlohmann::ordered_json verdict_json(const DrawTable& table,
-                                                  const std::optional<SprtState>& sprt);
-
-/// Writes draws.h5 (docs/user/files/draws.md) and commits it. `verdict` is stored as text.
+/// Writes draws.h5 (docs/user/files/draws.md) and commits it. `verdict` (store/files/draws_verdict.h) is
+/// stored as text.
 void write_draws(LandfallFileWriter& file, const Draws& draws, const nlohmann::ordered_json& verdict,
                  const std::string& crs_wkt);
 
