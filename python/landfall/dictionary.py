@@ -78,9 +78,14 @@ def fail_bit(name):
     return next(flag["bit"] for flag in table("requirements")["fail_flags"] if flag["name"] == name)
 
 
+def layers(file):
+    """The rows of the layers of a kind of file ("dem", "evaluation", ...), in the order of the dictionary."""
+    return [layer for layer in table("layers")["layers"] if layer["file"] == file]
+
+
 def layer_limit(name):
     """The key of eval.limits that the scale of a layer of an evaluation shows; None of most."""
-    return next(layer.get("limit") for layer in table("layers")["layers"] if (layer["file"], layer["name"]) == ("evaluation", name))
+    return next(layer.get("limit") for layer in layers("evaluation") if layer["name"] == name)
 
 
 def place_classes(layer):

@@ -5,13 +5,13 @@ import os
 
 import numpy as np
 
-from landfall import files, tools
+from landfall import dictionary, files, tools
 from landfall.errors import DataError
 from landfall.plot import maps, plots, reduction, scales
 
 ZOOM_WIDTH_M = 8.0
 SIGN = "B - A"
-LAYERS = ["z_est", "z_true", "z_corrected", "z_true_map"]
+LAYERS = [layer["name"] for layer in dictionary.layers("dem") if layer.get("axis") == "z"]
 
 
 def add_options(parser):

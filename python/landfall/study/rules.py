@@ -7,6 +7,7 @@ reads it, and removed after it; one that several stages read stays in shared/ un
 import json
 from dataclasses import dataclass, field, replace
 
+from landfall import dictionary
 from landfall.command import write_text
 from landfall.scan_keys import scan_schema
 from landfall.schema import default_at
@@ -216,12 +217,8 @@ class Fragment:
         """Only the layers that dem-eval reads, uncompressed: for a DEM that is not kept."""
         if "eval" in self.layout.keep:
             return []
-        layers = ["z_est", "count", "x_true", "y_true", "z_true"]
-        options = self.options.get("regrid", [])
-        if "--corrected" in options:
-            layers.append("z_corrected")
-        if "--uncertainty" in options:
-            layers += ["z_true_map", "z_sigma_abs", "z_sigma_rel"]
+        options = ["", *self.options.get("regrid", [])]
+        layers = [layer["name"] for layer in dictionary.layers("dem") if layer.get("judged_with") in options]
         return ["--compression 0", "--layers", ",".join(layers)]
 
     def judge(self, recipe, stage, dem):

@@ -313,13 +313,14 @@ async function fillMaps(section) {
     section.append(htmlElement("p", {}, "This campaign was made without maps."));
     return;
   }
-  const {groups, all, named} = await loadGroups();
+  const {groups, all} = await loadGroups();
   const region = await rasterOf(layerNamed("in_region"), report.grid);
-  const observed = named("e_map_std"), predicted = named("z_sigma_abs");
-  if (predicted) observed.peers = predicted.peers = [observed, predicted];
+  const relief = all.find(({layer}) => layer.style === "elevation") ?? null;
+  for (const raster of all.filter(({layer}) => layer.style === "magnitude"))
+    raster.peers = all.filter(({layer}) => layer.quantity === raster.layer.quantity);  // they have one scale
   section.append(htmlElement("p", {class: "note"}, mapsNote()), valuesBar(all));
   for (const [title, rasters] of groups) {
-    appendFigures(section, title, rasters.map((raster) => new MapPanel(raster, {region, relief: named("z_true_map")}).element));
+    appendFigures(section, title, rasters.map((raster) => new MapPanel(raster, {region, relief}).element));
   }
 }
 
