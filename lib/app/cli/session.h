@@ -42,6 +42,7 @@ struct CommonOptions {
   [[nodiscard]] bool shows_table(bool is_asked) const;
 };
 
+struct Host;
 struct Tool;
 class ProgressBar;
 class RunLog;
@@ -49,7 +50,8 @@ class RunLog;
 /// The resources of one run of a tool.
 class Session {
  public:
-  Session(const Tool& tool, const CommonOptions& options, RunLog& log);
+  /// `host` is null in a program of landfall.
+  Session(const Tool& tool, const CommonOptions& options, RunLog& log, const Host* host);
 
   [[nodiscard]] const std::string& tool() const { return tool_; }
   [[nodiscard]] const CommonOptions& options() const { return options_; }
@@ -112,6 +114,7 @@ class Session {
   std::string schema_;
   CommonOptions options_;
   RunLog& log_;
+  const Host* host_;
   bool writes_hdf5_;
   std::string config_name_;
   nlohmann::json config_;

@@ -43,12 +43,26 @@ struct Tool {
   std::function<ExitCode(Session&)> run;
 };
 
+/// Thrown by Host::progress to end a run; no std::exception, so that nothing takes it for a failure.
+struct Interrupted {};
+
+/// A program that runs tools as functions of its own process, such as Python: nothing is printed, no signal
+/// is taken, and no state of the process is left changed.
+struct Host {
+  std::function<void(const std::string& text)> warn;  ///< gets Session::warn()'s texts
+  std::function<void(const std::string& text)>
+      fail;  ///< gets the message of an error, without the tool's name
+  /// Called with the progress of each phase, from any thread, one call at a time; may throw Interrupted.
+  std::function<void(const std::string& phase, double fraction)> progress;
+};
+
 /// A run that another program of landfall starts.
 struct Invocation {
   bool keep_same = false;  ///< an output that is what this run would write is left as it is
   bool kept = false;       ///< it was left
   std::string
       section{};  ///< of the configuration that --set has, for messages: "chain.json: /eval"; or empty
+  const Host* host = nullptr;  ///< null in a program of landfall
 };
 
 /// Parses the command line, prints requested texts, runs the tool; contains the only catch. Exit codes as in
