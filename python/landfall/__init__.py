@@ -17,17 +17,21 @@ from landfall.errors import DataError, Error, ToolError, UsageError
 
 if typing.TYPE_CHECKING:
     from landfall import model, plot
+    from landfall.memory import chain, evaluate, grid, hazards, Lidar, scan, Terrain
 
-__all__ = ["DataError", "Error", "ToolError", "UsageError", "model", "open", "plot", "run"]
+__all__ = ["chain", "DataError", "Error", "evaluate", "grid", "hazards", "Lidar", "model", "open", "plot", "run", "scan", "Terrain", "ToolError", "UsageError"]
+_IN_MEMORY = ("chain", "evaluate", "grid", "hazards", "Lidar", "scan", "Terrain")
 
 Path = str | os.PathLike[str]
 Config = typing.Mapping[str, typing.Any] | Path
 
 
 def __getattr__(name: str) -> typing.Any:
-    """Imports landfall.plot and landfall.model when they are first used, because loading matplotlib and numpy takes time."""
+    """Imports landfall.plot, landfall.model and landfall.memory when they are first used, because loading matplotlib and numpy takes time."""
     if name in ("model", "plot"):
         return importlib.import_module(f"landfall.{name}")
+    if name in _IN_MEMORY:
+        return getattr(importlib.import_module("landfall.memory"), name)
     raise AttributeError(f"module 'landfall' has no attribute {name!r}")
 
 
