@@ -7,9 +7,6 @@ from dataclasses import dataclass
 
 from landfall import schema, tools
 
-UNITS = {"fraction": ("%", 100), "bins": ("bins", 1), "footprints": ("footprints", 1)}
-
-
 # Results of the user's own requirements, in metrics.json and score.json: the columns of each begin with its path.
 _OWN = r"((?:score\.)?own_requirements\.([^.]+))"
 OWN_PASS, OWN_METRIC, OWN_NUMBER = (re.compile(_OWN + end) for end in (r"\.pass", r"\.metric", r"\.(?:value|limit)"))
@@ -49,6 +46,10 @@ class Requirement:
     footprints: str = ""
 
     @property
+    def _unit(self):
+        return next(unit for unit in table("requirements")["units"] if unit["name"] == self.unit)
+
+    @property
     def words(self):
         return self.name.replace("_", " ")
 
@@ -59,12 +60,21 @@ class Requirement:
     @property
     def measured_in(self):
         """The measured quantity and its unit; footprints say it themselves."""
-        name = UNITS[self.unit][0]
+        name = self._unit["shown"]
         return self.measured if name in self.measured else f"{self.measured} ({name})"
 
     @property
     def factor(self):
-        return UNITS[self.unit][1]
+        return self._unit["factor"]
+
+    @property
+    def is_whole(self):
+        return self._unit.get("is_whole", False)
+
+    @property
+    def stored_unit(self):
+        """That of its value in files."""
+        return self._unit["stored"]
 
 
 @functools.cache

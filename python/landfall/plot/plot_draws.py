@@ -161,7 +161,7 @@ def words_of(draws, name):
         own = draws.config.get(("hazard" if path.startswith("score.") else "eval") + "/requirements")
         return path, next(each["metric"] for each in own if each["name"] == path.rpartition(".")[2]), bound, 1, False
     requirement = dictionary.requirements()[name]
-    return f"requirements.{name}", requirement.measured_in, requirement.bound, requirement.factor, requirement.factor == 1
+    return f"requirements.{name}", requirement.measured_in, requirement.bound, requirement.factor, requirement.is_whole
 
 
 def draw_distribution(ax, draws, name):

@@ -157,7 +157,7 @@ def unit_of_metric(name):
     parts = name.split(".")
     if parts[0] == "requirements":
         known = dictionary.requirements().get(parts[1])
-        return "1" if parts[-1] == "pass" else "" if known is None else "bins" if known.unit == "bins" else "1"
+        return "1" if parts[-1] == "pass" else "" if known is None else known.stored_unit
     return model.unit_of("_" + parts[-1]) or "1"
 
 
