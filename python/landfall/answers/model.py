@@ -10,14 +10,15 @@ import re
 
 import numpy as np
 
+from landfall import dictionary
 from landfall.answers import runs
 from landfall.errors import ToolError, UsageError
 from landfall.study.model import assign, plain_numbers
 
 SEED, DRAW = "scan.seed", "scan.draw"  # which random numbers a row has; all errors are functions of both
 # The outputs that monte-carlo has without percentiles ("metrics": "verdict"), several times faster, with the same values.
-VERDICT_NUMBERS = re.compile(r"coverage\..*|requirements\..*|own_requirements\..*|pass|score\..*|site\..*|landing\..*|blind\..*|accuracy\.absolute\.horizontal\.within_limit_frac|"
-                             r"accuracy\.relative\.[xyz]\.violation_count")
+DECISIVE = [number for requirement in dictionary.requirements().values() for number in requirement.value.split(" + ")]
+VERDICT_NUMBERS = re.compile("|".join([r"coverage\..*|requirements\..*|own_requirements\..*|pass|score\..*|site\..*|landing\..*|blind\..*", *map(re.escape, DECISIVE)]))
 
 
 def model(base, inputs, outputs, folder="landfall-model", workers=1, prefix=(), progress=None, traced=None):
