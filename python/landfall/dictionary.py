@@ -27,7 +27,7 @@ def table(name):
 
 def stages():
     """{name: row} of the stages of a study, in their order."""
-    return {stage["name"]: stage for stage in table("stages")["stages"]}
+    return {stage["name"]: stage for stage in table("stages")["stages"] if "study" in stage["part_of"]}
 
 
 @dataclass(frozen=True)

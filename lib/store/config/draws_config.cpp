@@ -229,7 +229,7 @@ DrawsConfig::DrawsConfig(const Json& resolved, std::string name, const Json& sca
              stage("hazard", Json::object()), stage("terrain", Json::object())};
   if (has_hazards()) check_hazard_map(stages_.hazard, stages_.regrid, name_);
   seed_ = stages_.scan.at("seed");
-  for (const std::string& each : stage_sections()) json_[each] = stage_of(stages_, each);
+  for (const std::string& each : stage_sections("draws")) json_[each] = stage_of(stages_, each);
   if (!resolved.at("landing").is_null()) landing_ = landing_of(resolved.at("landing"));
   if (landing_ && !has_hazards())
     throw UsageError(name_ + ": /landing: needs the section hazard, which finds the site");
@@ -349,8 +349,9 @@ void DrawsConfig::add_variation(const std::string& owner, const std::string& key
   if (vary_.contains(key)) throw UsageError(where + "is a column of the samples too");
   const auto [stage, pointer] = split_key(key);
   if (const std::string why = fixed_because(key); !why.empty()) throw UsageError(where + why);
-  const bool is_known = traces_ ? std::ranges::find(stage_sections(), stage) != stage_sections().end()
-                                : std::ranges::find(kRedrawn, stage) != kRedrawn.end();
+  const bool is_known =
+      traces_ ? std::ranges::find(stage_sections("draws"), stage) != stage_sections("draws").end()
+              : std::ranges::find(kRedrawn, stage) != kRedrawn.end();
   if (!is_known)
     throw UsageError(where + "unknown key; its first part is scan, regrid" +
                      (traces_ ? ", eval, hazard or terrain" : " or eval"));
@@ -416,7 +417,7 @@ DrawStages DrawsConfig::stages(std::int64_t draw) const {
     set_value(stage_of(stages, stage), stage_of(stages_, stage), pointer, drawn[i++]);
   }
   const std::string name = name_ + ": draw " + std::to_string(draw);
-  for (const std::string& stage : stage_sections())
+  for (const std::string& stage : stage_sections("draws"))
     if (Json& config = stage_of(stages, stage); !config.is_null())
       config = resolve_stage(stage, config, name);
   return stages;
