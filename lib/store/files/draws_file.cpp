@@ -168,8 +168,9 @@ void write_rows(const LandfallFileWriter& file, const DrawTable& table) {
                        "metric of metrics.json, score.json, of the best site or of a landing"});
     rows.emplace_back(std::span(column.values));
   }
-  const std::string of =
-      own_columns(table).empty() ? "all six requirements" : "all six requirements and the user's own";
+  constexpr std::size_t kCount = dictionary::kRequirements.size();
+  const std::string all = "all " + (kCount == 6 ? "six" : std::to_string(kCount)) + " requirements";
+  const std::string of = all + (own_columns(table).empty() ? "" : " and the user's own");
   columns.push_back({"pass", int8, "1", "whether " + of + " passed", {-1, 0, 1}, "not_judged no yes"});
   rows.emplace_back(std::span(table.pass));
   write_table(file.root(), "draws", std::move(columns), rows, file.compression());
