@@ -25,8 +25,11 @@ function shownNote() {
   return shownDraws === report.draw_count ? "" : ` Shown are the first ${shownDraws.toLocaleString("en")} draws.`;
 }
 
+/** [text, factor] of a unit; one that has no entry is shown by its name. */
+function shownUnit(unit) { return UNITS[unit] ?? [unit, 1]; }
+
 function unitText(unit, value) {
-  const [text, factor] = UNITS[unit];
+  const [text, factor] = shownUnit(unit);
   return factor === 1 ? value.toLocaleString("en") : `${Number((factor * value).toPrecision(4))} ${text}`;
 }
 
@@ -57,7 +60,7 @@ function shownBy({unit, measured, values, limits, at_least, deciding}) {
     const limit = 100 * deciding.limit;
     return {values: deciding.values, label: `${what} (cm)`, factor: 100, limit, limitText: `limit: at most ${Number(limit.toPrecision(4))} cm`};
   }
-  const [text, factor] = UNITS[unit];
+  const [text, factor] = shownUnit(unit);
   return {values, label: `${measured}${unit === "footprints" || text === "" ? "" : ` (${text})`}`, factor, limit: limits[0] * factor,
           limitText: `limit: at ${at_least ? "least" : "most"} ${unitText(unit, limits[0])}`};
 }
