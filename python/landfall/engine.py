@@ -11,8 +11,11 @@ from landfall.errors import Error
 _NAME = "landfall_engine"
 
 
+FOLDER = os.path.dirname(os.path.realpath(tools.find("scan-sim")))  # of the tools that the module belongs to
+
+
 def _loaded():
-    beside = os.path.join(os.path.dirname(os.path.dirname(os.path.realpath(tools.find("scan-sim")))), "lib")
+    beside = os.path.join(os.path.dirname(FOLDER), "lib")
     places = [os.path.join(beside, "landfall", _NAME + ".so"), *glob.glob(os.path.join(beside, "*", "landfall", _NAME + ".so"))]
     path = next(filter(os.path.exists, places), None)
     if path is None:

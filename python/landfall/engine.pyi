@@ -6,6 +6,7 @@ import typing
 import numpy as np
 import numpy.typing
 
+FOLDER: str
 Numbers = np.typing.NDArray[np.float64]
 
 class File:
