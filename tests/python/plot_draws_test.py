@@ -21,7 +21,7 @@ from landfall import dictionary
 from landfall.plot import plot_draws
 import matplotlib.pyplot as plt
 
-CAMPAIGN = {"draws": 6, "metrics": "verdict", "sigma": True, "regrid": {**harness.REGRID, "uncertainty": {"navigation_sigma": {}}},
+DRAWS_CONFIG = {"draws": 6, "metrics": "verdict", "sigma": True, "regrid": {**harness.REGRID, "uncertainty": {"navigation_sigma": {}}},
             "eval": harness.with_values(harness.EVAL, limits__relative_elevation_m=0.12, limits__invalid_frac=0.04),
             "vary": {"scan.noise.range_sigma_m": {"type": "uniform", "low": 0.005, "high": 0.08}}}
 
@@ -34,7 +34,7 @@ class DrawsTest(harness.ChainTest):
         scan = os.path.join(folder, "traced.h5")
         cls.draws = os.path.join(folder, "campaign.h5")
         with open(os.path.join(folder, "mc.json"), "w", encoding="utf-8") as file:
-            json.dump(CAMPAIGN, file)
+            json.dump(DRAWS_CONFIG, file)
         for arguments in (["scan-sim", *cls.chain.inputs("scan-sim"), "--keep-misses", "-o", scan],
                           ["monte-carlo", scan, "--terrain", cls.chain.terrain, "-c", file.name, "-o", cls.draws]):
             done = harness.run(*arguments)
@@ -126,7 +126,7 @@ class DrawsTest(harness.ChainTest):
 
     def test_hazards(self):
         """Each chosen place, by its truth; one of six is made a hazard, and one draw has none."""
-        config = {**CAMPAIGN, "sigma": False, "hazard": harness.HAZARD}
+        config = {**DRAWS_CONFIG, "sigma": False, "hazard": harness.HAZARD}
         done = harness.run("monte-carlo", os.path.join(self.chain.folder, "traced.h5"), "--terrain", self.chain.terrain,
                            "-c", self.config(config, "mc.json"), "-o", self.path("hazards.h5"))
         self.assertEqual(done.returncode, 0, done.stderr)

@@ -152,7 +152,7 @@ class Filters(DesignTest):
         found = self.look(problem)
         self.assertEqual((found["stage"], list(found["margins"])), ("draw", [design_problem.SAFE_LANDING]))
         search = design_search.Design(problem, self.path("out"))
-        [draws] = search.campaigns(GOOD)
+        [draws] = search.scans_of(GOOD)
         rows = draws.rows(problem.draws(draws=3, seed=9))
         self.assertEqual([(row["seed"], row["draw"]) for row in rows], [(9, 0), (9, 1), (9, 2)])
         self.assertEqual(len({row["score.counts.safe_safe"] for row in rows}), 3, "the ground varies")
@@ -232,7 +232,7 @@ class Sequential(DesignTest):
             verdict = self.path("verdict.json")
             configs = problem.configs(GOOD)
             scan = runs.Scan(search.runner, configs, 1)
-            scan.campaign(problem.draws(draws=design_search.MAX_DRAWS, seed=design_search.RACE_SEED,
+            scan.draws_config(problem.draws(draws=design_search.MAX_DRAWS, seed=design_search.RACE_SEED,
                                         stop={"type": "sprt", "p0": 0.6, "p1": 0.3, "alpha": 0.05, "beta": 0.05}),
                           self.path("draws.h5"), "--verdict", verdict)
             tree = json.loads(read(verdict))
@@ -254,13 +254,13 @@ class Sequential(DesignTest):
         """The draws of the search, the tests and the proofs, by what monte-carlo is given."""
         problem = self.problem(search={"candidates": 4, "seed": 3, "start": [GOOD]})
         search, seeds = design_search.Design(problem, self.path("out")), {}
-        campaign = runs.Scan.campaign
+        draws_config = runs.Scan.draws_config
 
         def spy(scan, draws, output, *arguments):
             kind = {1: "search", design_search.MAX_DRAWS: "test"}.get(draws["draws"], "proof")
             seeds.setdefault(kind, set()).add(draws["scan"]["seed"])
-            return campaign(scan, draws, output, *arguments)
-        with mock.patch.object(runs.Scan, "campaign", spy):
+            return draws_config(scan, draws, output, *arguments)
+        with mock.patch.object(runs.Scan, "make_draws", spy):
             answer = search.run()
         self.assertIsNotNone(answer["winner"])
         self.assertEqual(set(seeds), {"search", "test", "proof"})

@@ -69,7 +69,7 @@ class Models(StudyTest):
         self.assertTrue(np.isnan(unjudged[:3]).all())
         self.assertEqual(unjudged[3], 1)
 
-    def test_rows_of_a_campaign(self):
+    def test_rows_of_draws(self):
         """As those of the chain: the -1 of draws.h5 is no number."""
         base = noisy()["base"]
         base["regrid"]["resolution_m"] = 0.5

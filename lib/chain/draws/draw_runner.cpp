@@ -34,7 +34,7 @@ UncertaintyMetrics assess(SigmaLayers sigma, const DrawnDem& dem, const TerrainS
 
 }  // namespace
 
-DrawRunner::DrawRunner(CampaignScene scene, bool with_maps, const std::optional<OpenClOptions>& device)
+DrawRunner::DrawRunner(DrawsScene scene, bool with_maps, const std::optional<OpenClOptions>& device)
     : scene_(std::move(scene)), gridder_(scene_.truth, scene_.grid, device) {
   if (with_maps && scene_.ground != nullptr) z_true_map_ = bin_elevations(*scene_.ground, scene_.grid);
   const auto* const ground = dynamic_cast<const TriangulatedGrid*>(scene_.ground);

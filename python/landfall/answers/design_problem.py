@@ -137,7 +137,7 @@ class Problem:
         parts = dict(zip(COSTS, (pulses * pixels, pulses, pixels, laser["scan_time_s"], laser["pulse_rate_hz"])))
         return sum(weight * parts[name] for name, weight in self.tree.get("cost", {"ranges": 1}).items())
 
-    def campaign(self, runner, configs):
+    def scan_of(self, runner, configs):
         """The draws of a candidate's configurations: over a traced scan, or traced each."""
         return runs.Scan(runner, configs, 1) if self.traced is None else runs.TracedDraws(runner, configs, self.traced)
 
@@ -279,7 +279,7 @@ class Look:
                 refused = self._plan(configs)
                 if refused:
                     return refused
-            scan = self.problem.campaign(self.runner, configs)
+            scan = self.problem.scan_of(self.runner, configs)
             try:
                 [row] = scan.rows(self.problem.draws(draws=1, metrics="full", seed=self.problem.seed))
             finally:

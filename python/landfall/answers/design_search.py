@@ -88,15 +88,15 @@ class Design:
 
     # Tests by draws
 
-    def campaigns(self, values):
+    def scans_of(self, values):
         """The draws on each terrain."""
-        return [self.problem.campaign(self.runner, self.problem.configs(values, terrain)) for terrain in range(len(self.problem.terrains))]
+        return [self.problem.scan_of(self.runner, self.problem.configs(values, terrain)) for terrain in range(len(self.problem.terrains))]
 
     def part(self, scan, draws, begin, end):
         """The file of the draws begin..end-1 of a campaign; an earlier run may have made it."""
         path = self.runner.place("part", [*scan.depends, draws, begin, end], "h5")
         if not os.path.exists(path):
-            scan.campaign(draws, path, "--draws", f"{begin}:{end}")
+            scan.make_draws(draws, path, "--draws", f"{begin}:{end}")
         return path
 
     def rounds(self, scans, draws, sizes):
@@ -119,7 +119,7 @@ class Design:
         rule = {"p0": self.problem.probability, "p1": 1 - 3 * (1 - self.problem.probability), "alpha": 0.05, "beta": 0.05}
         rule |= self.problem.tree.get("race", {})
         draws = self.problem.draws(draws=MAX_DRAWS, seed=RACE_SEED)
-        scans = self.campaigns(look["values"])
+        scans = self.scans_of(look["values"])
         self.progress.say(f"sequential test of {self.percent(look)}")
         try:
             for passes, _ in self.rounds(scans, draws, [FIRST_ROUND, *([runs.PART_DRAWS] * MAX_DRAWS)]):
@@ -140,7 +140,7 @@ class Design:
         self.proofs += 1
         allowed = failures_allowed(self.problem.probability, self.problem.proof_draws)
         draws = self.problem.draws(draws=self.problem.proof_draws, seed=first)
-        scans = self.campaigns(look["values"])
+        scans = self.scans_of(look["values"])
         count = math.ceil(self.problem.proof_draws / runs.PART_DRAWS)
         self.progress.start("rounds of fresh draws", count)
         try:

@@ -62,8 +62,8 @@ class DeviceJudging : public ::testing::Test {
 
   void start(bool with_maps) {
     const BinMask region = circular_region(kGrid, 4);
-    cpu_ = std::make_unique<DrawRunner>(CampaignScene{{ranges_}, &ground_, kGrid, region}, with_maps);
-    device_ = std::make_unique<DrawRunner>(CampaignScene{{ranges_}, &ground_, kGrid, region}, with_maps,
+    cpu_ = std::make_unique<DrawRunner>(DrawsScene{{ranges_}, &ground_, kGrid, region}, with_maps);
+    device_ = std::make_unique<DrawRunner>(DrawsScene{{ranges_}, &ground_, kGrid, region}, with_maps,
                                            OpenClOptions{.use = use_});
     expected_ = with_maps ? std::optional(DrawMaps(kGrid)) : std::nullopt;
     found_ = expected_;

@@ -119,7 +119,7 @@ class SigmaPrediction : public DrawGridding {
 
 TEST_F(SigmaPrediction, IsTheUncertaintyOfTheReturns) {
   const UncertaintyParameters parameters{.range_sigma_m = 0.1};
-  const CampaignScene scene{{ranges_}, &ground_, grid_, BinMask(grid_, 1)};
+  const DrawsScene scene{{ranges_}, &ground_, grid_, BinMask(grid_, 1)};
   const Grid<float> predicted =
       predicted_sigma(scene, Simulation(scan(3, kColumns), nullptr, &ground_), parameters).z_abs;
   const Simulation simulation(scan(3, kColumns), nullptr, &ground_);

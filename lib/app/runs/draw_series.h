@@ -20,7 +20,7 @@
 namespace landfall {
 
 /// The true ranges of a scan, in memory: one for each pixel and pulse.
-struct CampaignTruth {
+struct DrawsTruth {
   std::vector<double, LargeAllocator<double>> ranges_m;
   std::vector<Echo, LargeAllocator<Echo>> echoes;  ///< empty unless the scan keeps them
   std::vector<LaterEcho> later;                    ///< those behind the first of a pixel, ordered
@@ -45,21 +45,21 @@ struct GroundSource {
 };
 
 /// A campaign over one traced scan, or one whose draws trace: its inputs in memory, and its draws.
-class Campaign {
+class DrawSeries {
  public:
   /// Draws that trace. Reads or makes the ground, and adds it and the tables of the scan to the inputs of
   /// `provenance`. Throws UsageError, naming draw and key, unless the configuration of each draw of `span` is
   /// valid; FormatError as the readers do.
-  Campaign(GroundSource ground, const DrawsConfig& config, const DrawSpan& span, Provenance& provenance);
+  DrawSeries(GroundSource ground, const DrawsConfig& config, const DrawSpan& span, Provenance& provenance);
 
   /// `pair` is the number of the scan in a campaign over several: its draws follow those of the scans before,
   /// and their rows have it as the column kPairColumn. Reads the true ranges (8 bytes per ray) and the
   /// terrain, and adds both to the inputs of `provenance`. Throws UsageError, naming the key, unless every
   /// draw of `span` has the rays of the scan, and can be made by `device` if one is given (DeviceGridder);
   /// FormatError as the readers do, or for a terrain other than the one that was scanned.
-  Campaign(const RangeFile& scan, GroundSource ground, const DrawsConfig& config, const DrawSpan& span,
-           std::optional<std::int64_t> pair, const std::optional<OpenClOptions>& device,
-           Provenance& provenance, const ProgressCallback& progress);
+  DrawSeries(const RangeFile& scan, GroundSource ground, const DrawsConfig& config, const DrawSpan& span,
+             std::optional<std::int64_t> pair, const std::optional<OpenClOptions>& device,
+             Provenance& provenance, const ProgressCallback& progress);
 
   [[nodiscard]] const std::string& crs_wkt() const { return scene_.crs_wkt; }
   /// No draw yet, from row `first` on.
@@ -90,7 +90,7 @@ class Campaign {
   Scene scene_;
   std::shared_ptr<const SurfaceAlbedo> albedo_;
   std::int64_t ground_draw_ = -1;  ///< the draw whose ground the scene is, where it varies
-  CampaignTruth truth_;
+  DrawsTruth truth_;
   RegridConfig regrid_;
   BinMask region_;
   std::unique_ptr<DrawRunner> runner_;

@@ -11,7 +11,7 @@
 namespace landfall {
 
 /// The inputs that the draws of a campaign share.
-struct CampaignScene {
+struct DrawsScene {
   TrueRanges truth;  ///< one range per pixel and pulse, and its echo if the receiver sees waveforms; empty
                      ///< for draws that trace
   const TerrainSurface* ground;  ///< the true ground of all draws; null where it varies
