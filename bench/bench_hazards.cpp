@@ -27,7 +27,7 @@ namespace {
 constexpr std::int64_t kEvery = 16;  ///< the obvious loops measure one place in so many rows and columns
 const GridSpec kSpec = GridSpec::centered(25, 0.05);
 
-Grid<double> ground(const std::function<double(double x, double y)>& height_m) {
+Grid<double> terrain(const std::function<double(double x, double y)>& height_m) {
   const RandomField noise(5, RandomStream::range_noise);
   Grid<double> z(kSpec);
   for (std::int64_t row = 0; row < kSpec.rows; ++row)
@@ -37,12 +37,12 @@ Grid<double> ground(const std::function<double(double x, double y)>& height_m) {
 }
 
 Grid<double> noise() {
-  return ground([](double, double) { return 0; });
+  return terrain([](double, double) { return 0; });
 }
 
 /// 400 hemispheres of 0.1 to 0.5 m on long waves.
 Grid<double> rocks() {
-  Grid<double> z = ground([](double x, double y) { return 0.5 * std::sin(0.3 * x) * std::cos(0.2 * y); });
+  Grid<double> z = terrain([](double x, double y) { return 0.5 * std::sin(0.3 * x) * std::cos(0.2 * y); });
   const RandomField random(7, RandomStream::dropout);
   for (std::uint64_t rock = 0; rock < 400; ++rock) {
     const double radius_m = 0.1 + 0.4 * random.uniform(rock, 0);

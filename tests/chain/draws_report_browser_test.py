@@ -153,7 +153,7 @@ class DrawsReportTest(PageTest):
         self.check_log_and_requests()
         self.check_layout()
 
-    def test_grounds_that_vary(self):
+    def test_terrains_that_vary(self):
         """Without a ground that all draws share, probabilities have their plain colours."""
         config = {"draws": 3, "metrics": "verdict", "terrain": TERRAIN, "scan": SCAN, "regrid": REGRID, "eval": EVAL,
                   "vary": {"terrain.features.0.x_m": {"type": "uniform", "low": -3, "high": 3}}}

@@ -22,7 +22,7 @@ DISPERSED = {**{f"scan.trajectory_dispersion.{key}.{i}": {"type": "normal", "sig
              "scan.navigation_error.velocity_mps.0": {"type": "normal", "sigma": 0.3},
              "scan.trajectory.velocity_mps.2": {"type": "uniform", "low": -6, "high": -4},
              "eval.quantile": {"type": "uniform", "low": 0.8, "high": 1}}
-GROUND = {"terrain.features.0.height_m": {"type": "uniform", "low": 0.5, "high": 2}, "terrain.base.slope_x": {"type": "normal", "sigma": 0.05}}
+TERRAIN_KEYS = {"terrain.features.0.height_m": {"type": "uniform", "low": 0.5, "high": 2}, "terrain.base.slope_x": {"type": "normal", "sigma": 0.05}}
 FRACTAL = {**TERRAIN, "base": [{"type": "plane", "slope_x": 0.03}, {"type": "fractal", "hurst_exponent": 0.7, "rms_deviation_m": 0.05, "reference_length_m": 1}]}
 
 
@@ -81,7 +81,7 @@ class Equality(TracedTest):
         """Ground, path, attitude, jitter, aim from an estimate with random errors, noise."""
         scan = with_values(SCAN, scanner__pattern=dict(PATTERN, aim="estimate"),
                            navigation_error={"gauss_markov": {"velocity_sigma_mps": [0.2, 0.2, 0.1]}, "random_walk": {"rpy_rad_per_sqrt_s": [1e-3] * 3}})
-        config = draws_config(scan=scan, terrain=FRACTAL, terrain_seed="each", vary={**DISPERSED, "terrain.features.0.height_m": GROUND["terrain.features.0.height_m"]},
+        config = draws_config(scan=scan, terrain=FRACTAL, terrain_seed="each", vary={**DISPERSED, "terrain.features.0.height_m": TERRAIN_KEYS["terrain.features.0.height_m"]},
                           hazard=HAZARD)
         rows = self.draws(config)
         self.assertEqual((list(rows["seed"]), list(rows["draw"])), ([7, 7, 7], [0, 1, 2]))
@@ -116,7 +116,7 @@ class Equality(TracedTest):
         for name, values in scanners.items():
             with self.subTest(name):
                 scan = {**SCAN, "scanner": {"type": name, **values}}
-                config = draws_config(scan=scan, draws=2, vary={**GROUND, **DISPERSED})
+                config = draws_config(scan=scan, draws=2, vary={**TERRAIN_KEYS, **DISPERSED})
                 self.check_draw(config, self.draws(config), 1)
         self.assertEqual(config_of(self.path("draws.h5"))["scan"]["scanner"]["path"], "sweep.csv", "files must not reveal folders")
 
@@ -143,7 +143,7 @@ class Equality(TracedTest):
     def test_one_sigma_maps(self):
         """Hazards have p_safe, and metrics.json judges the sigmas."""
         none = {"position_m": [0, 0, 0], "velocity_mps": [0, 0, 0], "rpy_rad": [0, 0, 0], "rpy_rate_radps": [0, 0, 0]}
-        config = draws_config(draws=2, uncertainty=True, hazard={**HAZARD, "region_radius_m": 2}, vary={**GROUND, "scan.trajectory_dispersion.position_m.0": {"type": "normal", "sigma": 0.2}},
+        config = draws_config(draws=2, uncertainty=True, hazard={**HAZARD, "region_radius_m": 2}, vary={**TERRAIN_KEYS, "scan.trajectory_dispersion.position_m.0": {"type": "normal", "sigma": 0.2}},
                           regrid={**REGRID, "uncertainty": {"range_sigma_m": 0.01, "navigation_sigma": none}})
         rows = self.draws(config)
         self.check_draw(config, rows, 1)
@@ -182,7 +182,7 @@ class Division(TracedTest):
     """How a campaign is run does not change its file."""
 
     def test_threads_parts_and_a_state(self):
-        for vary, seed in ((DISPERSED, "fixed"), ({**DISPERSED, "terrain.base.0.slope_x": GROUND["terrain.base.slope_x"]}, "each")):
+        for vary, seed in ((DISPERSED, "fixed"), ({**DISPERSED, "terrain.base.0.slope_x": TERRAIN_KEYS["terrain.base.slope_x"]}, "each")):
             config = draws_config(draws=5, vary=vary, metrics="verdict", terrain=FRACTAL, terrain_seed=seed)
             self.draws(config, "-t", 1)
             whole = read_bytes(self.path("draws.h5"))
@@ -232,11 +232,11 @@ class Refusals(TracedTest):
                           vary={"hazard.sites.reach.thrust_accel_mps2": {"type": "list", "values": [3, 2, 1.6]}})
         self.refused(config, words=["mc.json: draw 2: /hazard: /sites/reach/thrust_accel_mps2: 1.6"])
 
-    def test_grounds(self):
+    def test_terrains(self):
         self.refused(draws_config(), "--terrain", self.chain.terrain, words=["--terrain", "section terrain", "one of them"])
         self.refused(draws_config(terrain=None), words=["--terrain", "section terrain"])
         self.refused(draws_config(terrain=None, terrain_seed="each"), "--terrain", self.chain.terrain, words=["/terrain_seed"])
-        self.refused(draws_config(sigma=True, vary=GROUND), words=["/sigma", "ground varies"])
+        self.refused(draws_config(sigma=True, vary=TERRAIN_KEYS), words=["/sigma", "ground varies"])
         self.refused(draws_config(terrain="europa"), words=["/terrain", "preset:NAME"])
         self.refused(draws_config(terrain="preset:nowhere"), words=["/terrain", "no such preset"])
         self.refused(draws_config(), "--engine", "opencl", words=["--engine opencl", "without a scan"])

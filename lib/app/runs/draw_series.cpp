@@ -127,13 +127,13 @@ void add_to(std::vector<DrawColumn>& columns, const std::vector<NamedNumber>& ro
 
 }  // namespace
 
-DrawSeries::DrawSeries(const RangeFile& scan, GroundSource ground, const DrawsConfig& config,
+DrawSeries::DrawSeries(const RangeFile& scan, TerrainSource terrain, const DrawsConfig& config,
                        const DrawSpan& span, std::optional<std::int64_t> pair,
                        const std::optional<OpenClOptions>& device, Provenance& provenance,
                        const ProgressCallback& progress)
     : config_(config),
       pair_(pair),
-      source_(std::move(ground)),
+      source_(std::move(terrain)),
       regrid_(regrid_config(config.stages().regrid, config.name() + ": /regrid")) {
   provenance.add_input("scan", scan.file().file_id(), scan.file().chain());
   scene_ = open_scene({.terrain = source_.terrain, .use = SceneUse::surface});
@@ -148,26 +148,26 @@ DrawSeries::DrawSeries(const RangeFile& scan, GroundSource ground, const DrawsCo
   if (device && device->on_failure == DeviceFailure::throws) require_device(span);
 }
 
-DrawSeries::DrawSeries(GroundSource ground, const DrawsConfig& config, const DrawSpan& span,
+DrawSeries::DrawSeries(TerrainSource terrain, const DrawsConfig& config, const DrawSpan& span,
                        Provenance& provenance)
     : config_(config),
-      source_(std::move(ground)),
+      source_(std::move(terrain)),
       regrid_(regrid_config(config.stages().regrid, config.name() + ": /regrid")) {
   require_valid(config, span);
   require_hazards(config, span);
   const nlohmann::json& scan = config.stages().scan;
   static_cast<void>(scan_model(scan, config.name() + ": /scan", recording_table_loader(provenance)));
   if (!source_.terrain.empty()) {
-    open_ground(uses_albedo_map(scan), provenance);
+    open_terrain(uses_albedo_map(scan), provenance);
   } else {
-    make_ground(config.stages(span.first).terrain, provenance);
-    ground_draw_ = span.first;
+    build_terrain(config.stages(span.first).terrain, provenance);
+    terrain_draw_ = span.first;
     source_.warn = [](const std::string&) {};  // of later grounds, which are alike
   }
-  prepare(config.ground_varies() ? nullptr : scene_.surface.get(), std::nullopt, provenance);
+  prepare(config.terrain_varies() ? nullptr : scene_.surface.get(), std::nullopt, provenance);
 }
 
-void DrawSeries::open_ground(bool uses_albedo, Provenance& provenance) {
+void DrawSeries::open_terrain(bool uses_albedo, Provenance& provenance) {
   scene_ = open_scene({.terrain = source_.terrain});
   provenance.add_input("terrain", scene_.file_id, scene_.chain);
   const GridSpec& grid = regrid_.grid;
@@ -176,7 +176,7 @@ void DrawSeries::open_ground(bool uses_albedo, Provenance& provenance) {
   if (uses_albedo) albedo_ = open_albedo(source_.terrain);
 }
 
-void DrawSeries::make_ground(const nlohmann::json& terrain, Provenance& provenance) {
+void DrawSeries::build_terrain(const nlohmann::json& terrain, Provenance& provenance) {
   scene_ = {};  // the old ground first, so that both never exist at once
   albedo_.reset();
   const TerrainInput made =
@@ -186,16 +186,16 @@ void DrawSeries::make_ground(const nlohmann::json& terrain, Provenance& provenan
   albedo_ = made.albedo;
 }
 
-DrawGround DrawSeries::ground_of(const DrawStages& stages, std::int64_t draw) {
-  if (config_.ground_varies() && draw != ground_draw_) {
+DrawTerrain DrawSeries::terrain_of(const DrawStages& stages, std::int64_t draw) {
+  if (config_.terrain_varies() && draw != terrain_draw_) {
     Provenance recorded;  // with the first ground
-    make_ground(stages.terrain, recorded);
-    ground_draw_ = draw;
+    build_terrain(stages.terrain, recorded);
+    terrain_draw_ = draw;
   }
   return {*scene_.surface, scene_.engine.get(), albedo_.get(), scene_.spacing_m};
 }
 
-void DrawSeries::prepare(const TerrainSurface* ground, const std::optional<OpenClOptions>& device,
+void DrawSeries::prepare(const TerrainSurface* terrain, const std::optional<OpenClOptions>& device,
                          Provenance& provenance) {
   const GridSpec& grid = regrid_.grid;
   constexpr std::uint64_t kBytesPerBin = 24;  // the elevation and the true position of a draw, at least
@@ -209,10 +209,10 @@ void DrawSeries::prepare(const TerrainSurface* ground, const std::optional<OpenC
   at_path(eval + "/", [&] { region_ = judged_region(evaluation, grid, mask ? &*mask : nullptr); });
   runner_ = std::make_unique<DrawRunner>(
       DrawsScene{
-          {truth_.ranges_m, truth_.echoes, truth_.later}, ground, grid, region_, hazard_region(provenance)},
+          {truth_.ranges_m, truth_.echoes, truth_.later}, terrain, grid, region_, hazard_region(provenance)},
       config_.has_layers(), device);
   if (!config_.predicted()) return;
-  const Simulation first = ground_of(config_.stages(), 0).simulate(setup_of(config_.stages(), 0).scan);
+  const Simulation first = terrain_of(config_.stages(), 0).simulate(setup_of(config_.stages(), 0).scan);
   z_sigma_abs_ = predicted_sigma(runner_->scene(), first, *config_.predicted()).z_abs;
 }
 
@@ -293,9 +293,9 @@ DrawResult DrawSeries::run(std::int64_t draw, Draws& draws) {
   const DrawStages stages = config_.stages(draw);
   DrawResult result = naming_draw(config_, draw, [&] {
     DrawSetup setup = setup_of(stages, draw);
-    const DrawGround ground = ground_of(stages, draw);
+    const DrawTerrain terrain = terrain_of(stages, draw);
     return at_path(config_.name() + ": /hazard/", [&] {
-      return runner_->run(std::move(setup), ground, config_.metrics(), draws.maps ? &*draws.maps : nullptr);
+      return runner_->run(std::move(setup), terrain, config_.metrics(), draws.maps ? &*draws.maps : nullptr);
     });
   });
   if (result.is_on_device) on_device_.push_back(draw);

@@ -86,9 +86,9 @@ class ScanSequence {
         : file(pair.scan.empty() ? nullptr : std::make_unique<RangeFile>(pair.scan)),
           terrain(pair.terrain),
           config(resolved, name, file ? file->file().config() : nlohmann::json(), samples) {
-      if (config.traces()) require_one_ground();
+      if (config.traces()) require_one_terrain();
     }
-    void require_one_ground() const {
+    void require_one_terrain() const {
       const bool has_section = !config.stages().terrain.is_null();
       if (has_section && !terrain.empty())
         throw UsageError("--terrain " + terrain + ": " + config.name() +
@@ -111,12 +111,12 @@ class ScanSequence {
     const DrawSpan span = {std::clamp<std::int64_t>(span_.first - begin, 0, draws),
                            std::clamp<std::int64_t>(span_.end - begin, 0, draws)};
     const auto number = has_pairs() ? std::optional(static_cast<std::int64_t>(pair)) : std::nullopt;
-    GroundSource ground{scan.terrain, make_terrain_, warn_, rules_};
+    TerrainSource terrain{scan.terrain, make_terrain_, warn_, rules_};
     if (scan.file)
-      series_ = std::make_unique<DrawSeries>(*scan.file, std::move(ground), scan.config, span, number,
+      series_ = std::make_unique<DrawSeries>(*scan.file, std::move(terrain), scan.config, span, number,
                                              device_, provenance, progress);
     else
-      series_ = std::make_unique<DrawSeries>(std::move(ground), scan.config, span, provenance);
+      series_ = std::make_unique<DrawSeries>(std::move(terrain), scan.config, span, provenance);
     loaded_ = pair;
   }
 

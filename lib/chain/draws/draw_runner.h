@@ -98,7 +98,7 @@ class DrawRunner {
   /// --ranges-from), regrid and dem-eval --metrics-only, bit for bit; score and best site those of hazard-map
   /// --terrain. Adds the draw to `maps` unless it is null, or leaves it on the device at first. Throws as
   /// Simulation, DrawGridder, evaluate() and map_hazards() do.
-  [[nodiscard]] DrawResult run(DrawSetup setup, const DrawGround& ground, MetricsKind kind, DrawMaps* maps);
+  [[nodiscard]] DrawResult run(DrawSetup setup, const DrawTerrain& terrain, MetricsKind kind, DrawMaps* maps);
 
   /// Adds the draws on the device, whose number is given, to `maps`. Returns false if the device has lost
   /// them and the CPU takes over: they must be run again.
@@ -108,11 +108,11 @@ class DrawRunner {
   [[nodiscard]] std::optional<DecisiveMetrics> judge_on_device(const Simulation& simulation,
                                                                const DrawSetup& setup, MetricsKind kind);
   [[nodiscard]] DrawHazards judge_hazards(const DemLayers& dem, const SigmaLayers* sigma,
-                                          const TerrainSurface& ground, const HazardParameters& parameters,
+                                          const TerrainSurface& terrain, const HazardParameters& parameters,
                                           DrawMaps* maps) const;
 
   [[nodiscard]] DrawLandings land(const Simulation& simulation, const DrawSetup& setup,
-                                  const DrawHazards& hazards, const TerrainSurface& ground) const;
+                                  const DrawHazards& hazards, const TerrainSurface& terrain) const;
 
   DrawsScene scene_;
   DrawGridder gridder_;

@@ -31,10 +31,10 @@ class LeastMedian {
       : in_(input), heights_(input.samples.size()), misfits_(heights_.size()), of_place_(heights_.size()) {}
 
   LanePlane Fit(std::int64_t row, std::int64_t col) {
-    const V base = hn::LoadU(D(), in_.ground.z.at(row, col));  // of each place, so that misfits keep digits
+    const V base = hn::LoadU(D(), in_.terrain.z.at(row, col));  // of each place, so that misfits keep digits
     for (std::size_t i = 0; i < heights_.size(); ++i) {
       const BinOffset& bin = in_.samples[i];
-      Store(hn::Sub(hn::LoadU(D(), in_.ground.z.at(row + bin.rows, col + bin.cols)), base), heights_[i]);
+      Store(hn::Sub(hn::LoadU(D(), in_.terrain.z.at(row + bin.rows, col + bin.cols)), base), heights_[i]);
     }
     LanePlane best{hn::Zero(D()), hn::Zero(D()), hn::Zero(D())};
     V least = constant(std::numeric_limits<double>::infinity());
@@ -114,7 +114,7 @@ class LeastMedian {
 void MeasureLmedsRows(const LmedsInput& in, std::int64_t begin, std::int64_t end, PlaceMeasures& result) {
   LeastMedian median(in);
   MeasureBodyRows(
-      in.ground, begin, end,
+      in.terrain, begin, end,
       [&](std::int64_t row, std::int64_t col) HWY_ATTR { return median.Fit(row, col); }, result);
 }
 

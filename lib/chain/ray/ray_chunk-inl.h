@@ -150,26 +150,26 @@ HWY_INLINE void fetch(const T* row, std::int64_t first, std::int64_t last) {
 /// Prefetches the nodes that the first `end` rays of the chunk may meet, and the bounds of their cells where
 /// the ways are long enough to look at these. This affects speed only: most pulses reach ground that the
 /// cache does not hold.
-HWY_INLINE void fetch_ground(const WalkGround& ground, const RayChunk& chunk, std::size_t end,
-                             const HeightSlab& slab) {
+HWY_INLINE void fetch_terrain(const WalkTerrain& terrain, const RayChunk& chunk, std::size_t end,
+                              const HeightSlab& slab) {
   constexpr double kMaxCells = 8192;  // 64 kB of nodes, so that they stay cached until they are used
   CrossedBox crossed;
   for (std::size_t i = 0; i < end; i += hn::Lanes(D())) crossed.add(chunk, i, slab);
   const CellBox box = crossed.box();
   const double low_x = std::max(box.low_x, 0.0);
   const double low_y = std::max(box.low_y, 0.0);
-  const double high_x = std::min(box.high_x + 1, ground.cols);
-  const double high_y = std::min(box.high_y + 1, ground.rows);
+  const double high_x = std::min(box.high_x + 1, terrain.cols);
+  const double high_y = std::min(box.high_y + 1, terrain.rows);
   const bool some = low_x <= high_x && low_y <= high_y;
   if (!some || !((high_x - low_x + 1) * (high_y - low_y + 1) < kMaxCells)) return;
   const auto west = static_cast<std::int64_t>(low_x);
   const auto east = static_cast<std::int64_t>(high_x);
   const auto north = static_cast<std::int64_t>(high_y);
-  const auto cell_cols = ground.node_cols - 1;
+  const auto cell_cols = terrain.node_cols - 1;
   const bool bounds = way_cells(chunk, slab) >= kWayInCell_cells;
   for (auto row = static_cast<std::int64_t>(low_y); row <= north; ++row) {
-    fetch(ground.nodes + row * ground.node_cols, west, east);
-    if (bounds) fetch(ground.highs + row * cell_cols, west, east);
+    fetch(terrain.nodes + row * terrain.node_cols, west, east);
+    if (bounds) fetch(terrain.highs + row * cell_cols, west, east);
   }
 }
 

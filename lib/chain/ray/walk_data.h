@@ -33,7 +33,7 @@ struct HeightSlab {
 
 /// The data that lanes walk over: rungs of square blocks, 4^rung cells wide, up to a single block for the
 /// grid or the last rung that fits.
-struct WalkGround {
+struct WalkTerrain {
   static constexpr int kMaxRungs = 8;
 
   const float* highs;  ///< ElevationPyramid::highs, lows
@@ -48,7 +48,7 @@ struct WalkGround {
   alignas(64) double first[kMaxRungs];       ///< first block of each rung, in `highs`
   alignas(64) double block_cols[kMaxRungs];  ///< columns of blocks of each rung
 
-  explicit WalkGround(const Heightfield& field)
+  explicit WalkTerrain(const Heightfield& field)
       : highs(field.pyramid.highs().data()),
         to_lows(static_cast<double>(field.pyramid.lows().data() - field.pyramid.highs().data())),
         nodes(field.terrain.nodes().values().data()),

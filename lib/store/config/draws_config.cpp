@@ -247,9 +247,9 @@ DrawsConfig::DrawsConfig(const Json& resolved, std::string name, const Json& sca
   json_["draws"] = draw_count_;
   for (const auto& [key, json] : resolved.at("vary").items())
     add_variation(name_ + ": /vary/", key, variation_of(json));
-  ground_varies_ = has_terrain_seeds_ || std::ranges::any_of(vary_, [](const auto& each) {
-                     return each.first.starts_with("terrain.");
-                   });
+  terrain_varies_ = has_terrain_seeds_ || std::ranges::any_of(vary_, [](const auto& each) {
+                      return each.first.starts_with("terrain.");
+                    });
   if (resolved.at("sigma")) predict();
   if (!sprt_ || tests_landing_) return;
   if (const auto why = why_not_judged())
@@ -306,7 +306,7 @@ void DrawsConfig::check_requirements() const {
 
 void DrawsConfig::predict() {
   if (!has_layers_) throw UsageError(name_ + ": /sigma: is a map, and /layers is false");
-  if (ground_varies_) throw UsageError(name_ + ": /sigma: is a map of one ground, and the ground varies");
+  if (terrain_varies_) throw UsageError(name_ + ": /sigma: is a map of one ground, and the ground varies");
   if (const std::string method = stages_.regrid.at("method"); method != "bilinear_nearest")
     throw UsageError(name_ + ": /sigma: needs the method bilinear_nearest, not " + method);
   Json regrid = stages_.regrid;

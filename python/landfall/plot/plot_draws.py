@@ -17,7 +17,7 @@ from landfall.plot import maps, plots, reduction, relief, scales
 
 LAYERS = ["p_invalid", "p_missed_hazard", "p_judged_safe", "p_fail_rel_x", "p_fail_rel_y", "p_fail_rel_z", "p_fail_absolute", "e_z_mean", "e_z_std", "e_map_std", "z_sigma_abs",
           "e_map_std_over_sigma", "z_true_map", "in_region"]
-GROUND = "#f4f1ea"  # where a probability is 0
+TERRAIN_COLOR = "#f4f1ea"  # where a probability is 0
 CLASSES = 30
 
 
@@ -67,7 +67,7 @@ def draw_chance(ax, draws, values, title, quantity):
     span = scales.extremes(shown)
     scale = scales.Scale("magnitude", 0.0, span[1] if span[1] > 0 else 1.0, scales.extremes(values), span, "", base="")
     image = scales.color_map("magnitude")(np.nan_to_num(shown) / scale.high)[..., :3]
-    image[shown == 0] = tuple(int(GROUND[k:k + 2], 16) / 255 for k in (1, 3, 5))
+    image[shown == 0] = tuple(int(TERRAIN_COLOR[k:k + 2], 16) / 255 for k in (1, 3, 5))
     light = light_of(draws, size)
     light = np.where(shown > 0, np.clip(light, 0.85, 1), light)
     image = np.clip(image * np.nan_to_num(light, nan=1)[..., None], 0, 1)
@@ -117,7 +117,7 @@ def draw_prediction(ax, draws):
     maps.note(ax, f"median of observed / predicted {median:.3f}", f"{np.count_nonzero(known):,} bins; darker: more")
 
 
-def draw_ground(ax, draws):
+def draw_terrain(ax, draws):
     """The shaded ground in grey."""
     size = maps.block_size(ax, draws.layers["in_region"].shape)
     light = np.nan_to_num(light_of(draws, size), nan=1)
@@ -127,7 +127,7 @@ def draw_ground(ax, draws):
 def draw_chosen(ax, draws):
     """The best site of each draw over the shaded ground."""
     maps.frame_map(ax, draws.grid, "chosen place of each draw")
-    draw_ground(ax, draws)
+    draw_terrain(ax, draws)
     x, y, safe = (draws.columns[f"site.{name}"] for name in ("x_m", "y_m", "true_safe"))
     for shown, color, marker, label in ((safe == 1, maps.BLUE, "o", "safe"), (safe == 0, maps.VERMILION, "X", "a hazard")):
         if shown.any():

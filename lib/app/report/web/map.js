@@ -14,7 +14,7 @@ import {colorOf, flagColor, MARK_COLOR, markColor, NO_VALUE_COLOR, parseColor, s
 
 const MAP_MARGIN = {left: 50, right: 92, top: 22, bottom: 40};
 let clipCount = 0;
-const GROUND_COLOR = [244, 241, 234];
+const TERRAIN_COLOR = [244, 241, 234];
 const LEAST_LIGHT = 0.85;  // on a probability above 0
 
 export class MapPanel {
@@ -173,7 +173,7 @@ export class MapPanel {
    * be compared with the colour bar. */
   chanceColors(blocks) {
     return this.colorsInLight(blocks, (value, light) => {
-      const color = value === 0 ? GROUND_COLOR : colorOf(this.scale, value);
+      const color = value === 0 ? TERRAIN_COLOR : colorOf(this.scale, value);
       const shade = value === 0 ? light : Math.min(1, Math.max(LEAST_LIGHT, light));
       return color.map((part) => Number.isNaN(value) ? NO_VALUE_COLOR[0] : Math.min(255, part * shade));
     });
@@ -182,10 +182,10 @@ export class MapPanel {
   /** A mask's value is the share of its bins that are set; `isShare`: the colour shows it. */
   blockColor(value, judged, isShare) {
     if (!this.isMarks()) return colorOf(this.scale, value);
-    const ground = judged ? [255, 255, 255] : NO_VALUE_COLOR;
-    if (value === 0) return ground;
+    const base = judged ? [255, 255, 255] : NO_VALUE_COLOR;
+    if (value === 0) return base;
     const color = parseColor(markColor(this.raster.layer, value));
-    return isShare ? color.map((part, k) => ground[k] + value * (part - ground[k])) : color;
+    return isShare ? color.map((part, k) => base[k] + value * (part - base[k])) : color;
   }
 
   /** The marks to be painted, those with at most one neighbour at least 3 pixels wide, because a single bad bin of a large

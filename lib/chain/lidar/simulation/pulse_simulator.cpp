@@ -27,11 +27,11 @@ namespace {
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 constexpr float kNoIntensity = std::numeric_limits<float>::quiet_NaN();
 
-[[noreturn]] void refuse_origin(std::int64_t pulse, const Point<DemFrame>& origin, double ground_m) {
+[[noreturn]] void refuse_origin(std::int64_t pulse, const Point<DemFrame>& origin, double terrain_m) {
   std::ostringstream message;
   message.precision(10);
   message << "pulse " << pulse << ": the lidar at x = " << origin.v.x() << " m, y = " << origin.v.y()
-          << " m is " << origin.v.z() << " m high, at or below the terrain, " << ground_m << " m";
+          << " m is " << origin.v.z() << " m high, at or below the terrain, " << terrain_m << " m";
   throw FormatError(message.str());
 }
 
@@ -79,16 +79,16 @@ std::vector<std::int8_t> dead_map_of(const Lidar& lidar) {
 
 }  // namespace
 
-PulseSimulator::PulseSimulator(Lidar lidar, const RayEngine* engine, const TerrainSurface* ground,
+PulseSimulator::PulseSimulator(Lidar lidar, const RayEngine* engine, const TerrainSurface* terrain,
                                const SurfaceAlbedo* albedo)
     : lidar_(std::move(lidar)),
       engine_(engine),
-      ground_(ground),
+      terrain_(terrain),
       albedo_(albedo),
       dead_map_(dead_map_of(lidar_)) {
-  if (lidar_.range_errors.needs_incidence() && ground_ == nullptr)
+  if (lidar_.range_errors.needs_incidence() && terrain_ == nullptr)
     throw UsageError(std::string(kIncidenceNoise) + ": needs the terrain's surface");
-  if (lidar_.receiver.sees_waveforms() && engine_ != nullptr && ground_ == nullptr)
+  if (lidar_.receiver.sees_waveforms() && engine_ != nullptr && terrain_ == nullptr)
     throw UsageError("receiver/type: needs the terrain's surface");
   assert(lidar_.link_constants_pe_m2.size() ==
          (lidar_.receiver.sees_waveforms() ? lidar_.detector.samples().size() : 0));
@@ -136,17 +136,17 @@ Transform<BodyFrame, LidarFrame> PulseSimulator::true_mount(std::int64_t pulse) 
 PulseContext PulseSimulator::context_of(const PulseInput& pulse, double mirror_time_error_s) const {
   PulseContext context{.time = {pulse.time.pulse, pulse.time.since_start_s + mirror_time_error_s}};
   const Pattern* const pattern = lidar_.pattern.get();
-  if (pattern == nullptr || !pattern->ground_aim(pulse.time)) return context;
+  if (pattern == nullptr || !pattern->aim_point(pulse.time)) return context;
   const PatternAim aim(*pattern, pulse.interval_s);
   const auto [near, later_s] = aim.time_after(pulse.time, mirror_time_error_s);
-  const Point<DemFrame> target = later_s == 0 ? *pattern->ground_aim(near) : aim.at(near, later_s);
+  const Point<DemFrame> target = later_s == 0 ? *pattern->aim_point(near) : aim.at(near, later_s);
   const Transform<DemFrame, LidarFrame> T_dem_lidar = pulse.nominal * lidar_.mount;
   context.aim = direction_to(target, T_dem_lidar);
   const ContextNeeds needs = lidar_.scanner->needs();
   if (needs.jumps) {
     if (const auto jump = pattern->last_jump(near)) {
       context.since_jump_s = std::max(0.0, jump->since_s + later_s);
-      if (const auto before = pattern->ground_aim(jump->before))
+      if (const auto before = pattern->aim_point(jump->before))
         context.aim_before_jump = direction_to(*before, T_dem_lidar);
       if (needs.motion && context.aim_before_jump && pulse.interval_s > 0)
         context.jump_aims = aim.around(*jump, near, T_dem_lidar);
@@ -200,7 +200,7 @@ void PulseSimulator::make_rays(const PulseInput& pulse, const AimedPulse& aimed,
   for (const Beam& beam : traced_beams(aimed, traced))
     if (!beam.lost)
       traced.rays.push_back({aimed.T_dem_lidar * beam.exit, aimed.T_dem_lidar.rotation * beam.direction});
-  require_above_ground(pulse, traced.rays);
+  require_above_terrain(pulse, traced.rays);
 }
 
 void PulseSimulator::trace(std::span<const Ray> rays, std::vector<double>& hits_m) const {
@@ -259,7 +259,7 @@ void PulseSimulator::find_signals(const TracedPulse& traced, std::span<const Bea
     r.hit_directions.push_back(sent.direction.v);
   }
   r.cosines.resize(r.hits.size());
-  ground_->cosines(r.hits, r.hit_directions, r.cosines);
+  terrain_->cosines(r.hits, r.hit_directions, r.cosines);
   r.signals_pe.assign(samples.size(), kNan);
   for (std::size_t i = 0, hit = 0; i < samples.size(); ++i) {
     const double range_m = traced.hits_m[i];
@@ -277,21 +277,21 @@ void PulseSimulator::steer_to_trace(const PulseInput& pulse, AimedPulse& aimed) 
     steer(pulse, aimed);
   } catch (const FormatError&) {
     const std::array boresight = {Ray{(pulse.truth * true_mount(pulse.time.pulse)).position, {}}};
-    require_above_ground(pulse, boresight);
+    require_above_terrain(pulse, boresight);
     throw;
   }
 }
 
-void PulseSimulator::require_above_ground(const PulseInput& pulse, std::span<const Ray> rays) const {
-  if (ground_ == nullptr || !ground_->is_ground_below()) return;
-  const double highest_m = ground_->highest_m();
+void PulseSimulator::require_above_terrain(const PulseInput& pulse, std::span<const Ray> rays) const {
+  if (terrain_ == nullptr || !terrain_->is_terrain_below()) return;
+  const double highest_m = terrain_->highest_m();
   const Point<DemFrame>* checked = nullptr;
   for (const Ray& ray : rays) {
     if (checked != nullptr && ray.origin == *checked) continue;
     checked = &ray.origin;
     if (ray.origin.v.z() > highest_m) continue;
-    const double ground_m = ground_->elevation(ray.origin.v.x(), ray.origin.v.y());
-    if (ray.origin.v.z() <= ground_m) refuse_origin(pulse.time.pulse, ray.origin, ground_m);
+    const double terrain_m = terrain_->elevation(ray.origin.v.x(), ray.origin.v.y());
+    if (ray.origin.v.z() <= terrain_m) refuse_origin(pulse.time.pulse, ray.origin, terrain_m);
   }
 }
 
@@ -338,7 +338,7 @@ void PulseSimulator::find_incidences(const AimedPulse& aimed, const ReceivedPuls
   for (std::size_t i = 0; i < aimed.beams.size(); ++i) {
     const Beam& beam = aimed.beams[i];
     const double tangent =
-        tan_incidence(*ground_, aimed.T_dem_lidar * (beam.exit + received.ranges_m[i] * beam.direction),
+        tan_incidence(*terrain_, aimed.T_dem_lidar * (beam.exit + received.ranges_m[i] * beam.direction),
                       aimed.T_dem_lidar.rotation * beam.direction);
     // a miss, where the receiver may still report background
     measured.tan_incidences.push_back(std::isnan(tangent) ? 0 : tangent);

@@ -127,12 +127,12 @@ struct PulseWorkspace {
 /// The caller applies time-stamp errors when it chooses the estimated poses.
 class PulseSimulator {
  public:
-  /// `engine`, `ground` and `albedo` must outlive this object. Without an engine (null), only replay() may be
-  /// called. With a ground, a beam that starts at or below it is refused, if
-  /// TerrainSurface::is_ground_below(). `albedo` is the ground's map of it, in [0, 1]; null:
+  /// `engine`, `terrain` and `albedo` must outlive this object. Without an engine (null), only replay() may
+  /// be called. With a ground, a beam that starts at or below it is refused, if
+  /// TerrainSurface::is_terrain_below(). `albedo` is the ground's map of it, in [0, 1]; null:
   /// link_constants_pe_m2 include the albedo. Throws UsageError without a ground if the noise depends on the
   /// incidence or if waveforms are traced.
-  PulseSimulator(Lidar lidar, const RayEngine* engine, const TerrainSurface* ground,
+  PulseSimulator(Lidar lidar, const RayEngine* engine, const TerrainSurface* terrain,
                  const SurfaceAlbedo* albedo = nullptr);
 
   [[nodiscard]] const Lidar& lidar() const { return lidar_; }
@@ -185,7 +185,7 @@ class PulseSimulator {
   /// The beams of the pulse's rays, in order: those of the samples, then the pixels' own where they differ.
   [[nodiscard]] std::span<const Beam> traced_beams(const AimedPulse& aimed, const TracedPulse& traced) const;
   void make_rays(const PulseInput& pulse, const AimedPulse& aimed, TracedPulse& traced) const;
-  void require_above_ground(const PulseInput& pulse, std::span<const Ray> rays) const;
+  void require_above_terrain(const PulseInput& pulse, std::span<const Ray> rays) const;
   void trace(std::span<const Ray> rays, std::vector<double>& hits_m) const;
   /// Uses up the hits: they are sorted in place.
   void combine_samples(std::int64_t pulse, const AimedPulse& aimed, TracedPulse& traced,
@@ -217,7 +217,7 @@ class PulseSimulator {
 
   Lidar lidar_;
   const RayEngine* engine_;
-  const TerrainSurface* ground_;
+  const TerrainSurface* terrain_;
   const SurfaceAlbedo* albedo_;
   std::vector<std::int8_t> dead_map_;
 };

@@ -42,7 +42,7 @@ void require_finite(const Pose& pose, const PulseTime& pulse, const char* which)
 
 }  // namespace
 
-Simulation::Simulation(ScanModel model, const RayEngine* engine, const TerrainSurface* ground,
+Simulation::Simulation(ScanModel model, const RayEngine* engine, const TerrainSurface* terrain,
                        const SurfaceAlbedo* albedo)
     : pulse_rate_hz_(model.pulse_rate_hz),
       pulse_count_(landfall::pulse_count(model)),
@@ -53,7 +53,7 @@ Simulation::Simulation(ScanModel model, const RayEngine* engine, const TerrainSu
       navigation_error_(std::move(model.navigation_error)),
       estimate_(std::move(model.estimate)),
       estimate_lead_s_(estimate_ ? trajectory_->epoch_s() - estimate_->epoch_s() : 0),
-      simulator_(std::move(model.lidar), engine, ground, albedo) {
+      simulator_(std::move(model.lidar), engine, terrain, albedo) {
   // Fail now, not after an hour, if a trajectory or a table of angles is too short.
   const PulseInput last = pulse(pulse_count_ - 1);
   const double mirror_s = simulator_.lidar().pointing_error.mirror_time_error_s(last.time.pulse);

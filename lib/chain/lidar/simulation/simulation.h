@@ -50,11 +50,11 @@ struct PulseSpan {
 /// Immutable: any number of threads may simulate batches of any size, with identical results.
 class Simulation {
  public:
-  /// `engine`, `ground` and `albedo` must outlive this object (see PulseSimulator); a null `engine` allows
+  /// `engine`, `terrain` and `albedo` must outlive this object (see PulseSimulator); a null `engine` allows
   /// replay() only. The model's scanner and trajectory must be set. Throws as pulse_count() does, and
   /// FormatError where the trajectory or a scanner that replays angles ends before the last pulse, or where
   /// an estimate does not cover all pulses.
-  Simulation(ScanModel model, const RayEngine* engine, const TerrainSurface* ground = nullptr,
+  Simulation(ScanModel model, const RayEngine* engine, const TerrainSurface* terrain = nullptr,
              const SurfaceAlbedo* albedo = nullptr);
 
   [[nodiscard]] std::int64_t pulse_count() const { return pulse_count_; }

@@ -160,7 +160,7 @@ TerrainStrips::TerrainStrips(TerrainModel model, const GridSpec& spec, const Dem
   }
   make_fractals(progress);
   if (model_.albedo)
-    albedo_.emplace(*model_.albedo, GroundSite{spec_, model_.seed, size_.max_nodes}, load_dem);
+    albedo_.emplace(*model_.albedo, AlbedoSite{spec_, model_.seed, size_.max_nodes}, load_dem);
   report(progress, 1);
 }
 

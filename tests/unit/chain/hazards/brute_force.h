@@ -125,10 +125,10 @@ struct BruteForce {
             if (!covers(lander.body_radius_m, {x, y})) continue;
             const auto height = at(place, {x, y});
             if (!height) return {};
-            const double ground =
+            const double terrain =
                 plane.height + plane.east * static_cast<double>(x) + plane.north * static_cast<double>(y);
             most.roughness_m =
-                std::max(most.roughness_m, (*height - ground) * std::cos(slope * std::numbers::pi / 180));
+                std::max(most.roughness_m, (*height - terrain) * std::cos(slope * std::numbers::pi / 180));
           }
       }
     }
