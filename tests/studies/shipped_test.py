@@ -149,8 +149,8 @@ class DrawSeries(StudyTest):
             for found, expected in ((low, k / n + z * z / (2 * n) - half), (high, k / n + z * z / (2 * n) + half)):
                 self.assertAlmostEqual(found, expected / (1 + z * z / n), delta=0.00005001)
 
-            def tail(p, least=k):
-                return sum(math.comb(n, i) * p**i * (1 - p) ** (n - i) for i in range(least, n + 1))
+            def tail(p, minimum=k):
+                return sum(math.comb(n, i) * p**i * (1 - p) ** (n - i) for i in range(minimum, n + 1))
             self.assertLessEqual(tail(max(0, bound - 0.00005)), 0.05 if k else 1)
             self.assertGreaterEqual(tail(bound + 0.00005), 0.05)
 

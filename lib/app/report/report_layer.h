@@ -18,7 +18,7 @@ enum class Rule {
   mean,
   extreme,  ///< the value of the largest magnitude with its sign; the positive one of two equal magnitudes
   largest,
-  least,
+  smallest,
   any_bit,  ///< for integers: the bits that are set in any bin
 };
 

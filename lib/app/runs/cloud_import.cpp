@@ -40,13 +40,13 @@ struct Extent {
 
 /// Widens [low, high] to hold the values.
 void widen(const std::vector<double>& values, double& low, double& high) {
-  double least = low;  // a local variable stays in a register
+  double minimum = low;  // a local variable stays in a register
   double greatest = high;
   for (const double value : values) {
-    least = std::min(least, value);
+    minimum = std::min(minimum, value);
     greatest = std::max(greatest, value);
   }
-  low = least;
+  low = minimum;
   high = greatest;
 }
 

@@ -129,7 +129,7 @@ std::int64_t lander_half_bins(const LanderStencil& lander) {
 }
 
 /// The least doubt that the bins under the lander leave (see the header).
-float least_doubt(std::int64_t known_bins) {
+float min_doubt(std::int64_t known_bins) {
   return std::max(
       kDoubt, 1 / static_cast<float>(std::int64_t{kSafeTerrains} * std::max<std::int64_t>(known_bins, 1)));
 }
@@ -148,7 +148,7 @@ SafeProbability capped(Grid<float> p, const BinMask& known, const LanderStencil&
   SafeProbability result{std::move(p), BinMask(spec)};
   for (std::size_t i = 0; i < spec.size(); ++i) {
     float& value = result.p.values()[i];
-    const float cap = 1 - least_doubt(counts.spec().size() > 0 ? counts.values()[i] : all);
+    const float cap = 1 - min_doubt(counts.spec().size() > 0 ? counts.values()[i] : all);
     if (std::isnan(value)) continue;
     result.cap = std::max(result.cap, cap);
     result.capped.values()[i] = value >= cap ? 1 : 0;

@@ -135,8 +135,8 @@ struct Differences {
 
 Differences differences(const Grid<double>& map, BinIndex bin) {
   const GridSpec& spec = map.spec();
-  double least = std::numeric_limits<double>::infinity();
-  Differences result{0, least};
+  double minimum = std::numeric_limits<double>::infinity();
+  Differences result{0, minimum};
   int beside = 0;
   for (std::int64_t row = std::max<std::int64_t>(bin.row - 1, 0); row < std::min(bin.row + 2, spec.rows);
        ++row)
@@ -148,8 +148,8 @@ Differences differences(const Grid<double>& map, BinIndex bin) {
         result.curvature += off / 4;
         ++beside;
       }
-      result.like = std::min(result.like, std::max(least, std::abs(off)));
-      least = std::min(least, std::abs(off));
+      result.like = std::min(result.like, std::max(minimum, std::abs(off)));
+      minimum = std::min(minimum, std::abs(off));
     }
   if (beside < 4) result.curvature = 0;
   return result;

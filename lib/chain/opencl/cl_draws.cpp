@@ -104,15 +104,15 @@ class ClDraws final : public DeviceDraws {
  private:
   /// Memory for the points of the largest chunk, each listed up to `bins_of_point` times.
   void make_room(std::size_t bins_of_point) {
-    std::size_t most = 0;
-    for (const Chunk& chunk : chunks_) most = std::max(most, chunk.count);
-    if (points_room_ < most) {
-      points_ = work_.buffer(kPointBytes * most);
-      points_room_ = most;
+    std::size_t maximum = 0;
+    for (const Chunk& chunk : chunks_) maximum = std::max(maximum, chunk.count);
+    if (points_room_ < maximum) {
+      points_ = work_.buffer(kPointBytes * maximum);
+      points_room_ = maximum;
     }
-    if (list_room_ < bins_of_point * most) {
-      list_ = work_.buffer(sizeof(cl_uint) * bins_of_point * most);
-      list_room_ = bins_of_point * most;
+    if (list_room_ < bins_of_point * maximum) {
+      list_ = work_.buffer(sizeof(cl_uint) * bins_of_point * maximum);
+      list_room_ = bins_of_point * maximum;
     }
   }
 

@@ -50,9 +50,9 @@ void use_lon_lat(PointFrame& frame, const OGRSpatialReference& crs, const PointF
 bool may_cross_seam(const MapProjection& projection, const LonLat& lon_lat, const PointFrameRequest& request,
                     double metres_per_unit) {
   constexpr double kStep = 0.02;
-  constexpr double kLeastWidth = 0.01;
+  constexpr double kMinWidth = 0.01;
   const double radius = projection.body().semi_major_m / metres_per_unit;
-  if (!(request.high.x - request.low.x > kLeastWidth * radius)) return false;
+  if (!(request.high.x - request.low.x > kMinWidth * radius)) return false;
   const double y = projection.map_point(lon_lat).y;
   return std::ranges::any_of(std::array{-kStep, kStep}, [&](double step) {
     const double there = projection.map_point({lon_lat.lon_rad + step, lon_lat.lat_rad}).y;

@@ -91,10 +91,10 @@ class Problem:
                 raise UsageError(f"{self.path}: /search/start/{number}: needs a value for each of {', '.join(self.variables)}")
             for name, value in values.items():
                 self._check_start(name, value, f"{self.path}: /search/start/{number}/{name}: {schema.shown(value)}")
-        least = draws_needed(self.probability, 0)
-        if self.proof_draws < least:
+        minimum = draws_needed(self.probability, 0)
+        if self.proof_draws < minimum:
             raise UsageError(f"{self.path}: /proof_draws: {self.proof_draws} draws without a failure show less than {self.probability}; "
-                             f"{least} are needed")
+                             f"{minimum} are needed")
 
     def _check_start(self, name, value, where):
         variable = self.variables[name]

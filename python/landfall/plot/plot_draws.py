@@ -63,7 +63,7 @@ def draw_chance(ax, draws, values, title, quantity):
     grid = draws.grid
     maps.frame_map(ax, grid, title)
     size = maps.block_size(ax, values.shape)
-    shown = reduction.shrink_most(values, size)
+    shown = reduction.shrink_max(values, size)
     span = scales.extremes(shown)
     scale = scales.Scale("magnitude", 0.0, span[1] if span[1] > 0 else 1.0, scales.extremes(values), span, "", base="")
     image = scales.color_map("magnitude")(np.nan_to_num(shown) / scale.high)[..., :3]
@@ -144,11 +144,11 @@ def draw_chosen(ax, draws):
 def edges_of(values, limit, is_whole):
     """Edges of equally wide classes, between whole numbers for counts. Bars are wide enough to be seen beside a limit far away."""
     low, high = float(values.min()), float(values.max())
-    least = max(abs(low - limit), abs(high - limit), abs(limit) / 2) / 100
+    minimum = max(abs(low - limit), abs(high - limit), abs(limit) / 2) / 100
     if is_whole:
-        width = max(1.0, np.ceil(max((high - low + 1) / CLASSES, least)))
+        width = max(1.0, np.ceil(max((high - low + 1) / CLASSES, minimum)))
         return low - 0.5 + width * np.arange(np.ceil((high - low + 1) / width) + 1)
-    width = max((high - low) / CLASSES * (1 + 1e-9), least)
+    width = max((high - low) / CLASSES * (1 + 1e-9), minimum)
     count = max(1.0, np.ceil((high - low) / width))
     return (low + high - count * width) / 2 + width * np.arange(count + 1)
 
@@ -208,16 +208,16 @@ def draw(draws):
         draw_chance(axes[0, 0], draws, layers["p_invalid"], "empty bin", share)
         draw_chance(axes[0, 1], draws, layers["p_fail_rel_z"], "footprint fails: relative z", share)
         draw_chance(axes[0, 2], draws, np.fmax(layers["p_fail_rel_x"], layers["p_fail_rel_y"]), "footprint fails: relative x or y, the likelier", share)
-        draw_layer(axes[1, 0], draws, "e_z_std", "spread of e_z", scales.magnitude_scale, reduction.shrink_most, "largest")
+        draw_layer(axes[1, 0], draws, "e_z_std", "spread of e_z", scales.magnitude_scale, reduction.shrink_max, "largest")
         if layers["z_sigma_abs"] is not None:
             draw_layer(axes[1, 1], draws, "e_map_std_over_sigma", "spread of the map's error, observed / predicted",
-                       lambda values, shown: scales.count_scale(values, shown, "magnitude", least=1.0), reduction.shrink_mean, "mean")
+                       lambda values, shown: scales.count_scale(values, shown, "magnitude", minimum=1.0), reduction.shrink_mean, "mean")
             draw_prediction(axes[1, 2], draws)
         else:
             if layers["e_map_std"] is None:
                 maps.notice(axes[1, 1], "the ground varies: no spread of the map's error")
             else:
-                draw_layer(axes[1, 1], draws, "e_map_std", "spread of the map's error", scales.magnitude_scale, reduction.shrink_most, "largest")
+                draw_layer(axes[1, 1], draws, "e_map_std", "spread of the map's error", scales.magnitude_scale, reduction.shrink_max, "largest")
             draw_layer(axes[1, 2], draws, "e_z_mean", "mean of e_z", scales.error_scale, reduction.shrink_extreme, "largest")
         if draws.has_hazards():
             draw_chance(axes[2, 0], draws, layers["p_missed_hazard"], "missed hazard", share)

@@ -111,9 +111,9 @@ def shaded(grid, image, z, size):
 def draw_limited(ax, hazards, name, base, limit_key, data_only):
     """A layer with a limit: the largest value of each block, and a line around the places over the limit."""
     values, limit = hazards.layers[name], hazards.config.get(limit_key)
-    scale = dataclasses.replace(scales.magnitude_scale(values, maps.reduced(ax, values, reduction.shrink_most), limit, data_only), base=base)
+    scale = dataclasses.replace(scales.magnitude_scale(values, maps.reduced(ax, values, reduction.shrink_max), limit, data_only), base=base)
     frame(ax, hazards, f"{name} under the lander")
-    maps.draw_values(ax, hazards.grid, values, scale, name, reduction.shrink_most)
+    maps.draw_values(ax, hazards.grid, values, scale, name, reduction.shrink_max)
     over = limit is not None and maps.outline_flags(ax, hazards.grid, values > limit, "white")
     maps.draw_scale_marks(ax)
     maps.note(ax, *scale.notes(), maps.blocks_note(ax, values.shape), "white line: over the limit" if over else "")
@@ -123,11 +123,11 @@ def draw_probability(ax, hazards):
     """p_safe, or without it p_touchdown, with the landing sites and the circle in which they are looked for."""
     name = "p_touchdown" if hazards.layers["p_safe"] is None else "p_safe"
     values = hazards.layers[name]
-    shown = maps.reduced(ax, values, reduction.shrink_least)
+    shown = maps.reduced(ax, values, reduction.shrink_min)
     scale = scales.Scale("magnitude", 0.0, 1.0, scales.extremes(values), scales.extremes(shown), "", base="")
     what = "probability that the place is safe" if name == "p_safe" else "share of touchdowns that meet places judged safe"
     frame(ax, hazards, f"{what}, and landing sites")
-    maps.draw_values(ax, hazards.grid, values, scale, name, reduction.shrink_least)
+    maps.draw_values(ax, hazards.grid, values, scale, name, reduction.shrink_min)
     maps.draw_scale_marks(ax)
     maps.note(ax, scale.range_text(), maps.blocks_note(ax, values.shape, "smallest"))
     handles = [*draw_sites(ax, hazards), *draw_reach(ax, hazards)]
@@ -158,8 +158,8 @@ def draw_sites(ax, hazards):
         ax.plot(*place, linestyle="none", zorder=5 + (count - row) / count, gid="site", **style)
         ax.text(*place, str(rank), fontsize=maps.NOTE_PT, ha="center", va="center_baseline", zorder=5 + (count - row) / count)
         if row < MAX_LISTED:
-            least = "at least " if "p_capped" in sites and sites["p_capped"][row] and sites["p_touchdown"][row] >= sites["p_safe"][row] - 1e-6 else ""
-            touchdown = "" if hazards.layers["p_safe"] is None else f", p_touchdown {least}{sites['p_touchdown'][row]:.4f}"
+            prefix = "at least " if "p_capped" in sites and sites["p_capped"][row] and sites["p_touchdown"][row] >= sites["p_safe"][row] - 1e-6 else ""
+            touchdown = "" if hazards.layers["p_safe"] is None else f", p_touchdown {prefix}{sites['p_touchdown'][row]:.4f}"
             text = f"cost {sites['cost'][row]:.4f}{touchdown}" + (", true hazard" if wrong else "")
             handles.append(Line2D([], [], linestyle="none", label=f"{rank}: {text}", **{**style, "markersize": 8}))
     if count > MAX_LISTED:
@@ -200,8 +200,8 @@ def draw_roc(ax, hazards):
 def set_percent_axes(ax, alarms, missed):
     """Logarithmic, because good maps are near 0 in both, but with 0 on them."""
     for name, values in (("x", alarms), ("y", missed)):
-        least = np.min(values[values > 0], initial=1)
-        threshold = 10.0 ** np.floor(np.log10(least))
+        minimum = np.min(values[values > 0], initial=1)
+        threshold = 10.0 ** np.floor(np.log10(minimum))
         getattr(ax, f"set_{name}scale")("symlog", linthresh=threshold, linscale=0.5)
         getattr(ax, f"set_{name}lim")(-0.2 * threshold, 400)
         axis = getattr(ax, f"{name}axis")

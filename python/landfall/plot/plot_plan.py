@@ -79,7 +79,7 @@ def figure_of(options):
     figure, axes = maps.new_figure((2, 3), (18.5, 11.2), title)
     radius_m = plan["region"]["radius_m"]
     known = {name: np.where(layers["count"] > 0, layers[name], np.nan) for name in ("count", "frames")}
-    seen_style = {"colors": "magnitude", "base": "s", "least": 1e-9}
+    seen_style = {"colors": "magnitude", "base": "s", "minimum": 1e-9}
     how = [draw_map(ax, grid, values, style, layers, radius_m) for ax, values, style in
            ((axes[0, 0], known["count"], ("returns per bin", "returns", {})),
             (axes[0, 1], known["frames"], ("frames per bin (overlap)", "frames", {})),

@@ -198,9 +198,9 @@ def draw_sample(ax, sample, style):
 
 def limit_axes(ax, samples, densities):
     """Limits the axis to values near the measured ones, because a law falls to 0 at its largest diameter."""
-    least = min([d.min() for d in densities if d.size] + [s.model([s.pattern["min_diameter_m"]])[0] for s in samples])
+    minimum = min([d.min() for d in densities if d.size] + [s.model([s.pattern["min_diameter_m"]])[0] for s in samples])
     ax.set(xscale="log", yscale="log")
-    ax.set_ylim(bottom=least / 30)
+    ax.set_ylim(bottom=minimum / 30)
 
 
 def figure_of(options):

@@ -132,11 +132,11 @@ def kind_colors(objects):
     return dict(zip(objects.by_kind, KIND_COLORS * (1 + len(objects.by_kind) // len(KIND_COLORS))))
 
 
-def draw_objects(ax, objects, most=None):
+def draw_objects(ax, objects, max_count=None):
     """A circle for each object that shows in the panel, at most the `most` largest of each kind."""
     (left, right), (bottom, top) = ax.get_xlim(), ax.get_ylim()
     for kind, color in kind_colors(objects).items():
-        x, y, diameter = (column[:most] for column in objects.by_kind[kind])
+        x, y, diameter = (column[:max_count] for column in objects.by_kind[kind])
         shows = ((x + diameter / 2 > left) & (x - diameter / 2 < right) & (y + diameter / 2 > bottom)
                  & (y - diameter / 2 < top))
         x, y, diameter = x[shows], y[shows], diameter[shows]

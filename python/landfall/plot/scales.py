@@ -161,16 +161,16 @@ def elevation_scale(layers, shown):
     low, high = span = extremes(*shown)
     if np.isnan(low):
         return Scale("elevation", 0.0, 1.0, span, span, "")
-    least, most = quantiles([OUTLIERS, 1 - OUTLIERS], *shown)
-    if most > least and high - low > 2 * (most - least):
-        low, high = least, most
+    minimum, maximum = quantiles([OUTLIERS, 1 - OUTLIERS], *shown)
+    if maximum > minimum and high - low > 2 * (maximum - minimum):
+        low, high = minimum, maximum
     return Scale("elevation", low, max(high, low + MIN_M), extremes(*layers), span, "0.5 and 99.5 % quantiles")
 
 
-def count_scale(values, shown, colors="count", base="", least=1.0):
+def count_scale(values, shown, colors="count", base="", minimum=1.0):
     """From 0 to the largest value or, if that is more than twice the 99.5 % quantile, to this; at least to `least`."""
     span = extremes(shown)
     high = 0.0 if np.isnan(span[1]) else span[1]
-    most = quantiles([1 - OUTLIERS], shown)[0]
-    end = most if most >= least and high > 2 * most else max(high, least)
+    maximum = quantiles([1 - OUTLIERS], shown)[0]
+    end = maximum if maximum >= minimum and high > 2 * maximum else max(high, minimum)
     return Scale(colors, 0.0, end, extremes(values), span, "99.5 % quantile", base=base)

@@ -84,9 +84,9 @@ function distributionChart(requirement) {
   const whole = !requirement.deciding && ["bins", "footprints"].includes(requirement.unit);
   const classes = classesOf(values, whole), end = whole ? limit + (requirement.at_least ? -0.5 : 0.5) : limit;  // whole numbers that are equal to the limit pass
   const all = barsOf(classes, values), passed = barsOf(classes, known.filter(({pass}) => pass).map(({value}) => value));
-  const least = Math.min(classes.low, end), most = Math.max(classes.low + classes.count * classes.width, end);
-  const room = 0.04 * (most - least);
-  const chart = new Chart(requirement.name, {low: least - room, high: most + room, label, whole},
+  const minimum = Math.min(classes.low, end), maximum = Math.max(classes.low + classes.count * classes.width, end);
+  const room = 0.04 * (maximum - minimum);
+  const chart = new Chart(requirement.name, {low: minimum - room, high: maximum + room, label, whole},
                           {low: 0, high: 1.08 * Math.max(...all.map(({count}) => count)), label: "draws", whole: true});
   const fails = known.some(({pass}) => !pass);
   chart.bars(all, LINE.vermilion).bars(passed, LINE.blue);

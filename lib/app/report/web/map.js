@@ -15,7 +15,7 @@ import {colorOf, flagColor, MARK_COLOR, markColor, NO_VALUE_COLOR, parseColor, s
 const MAP_MARGIN = {left: 50, right: 92, top: 22, bottom: 40};
 let clipCount = 0;
 const TERRAIN_COLOR = [244, 241, 234];
-const LEAST_LIGHT = 0.85;  // on a probability above 0
+const MIN_LIGHT = 0.85;  // on a probability above 0
 
 export class MapPanel {
   clip;
@@ -174,7 +174,7 @@ export class MapPanel {
   chanceColors(blocks) {
     return this.colorsInLight(blocks, (value, light) => {
       const color = value === 0 ? TERRAIN_COLOR : colorOf(this.scale, value);
-      const shade = value === 0 ? light : Math.min(1, Math.max(LEAST_LIGHT, light));
+      const shade = value === 0 ? light : Math.min(1, Math.max(MIN_LIGHT, light));
       return color.map((part) => Number.isNaN(value) ? NO_VALUE_COLOR[0] : Math.min(255, part * shade));
     });
   }

@@ -103,9 +103,9 @@ class SideView {
                      ...pads.map(({z_m}) => z_m), pose.highest.z_m];
     const [low, high] = endsOf(heights, 0.02);
     const near = this.limits().filter((limit) => pose.centre_z_m + limit < high + 0.5 * (high - low) && pose.centre_z_m + limit > low - 0.5 * (high - low));
-    const [least, most] = endsOf([...heights, ...near.flatMap((limit) => [-reach, reach].map((at) => this.planeAlong(at) + limit))], 0.02);
+    const [minimum, maximum] = endsOf([...heights, ...near.flatMap((limit) => [-reach, reach].map((at) => this.planeAlong(at) + limit))], 0.02);
     this.x = new Axis({low: -reach, high: reach, label: "low to high side of the plane (m)", spacing: 55}, [left, this.width - right]);
-    this.y = new Axis({low: least, high: most, label: "z (m)", spacing: 32}, [height - bottom, top]);
+    this.y = new Axis({low: minimum, high: maximum, label: "z (m)", spacing: 32}, [height - bottom, top]);
     this.svg.setAttribute("viewBox", `0 0 ${this.width} ${height}`);
     this.svg.replaceChildren();
     drawFrame(this.svg, this.x, this.y);
@@ -114,7 +114,7 @@ class SideView {
     for (const limit of near) this.line("limit", reach, limit, {stroke: LINE.purple, "stroke-width": 1.5, "stroke-dasharray": "7 3"});
     for (const pad of pads) this.drawPad(pad, pad_m);
     this.drawDeciding();
-    const stretch = (height - top - bottom) / (most - least) / ((this.width - left - right) / (2 * reach));
+    const stretch = (height - top - bottom) / (maximum - minimum) / ((this.width - left - right) / (2 * reach));
     this.note.textContent = `heights x ${Number(stretch.toPrecision(2))}${near.length > 0 ? "" : "; the limit of the roughness lies beyond"}`;
   }
 

@@ -169,13 +169,13 @@ void Receiver::receive_kept(std::int64_t pulse, std::span<const Echo> kept, std:
 }
 
 void Receiver::receive(std::int64_t pulse, const Waveforms& waveforms, std::span<Reception> out) const {
-  const std::size_t most = max_returns();
+  const std::size_t max_count = max_returns();
   const std::size_t pixels = waveforms.first_echo.size() - 1;
-  assert(out.size() == pixels * most);
+  assert(out.size() == pixels * max_count);
   std::ranges::fill(out, Reception{});
   for (std::size_t pixel = 0; pixel < pixels; ++pixel) {
     const PulsePixel where{pulse, static_cast<std::int64_t>(pixel)};
-    const auto returns = out.subspan(pixel * most, most);
+    const auto returns = out.subspan(pixel * max_count, max_count);
     if (parameters_.type == ReceiverType::geiger) {
       receive_geiger(where, waveforms, returns);
     } else {
@@ -199,7 +199,7 @@ void Receiver::receive_linear(PulsePixel where, std::span<const Echo> echoes,
 double Receiver::first_photon_m(const EchoRays& rays, std::size_t echo, const PulsePixel& where) const {
   // The first of a process of mean e lies at the quantile E/e of the pulse's shape, E exponentially
   // distributed.
-  constexpr double kLeast = 1e-32;
+  constexpr double kMin = 1e-32;
   double first_m = std::numeric_limits<double>::infinity();
   for (std::size_t j = 0; j < rays.rays_per_echo(); ++j) {
     const std::size_t at = rays.index(echo, j);
@@ -209,7 +209,7 @@ double Receiver::first_photon_m(const EchoRays& rays, std::size_t echo, const Pu
     if (u >= mean) continue;  // -log(1 - u) >= u
     const double quantile = -natural_log(1 - u) / mean;
     if (quantile >= 1) continue;
-    const double from_center = quantile > 0 ? portable::normal_quantile(std::max(quantile, kLeast)) : -8.3;
+    const double from_center = quantile > 0 ? portable::normal_quantile(std::max(quantile, kMin)) : -8.3;
     first_m = std::min(first_m, rays.ranges_m()[at] + sigma_m_ * from_center);
   }
   return first_m;

@@ -15,14 +15,14 @@ PulseTime PatternAim::ahead(const PulseTime& pulse, std::int64_t count) const {
   return {pulse.pulse + count, pulse.since_start_s + static_cast<double>(count) * interval_s_};
 }
 
-/// The offset of the last pulse before the pattern's next jump; `most` if it does not jump before.
-std::int64_t PatternAim::pulses_without_jump(const PulseTime& pulse, std::int64_t most) const {
-  while (const auto jump = pattern_.last_jump(ahead(pulse, most))) {
+/// The offset of the last pulse before the pattern's next jump; `maximum` if it does not jump before.
+std::int64_t PatternAim::pulses_without_jump(const PulseTime& pulse, std::int64_t maximum) const {
+  while (const auto jump = pattern_.last_jump(ahead(pulse, maximum))) {
     const std::int64_t before = jump->before.pulse - pulse.pulse;
     if (before < 0) break;
-    most = before;
+    maximum = before;
   }
-  return most;
+  return maximum;
 }
 
 Point<DemFrame> PatternAim::after(const PulseTime& pulse, double later_s) const {

@@ -350,15 +350,15 @@ void PulseSimulator::measure(std::int64_t pulse, const AimedPulse& aimed, const 
   MeasuredPulse& m = measured;
   find_incidences(aimed, received, m);
   const std::size_t pixels = aimed.beams.size();
-  const std::size_t most = lidar_.receiver.max_returns();
+  const std::size_t max_count = lidar_.receiver.max_returns();
   receive(pulse, aimed, received, m);
-  m.measured_m.resize(pixels * most);
-  for (std::size_t number = 0; number < most; ++number) {
+  m.measured_m.resize(pixels * max_count);
+  for (std::size_t number = 0; number < max_count; ++number) {
     const std::span<double> measured_m = std::span(m.measured_m).subspan(number * pixels, pixels);
     const auto n = static_cast<std::int64_t>(number);
     std::span<const double> reported_m = received.ranges_m;
     if (!m.receptions.empty()) {
-      for (std::size_t i = 0; i < pixels; ++i) m.reported_m[i] = m.receptions[i * most + number].range_m;
+      for (std::size_t i = 0; i < pixels; ++i) m.reported_m[i] = m.receptions[i * max_count + number].range_m;
       reported_m = m.reported_m;
     }
     lidar_.range_errors.measure(pulse, reported_m, m.tan_incidences, measured_m, n);
@@ -417,14 +417,14 @@ void PulseSimulator::record_estimate(const PulseInput& pulse, std::size_t first_
   const Transform<DemFrame, LidarFrame> T_dem_lidar_est = pulse.estimate * lidar_.mount;
   const std::vector<Beam>& beams =
       workspace.aimed.believed_beams.empty() ? workspace.aimed.beams : workspace.aimed.believed_beams;
-  const std::size_t most = lidar_.receiver.max_returns();
+  const std::size_t max_count = lidar_.receiver.max_returns();
   for (std::size_t i = 0; i < beams.size(); ++i) {
     const Beam& beam = beams[i];
-    for (std::size_t number = 0; number < most; ++number) {
+    for (std::size_t number = 0; number < max_count; ++number) {
       const Report said = report(
           {pulse.time.pulse, static_cast<std::int64_t>(i), static_cast<std::int64_t>(number)}, workspace);
       const Point<DemFrame> estimate = T_dem_lidar_est * (beam.exit + said.range_m * beam.direction);
-      const std::size_t row = first_row + i * most + number;
+      const std::size_t row = first_row + i * max_count + number;
       out.x_est[row] = estimate.v.x();
       out.y_est[row] = estimate.v.y();
       out.z_est[row] = estimate.v.z();
@@ -438,9 +438,9 @@ void PulseSimulator::record_estimate(const PulseInput& pulse, std::size_t first_
 
 void PulseSimulator::record_truth(const PulseInput& pulse, std::size_t first_row, PointColumns& out,
                                   const PulseWorkspace& workspace) const {
-  const std::size_t most = lidar_.receiver.max_returns();
-  for (std::size_t k = 0; k < workspace.aimed.beams.size() * most; ++k) {
-    const std::size_t i = k / most;
+  const std::size_t max_count = lidar_.receiver.max_returns();
+  for (std::size_t k = 0; k < workspace.aimed.beams.size() * max_count; ++k) {
+    const std::size_t i = k / max_count;
     const Beam& beam = workspace.aimed.beams[i];
     const double range = workspace.received.ranges_m[i];
     const std::size_t row = first_row + k;

@@ -74,7 +74,7 @@ class SlowLmeds {
         body_.push_back({x, y});
         if (x % stride == 0 && y % stride == 0) samples_.push_back({x, y});
       }
-    const RandomField random(1, RandomStream::least_median);
+    const RandomField random(1, RandomStream::lmeds);
     const auto count = static_cast<double>(samples_.size());
     for (std::uint64_t draw = 0; triples_.size() < 35; ++draw) {
       std::array<BruteForce::Bin, 3> bins;
@@ -91,7 +91,7 @@ class SlowLmeds {
   [[nodiscard]] std::optional<BruteForce::Measures> at(BinIndex place) const {
     for (const BruteForce::Bin& bin : body_)
       if (!slow_.at(place, bin)) return {};
-    double least = std::numeric_limits<double>::infinity();
+    double minimum = std::numeric_limits<double>::infinity();
     Eigen::Vector3d best = Eigen::Vector3d::Zero();
     for (const auto& bins : triples_) {
       Eigen::Matrix3d matrix;
@@ -103,15 +103,16 @@ class SlowLmeds {
       }
       const Eigen::Vector3d plane = matrix.fullPivLu().solve(heights);
       const double median = std::sqrt(median_square(place, plane));
-      if (median < least - 1e-9) {
-        least = median;
+      if (median < minimum - 1e-9) {
+        minimum = median;
         best = plane;
       }
     }
     const double slope = slow_.slope_of({best[0], best[1], best[2]});
-    double most = 0;
-    for (const BruteForce::Bin& bin : body_) most = std::max(most, std::abs(residual(place, bin, best)));
-    return BruteForce::Measures{slope, most * std::cos(slope * std::numbers::pi / 180)};
+    double maximum = 0;
+    for (const BruteForce::Bin& bin : body_)
+      maximum = std::max(maximum, std::abs(residual(place, bin, best)));
+    return BruteForce::Measures{slope, maximum * std::cos(slope * std::numbers::pi / 180)};
   }
 
  private:

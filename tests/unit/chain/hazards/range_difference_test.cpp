@@ -83,14 +83,14 @@ struct SlowRangeDifference {
     return near[4];
   }
   [[nodiscard]] double range(BinIndex centre, std::int64_t half) const {
-    double least = std::numeric_limits<double>::infinity();
-    double largest = -least;
+    double minimum = std::numeric_limits<double>::infinity();
+    double largest = -minimum;
     for (std::int64_t row = centre.row - half; row <= centre.row + half; ++row)
       for (std::int64_t col = centre.col - half; col <= centre.col + half; ++col) {
-        least = std::min(least, median({row, col}));
+        minimum = std::min(minimum, median({row, col}));
         largest = std::max(largest, median({row, col}));
       }
-    return largest - least;
+    return largest - minimum;
   }
   [[nodiscard]] bool is_known(BinIndex place) const {
     const std::int64_t reach = windows.lander_half_bins + windows.rock_half_bins + 1;
@@ -100,11 +100,11 @@ struct SlowRangeDifference {
     return true;
   }
   [[nodiscard]] double roughness(BinIndex place) const {
-    double most = 0;
+    double maximum = 0;
     for (std::int64_t row = -windows.lander_half_bins; row <= windows.lander_half_bins; ++row)
       for (std::int64_t col = -windows.lander_half_bins; col <= windows.lander_half_bins; ++col)
-        most = std::max(most, range({place.row + row, place.col + col}, windows.rock_half_bins));
-    return most;
+        maximum = std::max(maximum, range({place.row + row, place.col + col}, windows.rock_half_bins));
+    return maximum;
   }
   [[nodiscard]] double slope_deg(BinIndex place) const {
     const double width = 2 * static_cast<double>(windows.lander_half_bins) * z.spec().resolution_m;

@@ -18,8 +18,8 @@ namespace landfall {
 namespace {
 
 constexpr double kDegrees = 180 / std::numbers::pi;
-constexpr float kLeast = 2.46e-4F;            // T(-8)
-constexpr float kMost = 1 - 1 / (8 * 29.0F);  // of a body of 29 bins
+constexpr float kMin = 2.46e-4F;             // T(-8)
+constexpr float kMax = 1 - 1 / (8 * 29.0F);  // of a body of 29 bins
 
 /// Rocks, half ellipsoids of many sizes, on ground with waves of all lengths.
 Grid<double> rocky(const GridSpec& spec, std::uint64_t seed) {
@@ -218,10 +218,10 @@ TEST(SafeProbability, AgreesWithASecondReadingWhereOnePlaneOrOneBinDecides) {
   constexpr double kSigma = 0.01;
   struct Terrain {
     const char* name;
-    double slope_deg;              ///< along x
-    double bend_m;                 ///< height of a wave of 8 m
-    double rock_m;                 ///< height of a rock 0.8 m wide at the origin
-    int least_safe, least_unsafe;  ///< places on which both are sure
+    double slope_deg;          ///< along x
+    double bend_m;             ///< height of a wave of 8 m
+    double rock_m;             ///< height of a rock 0.8 m wide at the origin
+    int min_safe, min_unsafe;  ///< places on which both are sure
   };
   for (const Terrain& terrain :
        {Terrain{"gentle plane", 8, 0, 0, 10000, 0}, Terrain{"steep plane", 12, 0, 0, 0, 10000},
@@ -251,8 +251,8 @@ TEST(SafeProbability, AgreesWithASecondReadingWhereOnePlaneOrOneBinDecides) {
         unsafe += one < 0.01 && other < 0.01 ? 1 : 0;
         apart += (one > 0.99 && other < 0.01) ? 1 : 0;
       }
-    EXPECT_GE(safe, terrain.least_safe);
-    EXPECT_GE(unsafe, terrain.least_unsafe);
+    EXPECT_GE(safe, terrain.min_safe);
+    EXPECT_GE(unsafe, terrain.min_unsafe);
     EXPECT_EQ(apart, 0);
   }
 }
@@ -276,7 +276,7 @@ TEST(SafeProbability, APlaceAtEightSigmaIsOpen) {
     const SafeProbability found =
         safe_probability({Grid<double>(spec), noise_of(spec, 0.125), measured, region}, lander, c.limits, 1,
                          [&](const Grid<double>& /*map*/, const BinMask& /*places*/) { return then; });
-    for (const float value : found.p.values()) EXPECT_EQ(value, c.is_safe ? kLeast : kMost);
+    for (const float value : found.p.values()) EXPECT_EQ(value, c.is_safe ? kMin : kMax);
   }
 }
 
@@ -293,9 +293,9 @@ TEST(SafeProbability, WithoutNoiseTheMapDecides) {
                            ADD_FAILURE() << "measured again";
                            return PlaceMeasures{Grid<double>(map.spec()), Grid<double>(map.spec())};
                          });
-    for (const float value : found.p.values()) EXPECT_EQ(value, above > 0 ? kLeast : kMost);
+    for (const float value : found.p.values()) EXPECT_EQ(value, above > 0 ? kMin : kMax);
     for (const std::int8_t value : found.capped.values()) EXPECT_EQ(value, above > 0 ? 0 : 1);
-    EXPECT_EQ(found.cap, kMost);
+    EXPECT_EQ(found.cap, kMax);
   }
 }
 
@@ -312,8 +312,8 @@ TEST(SafeProbability, IsNoMoreCertainThanTheBinsUnderTheBody) {
   const SafeProbability found =
       safe_probability({Grid<double>(spec), parts, level, region}, lander, {}, 0.3,
                        [&](const Grid<double>& /*map*/, const BinMask& /*places*/) { return level; });
-  EXPECT_EQ(found.cap, kMost);
-  EXPECT_EQ(found.p.at({7, 5}), kMost);                // 29 bins
+  EXPECT_EQ(found.cap, kMax);
+  EXPECT_EQ(found.p.at({7, 5}), kMax);                 // 29 bins
   EXPECT_EQ(found.p.at({5, 5}), 1 - 1 / (8 * 23.0F));  // 23 of them
   EXPECT_EQ(found.capped.at({5, 5}), 1);
 }
@@ -338,7 +338,7 @@ TEST(SafeProbability, IsThePredictiveDistributionOfOneMoreGround) {
   ASSERT_EQ(call, slopes.size());
   // mean 9.7, s = 0.44721, t = 0.63246, T(t; 5) = 0.72256; roughness leaves no doubt.
   EXPECT_NEAR(result.p.at({5, 5}), 0.72256, 1e-5);
-  EXPECT_EQ(result.p.at({0, 0}), kLeast);
+  EXPECT_EQ(result.p.at({0, 0}), kMin);
   EXPECT_EQ(masks[2].at({0, 0}), 1);
   EXPECT_EQ(masks[3].at({0, 0}), 0);
   EXPECT_EQ(masks[3].at({5, 5}), 1);

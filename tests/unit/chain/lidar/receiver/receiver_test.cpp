@@ -194,12 +194,12 @@ TEST(Receiver, TheFirstReturnIsTheFirstRowOfAll) {
     const std::vector<Reception> first = received(parameters, weak, 500);
     parameters.returns = ReportedReturns::all;
     const std::vector<Reception> all = received(parameters, weak, 500);
-    const std::size_t most = all.size() / first.size();
+    const std::size_t maximum = all.size() / first.size();
     std::vector<std::size_t> from_echo(4);
     for (std::size_t i = 0; i < first.size(); ++i) {
       ASSERT_FALSE(std::isnan(first[i].range_m)) << i;
-      EXPECT_EQ(first[i].range_m, all[most * i].range_m) << i;
-      EXPECT_EQ(first[i].intensity_pe, all[most * i].intensity_pe) << i;
+      EXPECT_EQ(first[i].range_m, all[maximum * i].range_m) << i;
+      EXPECT_EQ(first[i].intensity_pe, all[maximum * i].intensity_pe) << i;
       ++from_echo.at(static_cast<std::size_t>(std::lround((first[i].range_m - 500) / 3)));
     }
     for (const std::size_t count : from_echo) EXPECT_GT(count, 0U);
