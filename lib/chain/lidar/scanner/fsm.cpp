@@ -67,7 +67,7 @@ bool Fsm::is_known() const {
   return parameters_.encoder_sigma_rad == 0 && parameters_.encoder_harmonics.empty() && !parameters_.tof_lag;
 }
 
-ScannerState Fsm::believed_state(const PulseContext& pulse, const ScannerState& truth) const {
+ScannerState Fsm::estimated_state(const PulseContext& pulse, const ScannerState& truth) const {
   ScannerState at_pulse = parameters_.tof_lag ? following(pulse, pulse.aim) : truth;
   if (!parameters_.encoder_harmonics.empty()) {
     const TiltAngles tilts{at_pulse.angle_1_rad, at_pulse.angle_2_rad};

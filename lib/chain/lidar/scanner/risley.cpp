@@ -129,12 +129,12 @@ ScannerState Risley::state(const PulseContext& pulse) const {
   return state;
 }
 
-ScannerState Risley::believed_state(const PulseContext& pulse, const ScannerState& truth) const {
-  ScannerState believed = truth;
+ScannerState Risley::estimated_state(const PulseContext& pulse, const ScannerState& truth) const {
+  ScannerState estimated = truth;
   const RisleyAngles angles = commanded(pulse);
-  believed.angle_1_rad = angles.theta_1_rad;
-  believed.angle_2_rad = angles.theta_2_rad;
-  return believed;
+  estimated.angle_1_rad = angles.theta_1_rad;
+  estimated.angle_2_rad = angles.theta_2_rad;
+  return estimated;
 }
 
 void Risley::steer(const ScannerState& state, std::span<const Direction<LidarFrame>> pixels,

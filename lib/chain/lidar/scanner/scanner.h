@@ -78,7 +78,7 @@ class Scanner {
   /// False where the state that the lander believes may differ from the true one, e.g. by encoder noise.
   [[nodiscard]] virtual bool is_known() const { return true; }
   /// The state that the lander believes and computes its points from; `truth` is the result of state().
-  [[nodiscard]] virtual ScannerState believed_state(const PulseContext&, const ScannerState& truth) const {
+  [[nodiscard]] virtual ScannerState estimated_state(const PulseContext&, const ScannerState& truth) const {
     return truth;
   }
   /// beams[i] is the ray of pixels[i]; both spans have the same size. `pixels` are directions in L as they

@@ -175,12 +175,12 @@ void PulseSimulator::steer(const PulseInput& pulse, AimedPulse& aimed) const {
   const auto pixels = lidar_.detector.pixels();
   aimed.beams.resize(pixels.size());
   scanner.steer(aimed.state, pixels, aimed.beams);
-  aimed.believed_beams.clear();
+  aimed.estimated_beams.clear();
   if (scanner.is_known() && mirror_time_error_s == 0) return;
-  aimed.believed_beams.resize(pixels.size());
-  scanner.steer(scanner.believed_state(context, on_time), pixels, aimed.believed_beams);
+  aimed.estimated_beams.resize(pixels.size());
+  scanner.steer(scanner.estimated_state(context, on_time), pixels, aimed.estimated_beams);
   for (std::size_t i = 0; i < pixels.size(); ++i)
-    if (aimed.believed_beams[i].lost) aimed.beams[i].lost = true;  // such a point has no estimate
+    if (aimed.estimated_beams[i].lost) aimed.beams[i].lost = true;  // such a point has no estimate
 }
 
 std::span<const Beam> PulseSimulator::traced_beams(const AimedPulse& aimed, const TracedPulse& traced) const {
@@ -416,7 +416,7 @@ void PulseSimulator::record_estimate(const PulseInput& pulse, std::size_t first_
                                      const PulseWorkspace& workspace) const {
   const Transform<DemFrame, LidarFrame> T_dem_lidar_est = pulse.estimate * lidar_.mount;
   const std::vector<Beam>& beams =
-      workspace.aimed.believed_beams.empty() ? workspace.aimed.beams : workspace.aimed.believed_beams;
+      workspace.aimed.estimated_beams.empty() ? workspace.aimed.beams : workspace.aimed.estimated_beams;
   const std::size_t max_count = lidar_.receiver.max_returns();
   for (std::size_t i = 0; i < beams.size(); ++i) {
     const Beam& beam = beams[i];

@@ -66,8 +66,8 @@ struct TrueRanges {
 /// The beams that leave.
 struct AimedPulse {
   ScannerState state;
-  std::vector<Beam> beams;           ///< of the pixels
-  std::vector<Beam> believed_beams;  ///< empty where the lander knows the true ones: equal to `beams`
+  std::vector<Beam> beams;            ///< of the pixels
+  std::vector<Beam> estimated_beams;  ///< empty where the lander knows the true ones: equal to `beams`
   Transform<DemFrame, LidarFrame> T_dem_lidar;  ///< the true lidar
 };
 

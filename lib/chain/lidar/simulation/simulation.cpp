@@ -59,11 +59,11 @@ Simulation::Simulation(ScanModel model, const RayEngine* engine, const TerrainSu
   const double mirror_s = simulator_.lidar().pointing_error.mirror_time_error_s(last.time.pulse);
   static_cast<void>(
       simulator_.lidar().scanner->state({.time = {last.time.pulse, last.time.since_start_s + mirror_s}}));
-  static_cast<void>(believed_pose(0));
-  static_cast<void>(believed_pose(since_start_s(pulse_count_ - 1)));
+  static_cast<void>(estimated_pose(0));
+  static_cast<void>(estimated_pose(since_start_s(pulse_count_ - 1)));
 }
 
-Pose Simulation::believed_pose(double since_start_s) const {
+Pose Simulation::estimated_pose(double since_start_s) const {
   if (estimate_) return estimate_->pose(since_start_s + estimate_lead_s_);
   Pose known = trajectory_->pose(since_start_s);
   if (attitude_knowledge_ == AttitudeKnowledge::commanded)
@@ -72,7 +72,7 @@ Pose Simulation::believed_pose(double since_start_s) const {
 }
 
 Pose Simulation::aiming_pose(double since_start_s) const {
-  if (aims_from_estimate_) return believed_pose(since_start_s);
+  if (aims_from_estimate_) return estimated_pose(since_start_s);
   return simulator_.lidar().pattern->compensated() ? trajectory_->nominal_pose(since_start_s)
                                                    : first_nominal_pose_;
 }
@@ -91,7 +91,7 @@ PulseInput Simulation::pulse(std::int64_t k) const {
                    .t_s = trajectory_->epoch_s() + since_start_s,
                    .interval_s = 1 / pulse_rate_hz_};
   input.truth = trajectory_->pose(since_start_s);
-  input.estimate = believed_pose(stamped_time_s(input.time));
+  input.estimate = estimated_pose(stamped_time_s(input.time));
   if (simulator_.lidar().pattern) input.nominal = aiming_pose(since_start_s);
   require_finite(input.truth, input.time, "true");
   require_finite(input.estimate, input.time, "estimated");
@@ -157,9 +157,9 @@ Transform<DemFrame, LidarFrame> Simulation::true_lidar(std::int64_t pulse) const
   return trajectory_->pose(since_start_s(pulse)) * simulator_.true_mount(pulse);
 }
 
-Transform<DemFrame, LidarFrame> Simulation::believed_lidar(std::int64_t pulse) const {
+Transform<DemFrame, LidarFrame> Simulation::estimated_lidar(std::int64_t pulse) const {
   const PulseTime time{pulse, since_start_s(pulse)};
-  return believed_pose(stamped_time_s(time)) * simulator_.lidar().mount;
+  return estimated_pose(stamped_time_s(time)) * simulator_.lidar().mount;
 }
 
 Vector<DemFrame> Simulation::position_error(std::int64_t pulse) const {

@@ -434,7 +434,7 @@ class Leaning : public Scanner {
   explicit Leaning(double angle_rad) : angle_rad_(angle_rad) {}
   [[nodiscard]] ScannerState state(const PulseContext&) const override { return {.angle_1_rad = angle_rad_}; }
   [[nodiscard]] bool is_known() const override { return false; }
-  [[nodiscard]] ScannerState believed_state(const PulseContext&, const ScannerState& truth) const override {
+  [[nodiscard]] ScannerState estimated_state(const PulseContext&, const ScannerState& truth) const override {
     return {.angle_1_rad = 2 * truth.angle_1_rad};
   }
   void steer(const ScannerState& state, std::span<const Direction<LidarFrame>>,
@@ -454,8 +454,8 @@ TEST(PulseSimulator, TheEstimateUsesTheBelievedState) {
   const PulseBatch batch = simulate(simulator, at(kAt500m));
   const double range = 500 / std::cos(0.25);
   EXPECT_LT((true_point(batch, 0) - Vector3d(500 * std::tan(0.25), 0, 0)).norm(), 1e-10);
-  const Vector3d believed(range * std::sin(0.5), 0, 500 - range * std::cos(0.5));
-  EXPECT_LT((estimated_point(batch, 0) - believed).norm(), 1e-10);
+  const Vector3d estimated(range * std::sin(0.5), 0, 500 - range * std::cos(0.5));
+  EXPECT_LT((estimated_point(batch, 0) - estimated).norm(), 1e-10);
   EXPECT_EQ(batch.pulses.angle_1[0], 0.25);
 }
 
