@@ -64,7 +64,7 @@ class DrawsTest(harness.ChainTest):
     def test_probabilities_over_the_ground(self):
         p = self.values("p_fail_rel_z")
         self.assertTrue(0 < np.nanmax(p) and np.nanmin(p) == 0 and np.isnan(p).any(), "the case must have all three")
-        image = next(image for image in self.panels(self.draws)["footprint fails: relative z"].images if image.get_gid() == "chance").get_array()
+        image = next(image for image in self.panels(self.draws)["footprint fails: relative z"].images if image.get_gid() == "shaded_probability").get_array()
         self.assertEqual(image.shape[:2], p.shape)
         np.testing.assert_allclose(image[np.isnan(p)], 200 / 255)
         # The ground has one hue in any light; failures have those of the colour map.
@@ -76,7 +76,7 @@ class DrawsTest(harness.ChainTest):
     def test_slopes_hardly_darken_probabilities(self):
         """So that a colour on the shaded side of a rock can be compared with the colour bar."""
         p = self.values("p_fail_rel_z")
-        image = next(image for image in self.panels(self.draws)["footprint fails: relative z"].images if image.get_gid() == "chance").get_array()
+        image = next(image for image in self.panels(self.draws)["footprint fails: relative z"].images if image.get_gid() == "shaded_probability").get_array()
         colors = plot_draws.scales.color_map("magnitude")(p[p > 0] / np.nanmax(p))[:, :3]
         shares = (image[p > 0] / colors)[colors > 0.02]
         self.assertGreaterEqual(shares.min(), 0.85 - 1e-6)
@@ -137,7 +137,7 @@ class DrawsTest(harness.ChainTest):
             sites = np.stack((x[()], y[()]), axis=-1)
         panels = self.panels(self.path("hazards.h5"))
         for title in ("missed hazard", "judged safe"):
-            self.assertTrue(any(image.get_gid() == "chance" for image in panels[title].images), title)
+            self.assertTrue(any(image.get_gid() == "shaded_probability" for image in panels[title].images), title)
         points = {drawn.get_label(): np.asarray(drawn.get_offsets()) for drawn in panels["chosen place of each draw"].collections
                   if str(drawn.get_label()).startswith("truly")}
         self.assertEqual(set(points), {"truly safe: 4", "truly a hazard: 1"})

@@ -91,7 +91,7 @@ Quantised quantise_shares(const std::vector<double>& cells) {
 }
 
 /// In the order of the enumerators, as the dictionary names them.
-constexpr std::array kStyles = {"elevation", "signed", "magnitude", "probability", "chance",
+constexpr std::array kStyles = {"elevation", "signed", "magnitude", "probability", "shaded_probability",
                                 "count",     "mask",   "flags",     "classes"};
 constexpr std::array kRules = {"mean", "extreme", "largest", "smallest", "any_bit"};
 

@@ -125,7 +125,7 @@ std::optional<DeviceRefusal> DeviceGridder::refusal(const Simulation& simulation
   const Lidar& lidar = simulation.lidar();
   if (!weights_of(method))
     return DeviceRefusal{"regrid/method", "a device bins by bilinear_nearest, bilinear4 or mean"};
-  if (lidar.receiver.sees_waveforms())
+  if (lidar.receiver.uses_waveforms())
     return DeviceRefusal{"scan/receiver/type", "a device computes no waveforms"};
   if (lidar.range_timer.is_on())
     return DeviceRefusal{"scan/receiver", "a device draws no jitter, offsets, scale or steps of the timer"};

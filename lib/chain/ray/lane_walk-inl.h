@@ -34,7 +34,7 @@ class LaneWalk {
   /// Moves each searching lane one block on, or one rung down. Returns whether any lane is still searching.
   HWY_INLINE bool step(const WalkTerrain& terrain);
   /// Tests the cells that the lanes have reached. Returns whether any lane must continue.
-  HWY_INLINE bool look(const WalkTerrain& terrain);
+  HWY_INLINE bool find_range(const WalkTerrain& terrain);
   /// Distances; NaN for a miss, kUndecided where rounding might decide.
   [[nodiscard]] HWY_INLINE V ranges() const { return hn::IfThenElse(missed_, nan(), range_); }
 
@@ -91,12 +91,12 @@ class LaneWalk {
   HWY_INLINE void cut_to_heights(const WalkTerrain& terrain, const RayChunk& chunk, std::size_t begin,
                                  const HeightSlab& slab);
 
-  static HWY_INLINE V looked_up(const double* table, VI rung) {
+  static HWY_INLINE V looked_up(const double* table, VI level) {
     const D d;
-    if constexpr (hn::MaxLanes(d) == WalkTerrain::kMaxRungs)
-      return hn::TableLookupLanes(hn::Load(d, table), hn::IndicesFromVec(d, rung));
+    if constexpr (hn::MaxLanes(d) == WalkTerrain::kMaxLevels)
+      return hn::TableLookupLanes(hn::Load(d, table), hn::IndicesFromVec(d, level));
     else
-      return hn::GatherIndex(d, table, rung);
+      return hn::GatherIndex(d, table, level);
   }
   static HWY_INLINE VI index_of(V whole) {
     const hn::Rebind<std::int32_t, D> d32;
@@ -115,7 +115,7 @@ class LaneWalk {
   V side_;        ///< 1 where the ray is assumed above the surface, -1 below: a guess, for speed only
   V side_first_;  ///< where the bounds of that side begin
   M nears_;       ///< approaches the surface on that side
-  VI rung_;
+  VI level_;
   V range_;
   M missed_;
   M searching_;
@@ -222,7 +222,7 @@ HWY_INLINE void LaneWalk::enter(const WalkTerrain& terrain, const RayChunk& chun
   waiting_ = start == Start::in_cell ? active : none;
   col_ = hn::IfThenElseZero(active, col.cell);
   row_ = hn::IfThenElseZero(active, row.cell);
-  rung_ = hn::Set(Index(), start == Start::among_blocks ? std::min(1, terrain.top_rung) : 0);
+  level_ = hn::Set(Index(), start == Start::among_blocks ? std::min(1, terrain.top_level) : 0);
   range_ = constant(kUndecided);
   side_ = constant(1);
   side_first_ = constant(0);
@@ -241,15 +241,15 @@ HWY_INLINE V LaneWalk::block_bound(const WalkTerrain& terrain, V row, V col) con
   const D d;
   const hn::Rebind<std::int32_t, D> d32;
   const hn::Rebind<float, D> half;
-  const V first = hn::Add(looked_up(terrain.first, rung_), side_first_);
-  const V index = hn::Add(hn::MulAdd(row, looked_up(terrain.block_cols, rung_), col), first);
+  const V first = hn::Add(looked_up(terrain.first, level_), side_first_);
+  const V index = hn::Add(hn::MulAdd(row, looked_up(terrain.block_cols, level_), col), first);
   return hn::PromoteTo(d, hn::GatherIndex(half, terrain.highs, hn::DemoteTo(d32, index)));
 }
 
 HWY_INLINE bool LaneWalk::step(const WalkTerrain& terrain) {
   const V one = constant(1);
-  const V size = looked_up(terrain.size, rung_);
-  const V per_size = looked_up(terrain.per_size, rung_);
+  const V size = looked_up(terrain.size, level_);
+  const V per_size = looked_up(terrain.per_size, level_);
   const V block_col = hn::Floor(hn::Mul(col_, per_size));
   const V block_row = hn::Floor(hn::Mul(row_, per_size));
   const V border_col = hn::Add(block_col, ahead_x_);
@@ -289,9 +289,9 @@ HWY_INLINE bool LaneWalk::step(const WalkTerrain& terrain) {
   const M finest = hn::Eq(size, one);
   const M sink = hn::AndNot(finest, stop);
   const Index i;
-  const VI higher = hn::Min(hn::Add(rung_, hn::Set(i, 1)), hn::Set(i, terrain.top_rung));
-  rung_ = hn::IfThenElse(hn::RebindMask(i, rise), higher, rung_);
-  rung_ = hn::IfThenElse(hn::RebindMask(i, sink), hn::Sub(rung_, hn::Set(i, 1)), rung_);
+  const VI higher = hn::Min(hn::Add(level_, hn::Set(i, 1)), hn::Set(i, terrain.top_level));
+  level_ = hn::IfThenElse(hn::RebindMask(i, rise), higher, level_);
+  level_ = hn::IfThenElse(hn::RebindMask(i, sink), hn::Sub(level_, hn::Set(i, 1)), level_);
   waiting_ = hn::Or(waiting_, hn::And(stop, finest));
   searching_ = hn::Or(on, sink);
   passed_ = hn::AndNot(searching_, passed_);
@@ -322,7 +322,7 @@ HWY_INLINE V LaneWalk::range_in_cell(const WalkTerrain& terrain) {
   return hn::IfThenElse(hn::Eq(lower, lower), nearer, lower);
 }
 
-HWY_INLINE bool LaneWalk::look(const WalkTerrain& terrain) {
+HWY_INLINE bool LaneWalk::find_range(const WalkTerrain& terrain) {
   const V range = range_in_cell(terrain);
   range_ = hn::IfThenElse(hn::And(waiting_, hn::Lt(range, infinity())), range, range_);
   passed_ = hn::And(waiting_, hn::Eq(range, infinity()));

@@ -37,7 +37,7 @@ HWY_INLINE void WalkTogether(const WalkTerrain& terrain, LaneWalk (&walks)[kWalk
       for (LaneWalk& walk : walks) searching |= walk.step(terrain);
     }
     active = false;
-    for (LaneWalk& walk : walks) active |= walk.look(terrain);
+    for (LaneWalk& walk : walks) active |= walk.find_range(terrain);
     searching = active;
   }
 }
@@ -54,7 +54,7 @@ void Prepare(const Heightfield& field, const WalkTerrain& terrain, std::span<con
   const std::size_t group = kWalks * hn::Lanes(D());
   bundle.end = (rays.size() + group - 1) / group * group;
   FillChunk(field.frame, rays, bundle.end, bundle.chunk);
-  FillFeet(field.frame.height_m, bundle.end, bundle.chunk);
+  FillEntryPoints(field.frame.height_m, bundle.end, bundle.chunk);
   const ElevationPyramid& pyramid = field.pyramid;
   bundle.slab = lowered(pyramid, bundle.chunk, 0, bundle.end, {pyramid.lowest(), pyramid.highest()});
   fetch_terrain(terrain, bundle.chunk, bundle.end, bundle.slab);
@@ -67,10 +67,10 @@ void WalkBundle(const Heightfield& field, const WalkTerrain& terrain, Bundle& bu
   const std::size_t group = kWalks * lanes;
   for (std::size_t begin = 0; begin < bundle.end; begin += group) {
     const HeightSlab under = lowered(field.pyramid, chunk, begin, begin + group, bundle.slab);
-    const double way = way_cells(chunk, under);
-    const LaneWalk::Start start = way < kWayInCell_cells ? LaneWalk::Start::in_cell
-                                  : way < 2              ? LaneWalk::Start::among_cells
-                                                         : LaneWalk::Start::among_blocks;
+    const double path = path_cells(chunk, under);
+    const LaneWalk::Start start = path < kPathInCell_cells ? LaneWalk::Start::in_cell
+                                  : path < 2               ? LaneWalk::Start::among_cells
+                                                           : LaneWalk::Start::among_blocks;
     LaneWalk walks[kWalks];
     for (std::size_t i = 0; i < kWalks; ++i) walks[i].enter(terrain, chunk, begin + i * lanes, under, start);
     WalkTogether(terrain, walks, start != LaneWalk::Start::in_cell);

@@ -54,7 +54,7 @@ void FillChunk(const GridFrame& frame, std::span<const Ray> rays, std::size_t en
 }
 
 /// For the downward rays among the first `end`: their horizontal position as a linear function of elevation.
-void FillFeet(double height_m, std::size_t end, RayChunk& chunk) {
+void FillEntryPoints(double height_m, std::size_t end, RayChunk& chunk) {
   const D d;
   const V nan = constant(std::numeric_limits<double>::quiet_NaN());
   V greatest = constant(0);
@@ -114,21 +114,21 @@ class CrossedBox {
 };
 
 /// The most cells that a downward ray of the chunk crosses between two elevations.
-HWY_INLINE double way_cells(const RayChunk& chunk, const HeightSlab& slab) {
+HWY_INLINE double path_cells(const RayChunk& chunk, const HeightSlab& slab) {
   return (slab.high - slab.low) * chunk.greatest_slope;
 }
 
 /// Shorter ways begin with a look into the cell where the ray starts.
-constexpr double kWayInCell_cells = 0.5;
+constexpr double kPathInCell_cells = 0.5;
 
 /// Lowers the slab to the surface under rays [begin, end) of the chunk, as long as that saves time.
 HWY_INLINE HeightSlab lowered(const ElevationPyramid& pyramid, const RayChunk& chunk, std::size_t begin,
                               std::size_t end, HeightSlab slab) {
-  constexpr double kShortWay_cells = 1;
+  constexpr double kShortPath_cells = 1;
   double thickness = std::numeric_limits<double>::infinity();
   while (slab.high - slab.low < 0.7 * thickness) {
     thickness = slab.high - slab.low;
-    if (way_cells(chunk, slab) < kShortWay_cells) break;
+    if (path_cells(chunk, slab) < kShortPath_cells) break;
     CrossedBox crossed;
     for (std::size_t i = begin; i < end; i += hn::Lanes(D())) crossed.add(chunk, i, slab);
     const ElevationPyramid::Bounds bounds = pyramid.over(crossed.box());
@@ -166,7 +166,7 @@ HWY_INLINE void fetch_terrain(const WalkTerrain& terrain, const RayChunk& chunk,
   const auto east = static_cast<std::int64_t>(high_x);
   const auto north = static_cast<std::int64_t>(high_y);
   const auto cell_cols = terrain.node_cols - 1;
-  const bool bounds = way_cells(chunk, slab) >= kWayInCell_cells;
+  const bool bounds = path_cells(chunk, slab) >= kPathInCell_cells;
   for (auto row = static_cast<std::int64_t>(low_y); row <= north; ++row) {
     fetch(terrain.nodes + row * terrain.node_cols, west, east);
     if (bounds) fetch(terrain.highs + row * cell_cols, west, east);

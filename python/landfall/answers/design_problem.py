@@ -251,7 +251,7 @@ def frame_gap_bins(configs):
     return (pitch_m - extent_m) / configs["regrid"]["resolution_m"]
 
 
-class Look:
+class CandidateCheck:
     """The filters before the sequential test, for one candidate after another."""
 
     def __init__(self, problem, runner):

@@ -57,7 +57,7 @@ def light_of(draws, size):
     return relief.light(mean, step_m, relief.factor(mean, step_m))
 
 
-def draw_chance(ax, draws, values, title, quantity):
+def draw_shaded_probability(ax, draws, values, title, quantity):
     """A probability, the largest value of each block; where it is 0, the shaded ground. Elsewhere slopes may darken its colour only a
     little, so that it can be compared with the colour bar."""
     grid = draws.grid
@@ -72,7 +72,7 @@ def draw_chance(ax, draws, values, title, quantity):
     light = np.where(shown > 0, np.clip(light, 0.85, 1), light)
     image = np.clip(image * np.nan_to_num(light, nan=1)[..., None], 0, 1)
     image[np.isnan(shown)] = 200 / 255
-    maps.draw_image(ax, grid, image, size, gid="chance")
+    maps.draw_image(ax, grid, image, size, gid="shaded_probability")
     maps.draw_color_bar(ax, scale, quantity)
     largest = "no value" if np.isnan(span[1]) else "0 everywhere" if span[1] == 0 else f"at most {span[1]:.3g}"
     finish(ax, draws, largest, maps.blocks_note(ax, values.shape))
@@ -205,9 +205,9 @@ def draw(draws):
     figure, axes = maps.new_figure((rows, 3), (19, 5.2 * rows), title)
     if draws.grid is not None:
         layers, share = draws.layers, "share of the draws"
-        draw_chance(axes[0, 0], draws, layers["p_invalid"], "empty bin", share)
-        draw_chance(axes[0, 1], draws, layers["p_fail_rel_z"], "footprint fails: relative z", share)
-        draw_chance(axes[0, 2], draws, np.fmax(layers["p_fail_rel_x"], layers["p_fail_rel_y"]), "footprint fails: relative x or y, the likelier", share)
+        draw_shaded_probability(axes[0, 0], draws, layers["p_invalid"], "empty bin", share)
+        draw_shaded_probability(axes[0, 1], draws, layers["p_fail_rel_z"], "footprint fails: relative z", share)
+        draw_shaded_probability(axes[0, 2], draws, np.fmax(layers["p_fail_rel_x"], layers["p_fail_rel_y"]), "footprint fails: relative x or y, the likelier", share)
         draw_layer(axes[1, 0], draws, "e_z_std", "spread of e_z", scales.magnitude_scale, reduction.shrink_max, "largest")
         if layers["z_sigma_abs"] is not None:
             draw_layer(axes[1, 1], draws, "e_map_std_over_sigma", "spread of the map's error, observed / predicted",
@@ -220,8 +220,8 @@ def draw(draws):
                 draw_layer(axes[1, 1], draws, "e_map_std", "spread of the map's error", scales.magnitude_scale, reduction.shrink_max, "largest")
             draw_layer(axes[1, 2], draws, "e_z_mean", "mean of e_z", scales.error_scale, reduction.shrink_extreme, "largest")
         if draws.has_hazards():
-            draw_chance(axes[2, 0], draws, layers["p_missed_hazard"], "missed hazard", share)
-            draw_chance(axes[2, 1], draws, layers["p_judged_safe"], "judged safe", share)
+            draw_shaded_probability(axes[2, 0], draws, layers["p_missed_hazard"], "missed hazard", share)
+            draw_shaded_probability(axes[2, 1], draws, layers["p_judged_safe"], "judged safe", share)
             draw_chosen(axes[2, 2], draws)
     places = list(axes[rows - histograms:].flat)
     for name, ax in zip(names, places):

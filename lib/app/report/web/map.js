@@ -143,7 +143,7 @@ export class MapPanel {
   blockColors(blocks, isShare) {
     if (this.raster.layer.style === "elevation") return reliefColors(this.raster, blocks, this.scale);
     if (this.raster.layer.style === "classes") return this.classColors(blocks);
-    if (this.raster.layer.style === "chance") return this.chanceColors(blocks);
+    if (this.raster.layer.style === "shaded_probability") return this.shadedColors(blocks);
     const {region} = this.options;
     const judged = this.isMarks() && region ? blocksOf(region, blocks.stride).values : null;
     const colors = new Float32Array(3 * blocks.values.length);
@@ -171,7 +171,7 @@ export class MapPanel {
 
   /** Colours of probabilities; the ground has its own colour where the probability is 0. Elsewhere the light is nearly even, so that a colour can
    * be compared with the colour bar. */
-  chanceColors(blocks) {
+  shadedColors(blocks) {
     return this.colorsInLight(blocks, (value, light) => {
       const color = value === 0 ? TERRAIN_COLOR : colorOf(this.scale, value);
       const shade = value === 0 ? light : Math.min(1, Math.max(MIN_LIGHT, light));

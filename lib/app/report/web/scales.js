@@ -49,7 +49,7 @@ export function scaleOf(raster) {
   const {style, unit, limit} = raster.layer;
   const peers = raster.peers ?? [raster];
   const low = Math.min(...peers.map((peer) => peer.layer.low)), high = Math.max(...peers.map((peer) => peer.layer.high));
-  const ends = style === "probability" ? [0, 1] : style === "chance" ? [0, high > 0 ? high : 1] :
+  const ends = style === "probability" ? [0, 1] : style === "shaded_probability" ? [0, high > 0 ? high : 1] :
       style === "signed" || style === "magnitude" ? errorEnds(raster) : ordinaryEnds(peers, low, high);
   const colors = COLOR_MAPS[raster.layer.colors] ?? COLOR_MAPS.magnitude;
   const slack = 1e-9 * (ends[1] - ends[0]);

@@ -61,8 +61,8 @@ ScannerState Gimbal::estimated_state(const PulseContext&, const ScannerState& tr
 
 void Gimbal::steer(const ScannerState& state, std::span<const Direction<LidarFrame>> pixels,
                    std::span<Beam> beams) const {
-  const Eigen::Matrix3d turn = gimbal_rotation({state.angle_1_rad, state.angle_2_rad});
-  turn_all(turn, pixels, beams);
+  const Eigen::Matrix3d rotation = gimbal_rotation({state.angle_1_rad, state.angle_2_rad});
+  rotate_all(rotation, pixels, beams);
 }
 
 }  // namespace landfall

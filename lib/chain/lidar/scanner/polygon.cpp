@@ -120,14 +120,14 @@ void PolygonScanner::steer(const ScannerState& state, std::span<const Direction<
                            std::span<Beam> beams) const {
   const Eigen::Quaterniond frame = quaternion_of(state.angle_2_rad * line_);
   if (!tilts_rad_.empty()) {
-    turn_all(
+    rotate_all(
         frame.toRotationMatrix() * reflection(state.mirror_normal.v) * reflection(Eigen::Vector3d::UnitZ()),
         pixels, beams);
     return;
   }
-  const Eigen::Matrix3d turn =
+  const Eigen::Matrix3d rotation =
       (frame * quaternion_of(2 * state.angle_1_rad * across_line_)).toRotationMatrix();
-  turn_all(turn, pixels, beams);
+  rotate_all(rotation, pixels, beams);
 }
 
 }  // namespace landfall

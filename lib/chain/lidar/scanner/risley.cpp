@@ -73,10 +73,10 @@ Beam traced(const std::array<TurnedFace, 4>& faces, const Vector3d& pixel) {
     const double radicand = 1 - mu * mu * (1 - c * c);
     // The test is negated so that NaN counts as lost too.
     if (!(c > 0 && radicand >= 0)) return Beam{.lost = true};
-    const double way = (face.offset_m - (px * face.x + py * face.y + pz * face.z)) / c;
-    px += way * dx;
-    py += way * dy;
-    pz += way * dz;
+    const double path = (face.offset_m - (px * face.x + py * face.y + pz * face.z)) / c;
+    px += path * dx;
+    py += path * dy;
+    pz += path * dz;
     const double bend = std::sqrt(radicand) - mu * c;
     dx = mu * dx + bend * face.x;
     dy = mu * dy + bend * face.y;

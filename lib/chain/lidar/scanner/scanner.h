@@ -60,9 +60,9 @@ struct Beam {
 };
 
 /// beams[i] leaves the focal point along the rotated direction of pixels[i]: d' = R d, b = 0.
-inline void turn_all(const Eigen::Matrix3d& turn, std::span<const Direction<LidarFrame>> pixels,
-                     std::span<Beam> beams) {
-  for (std::size_t i = 0; i < pixels.size(); ++i) beams[i] = Beam{.direction = {turn * pixels[i].v}};
+inline void rotate_all(const Eigen::Matrix3d& rotation, std::span<const Direction<LidarFrame>> pixels,
+                       std::span<Beam> beams) {
+  for (std::size_t i = 0; i < pixels.size(); ++i) beams[i] = Beam{.direction = {rotation * pixels[i].v}};
 }
 
 /// Steers the rays of all pixels: a pure function of time, without stepping state. Any thread may call it for

@@ -88,10 +88,10 @@ PulseSimulator::PulseSimulator(Lidar lidar, const RayEngine* engine, const Terra
       dead_map_(dead_map_of(lidar_)) {
   if (lidar_.range_errors.needs_incidence() && terrain_ == nullptr)
     throw UsageError(std::string(kIncidenceNoise) + ": needs the terrain's surface");
-  if (lidar_.receiver.sees_waveforms() && engine_ != nullptr && terrain_ == nullptr)
+  if (lidar_.receiver.uses_waveforms() && engine_ != nullptr && terrain_ == nullptr)
     throw UsageError("receiver/type: needs the terrain's surface");
   assert(lidar_.link_constants_pe_m2.size() ==
-         (lidar_.receiver.sees_waveforms() ? lidar_.detector.samples().size() : 0));
+         (lidar_.receiver.uses_waveforms() ? lidar_.detector.samples().size() : 0));
 }
 
 void PulseSimulator::simulate(const PulseInput& pulse, std::size_t slot, PulseBatch& batch,
@@ -130,7 +130,7 @@ void PulseSimulator::load_true_ranges(const PulseInput& pulse, const TrueRanges&
 
 Transform<BodyFrame, LidarFrame> PulseSimulator::true_mount(std::int64_t pulse) const {
   if (!lidar_.pointing_error.turns_beams()) return lidar_.mount;
-  return {lidar_.mount.rotation * lidar_.pointing_error.turn(pulse), lidar_.mount.position};
+  return {lidar_.mount.rotation * lidar_.pointing_error.rotation(pulse), lidar_.mount.position};
 }
 
 PulseContext PulseSimulator::context_of(const PulseInput& pulse, double mirror_time_error_s) const {
@@ -194,7 +194,7 @@ void PulseSimulator::make_rays(const PulseInput& pulse, const AimedPulse& aimed,
     std::vector<Beam>& samples = traced.sample_beams;
     samples.resize(lidar_.detector.samples().size());
     lidar_.scanner->steer(aimed.state, lidar_.detector.samples(), samples);
-    if (lidar_.receiver.sees_waveforms())
+    if (lidar_.receiver.uses_waveforms())
       samples.insert(samples.end(), aimed.beams.begin(), aimed.beams.end());
   }
   for (const Beam& beam : traced_beams(aimed, traced))
@@ -211,13 +211,13 @@ void PulseSimulator::trace(std::span<const Ray> rays, std::vector<double>& hits_
 
 void PulseSimulator::combine_samples(std::int64_t pulse, const AimedPulse& aimed, TracedPulse& traced,
                                      ReceivedPulse& received) const {
-  const bool sees_waveforms = lidar_.receiver.sees_waveforms();
+  const bool uses_waveforms = lidar_.receiver.uses_waveforms();
   const std::size_t pixels = aimed.beams.size();
   received.ranges_m.assign(pixels, kNan);
-  received.echoes.assign(sees_waveforms && lidar_.receiver.hears_kept_echoes() ? pixels : 0, {});
+  received.echoes.assign(uses_waveforms && lidar_.receiver.accepts_kept_echoes() ? pixels : 0, {});
   received.later_echoes.clear();
   if (aimed.state.blanked) return;
-  if (sees_waveforms) return build_waveforms(pulse, aimed, traced, received);
+  if (uses_waveforms) return build_waveforms(pulse, aimed, traced, received);
   const std::size_t per_pixel = lidar_.detector.samples_per_pixel();
   for (std::size_t i = 0; i < pixels; ++i)
     if (!aimed.beams[i].lost)
@@ -242,7 +242,7 @@ void PulseSimulator::build_waveforms(std::int64_t pulse, const AimedPulse& aimed
                               received.waveforms);
   }
   lidar_.receiver.time(received.waveforms);
-  if (lidar_.receiver.hears_kept_echoes())
+  if (lidar_.receiver.accepts_kept_echoes())
     lidar_.receiver.keep_echoes(pulse, received.waveforms, received.echoes, received.later_echoes);
 }
 
@@ -301,8 +301,8 @@ PointStatus PulseSimulator::status(PulsePixel where, const PulseWorkspace& works
   if (workspace.aimed.state.blanked) return PointStatus::blanked;
   if (workspace.aimed.beams[i].lost) return PointStatus::lost_in_optics;
   if (std::isnan(workspace.received.ranges_m[i])) return PointStatus::miss;
-  if (!workspace.measured.receptions.empty() &&
-      std::isnan(workspace.measured.receptions[i * lidar_.receiver.max_returns()].range_m))
+  if (!workspace.measured.detections.empty() &&
+      std::isnan(workspace.measured.detections[i * lidar_.receiver.max_returns()].range_m))
     return PointStatus::undetected;
   return lidar_.range_errors.is_dropped(where) ? PointStatus::dropout : PointStatus::returned;
 }
@@ -320,14 +320,14 @@ PulseSimulator::Report PulseSimulator::report(PulsePixel where, const PulseWorks
     if (false_m && !(has_echo && *false_m >= workspace.received.ranges_m[i]))
       return {PointStatus::false_return, *false_m, kNoIntensity, 1};
   }
-  if (workspace.measured.receptions.empty())
+  if (workspace.measured.detections.empty())
     return {what, has_echo ? workspace.measured.measured_m[i] : kNan, kNoIntensity};
-  const Reception& reception = workspace.measured.receptions[i * lidar_.receiver.max_returns() + number];
-  const bool is_background = reception.is_background && (has_echo || what == PointStatus::miss);
-  if (!is_background && (!has_echo || std::isnan(reception.range_m)))
+  const Detection& detection = workspace.measured.detections[i * lidar_.receiver.max_returns() + number];
+  const bool is_background = detection.is_background && (has_echo || what == PointStatus::miss);
+  if (!is_background && (!has_echo || std::isnan(detection.range_m)))
     return {what, kNan, kNoIntensity, number == 0 ? std::int8_t{0} : PulseBatch::kNoSuchReturn};
   return {is_background ? PointStatus::false_return : what,
-          workspace.measured.measured_m[number * workspace.aimed.beams.size() + i], reception.intensity_pe,
+          workspace.measured.measured_m[number * workspace.aimed.beams.size() + i], detection.intensity_pe,
           static_cast<std::int8_t>(number + 1)};
 }
 
@@ -357,8 +357,8 @@ void PulseSimulator::measure(std::int64_t pulse, const AimedPulse& aimed, const 
     const std::span<double> measured_m = std::span(m.measured_m).subspan(number * pixels, pixels);
     const auto n = static_cast<std::int64_t>(number);
     std::span<const double> reported_m = received.ranges_m;
-    if (!m.receptions.empty()) {
-      for (std::size_t i = 0; i < pixels; ++i) m.reported_m[i] = m.receptions[i * max_count + number].range_m;
+    if (!m.detections.empty()) {
+      for (std::size_t i = 0; i < pixels; ++i) m.reported_m[i] = m.detections[i * max_count + number].range_m;
       reported_m = m.reported_m;
     }
     lidar_.range_errors.measure(pulse, reported_m, m.tan_incidences, measured_m, n);
@@ -369,15 +369,15 @@ void PulseSimulator::measure(std::int64_t pulse, const AimedPulse& aimed, const 
 void PulseSimulator::receive(std::int64_t pulse, const AimedPulse& aimed, const ReceivedPulse& received,
                              MeasuredPulse& measured) const {
   const Receiver& receiver = lidar_.receiver;
-  measured.receptions.clear();
-  if (!receiver.sees_waveforms()) return;
-  measured.receptions.resize(rows_per_pulse());
+  measured.detections.clear();
+  if (!receiver.uses_waveforms()) return;
+  measured.detections.resize(rows_per_pulse());
   measured.reported_m.resize(aimed.beams.size());
   if (aimed.state.blanked) return;
-  if (receiver.hears_kept_echoes()) {
-    receiver.receive(pulse, received.echoes, received.later_echoes, measured.receptions);
+  if (receiver.accepts_kept_echoes()) {
+    receiver.receive(pulse, received.echoes, received.later_echoes, measured.detections);
   } else {
-    receiver.receive(pulse, received.waveforms, measured.receptions);
+    receiver.receive(pulse, received.waveforms, measured.detections);
   }
 }
 

@@ -94,7 +94,7 @@ struct ReceivedPulse {
 /// The ranges that the instrument reports.
 struct MeasuredPulse {
   std::vector<double> tan_incidences;  ///< empty where the noise does not depend on them; 0 for a miss
-  std::vector<Reception> receptions;   ///< by pixel, then return; empty without a receiver
+  std::vector<Detection> detections;   ///< by pixel, then return; empty without a receiver
   std::vector<double> reported_m;      ///< the ranges of one return of each pixel, before range errors
   std::vector<double> measured_m;      ///< by return, then pixel
 };
@@ -146,15 +146,15 @@ class PulseSimulator {
   }
   [[nodiscard]] std::size_t rays_per_pulse() const {
     const Detector& detector = lidar_.detector;
-    const bool own_rays = lidar_.receiver.sees_waveforms() && detector.samples_per_pixel() > 1;
+    const bool own_rays = lidar_.receiver.uses_waveforms() && detector.samples_per_pixel() > 1;
     return detector.samples().size() + (own_rays ? detector.pixel_count() : 0);
   }
   /// The columns of this lidar's points.
   [[nodiscard]] OptionalColumns columns(bool keep_echoes = false) const {
-    return {.intensity = lidar_.receiver.sees_waveforms(),
+    return {.intensity = lidar_.receiver.uses_waveforms(),
             .return_number = lidar_.receiver.max_returns() > 1,
             .echo = keep_echoes,
-            .later_echoes = keep_echoes && lidar_.receiver.hears_later_echoes()};
+            .later_echoes = keep_echoes && lidar_.receiver.accepts_later_echoes()};
   }
 
   /// Fills pulse `slot` of `batch`, which has been resized to rows_per_pulse(); the truth only where

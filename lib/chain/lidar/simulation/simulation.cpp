@@ -131,7 +131,7 @@ void Simulation::replay_slots(PulseSpan pulses, const TrueRanges& truth, std::si
   const std::size_t pixels = pixel_count();
   const auto count = static_cast<std::size_t>(pulses.count);
   const Receiver& receiver = simulator_.lidar().receiver;
-  if (!receiver.hears_kept_echoes())
+  if (!receiver.accepts_kept_echoes())
     throw UsageError(
         "receiver: " + std::string(receiver.type() == ReceiverType::geiger ? "type geiger" : "returns all") +
         " needs the whole waveforms, which no scan keeps; trace the rays");
@@ -141,7 +141,7 @@ void Simulation::replay_slots(PulseSpan pulses, const TrueRanges& truth, std::si
                         std::to_string(count * pixels) + " are needed");
   };
   require_count(truth.ranges_m.size(), "ranges");
-  if (receiver.sees_waveforms()) require_count(truth.echoes.size(), "echoes");
+  if (receiver.uses_waveforms()) require_count(truth.echoes.size(), "echoes");
   PulseWorkspace workspace;
   for (std::size_t i = 0; i < count; ++i)
     simulator_.replay(pulse(pulses.first + static_cast<std::int64_t>(i)), truth.part(i * pixels, pixels),

@@ -372,60 +372,60 @@ class Steps : public Pattern {
 /// Looks straight ahead and keeps what it was told.
 class Listener : public Flash {
  public:
-  Listener(ContextNeeds needs, PulseContext& heard) : needs_(needs), heard_(&heard) {}
+  Listener(ContextNeeds needs, PulseContext& received) : needs_(needs), received_(&received) {}
   [[nodiscard]] ScannerState state(const PulseContext& pulse) const override {
-    *heard_ = pulse;
+    *received_ = pulse;
     return {};
   }
   [[nodiscard]] ContextNeeds needs() const override { return needs_; }
 
  private:
   ContextNeeds needs_;
-  PulseContext* heard_;
+  PulseContext* received_;
 };
 
-PulseContext heard_at(std::int64_t pulse, ContextNeeds needs, double interval_s) {
-  PulseContext heard;
-  Lidar lidar = lidar_of(parallel_pixels(1), std::make_unique<Listener>(needs, heard));
+PulseContext received_at(std::int64_t pulse, ContextNeeds needs, double interval_s) {
+  PulseContext received;
+  Lidar lidar = lidar_of(parallel_pixels(1), std::make_unique<Listener>(needs, received));
   lidar.pattern = std::make_unique<Steps>();
   const PlaneEngine engine;
   const PulseSimulator simulator(std::move(lidar), &engine, {});
   PulseInput input = at(kAt500m, pulse);
   input.interval_s = interval_s;
   static_cast<void>(simulate(simulator, input));
-  return heard;
+  return received;
 }
 
 /// The point in D at which an aim from 500 m meets z = 0.
 double terrain_x(const Direction<LidarFrame>& aim) { return 500 * aim.v.x() / aim.v.z(); }
 
 TEST(PulseSimulator, AScannerHearsOfJumpsAndEchoesOnlyIfItAsks) {
-  const PulseContext plain = heard_at(4, {}, 1e-6);
+  const PulseContext plain = received_at(4, {}, 1e-6);
   EXPECT_NEAR(terrain_x(*plain.aim), 4, 1e-12);
   EXPECT_EQ(plain.since_jump_s, std::numeric_limits<double>::infinity());
   EXPECT_FALSE(plain.aim_before_jump || plain.aim_at_echo);
-  const PulseContext jumped = heard_at(4, {.jumps = true}, 1e-6);
+  const PulseContext jumped = received_at(4, {.jumps = true}, 1e-6);
   EXPECT_DOUBLE_EQ(jumped.since_jump_s, 0.1);
   EXPECT_NEAR(terrain_x(*jumped.aim_before_jump), 2, 1e-12);
-  EXPECT_FALSE(heard_at(2, {.jumps = true}, 1e-6).aim_before_jump);
+  EXPECT_FALSE(received_at(2, {.jumps = true}, 1e-6).aim_before_jump);
 }
 
 // From (0, 0, 500) the echo of (2, 0, 0) takes 2 sqrt(500^2 + 2^2)/c = 3.3357 us; a pulse every 3 us moves
 // the aim 1 m.
 TEST(PulseSimulator, TheAimAtTheEchoMovesEvenlyBetweenPulses) {
   const double flight_s = 2 * std::sqrt(500.0 * 500 + 4) / 299792458;
-  EXPECT_NEAR(terrain_x(*heard_at(2, {.echo = true}, 3e-6).aim_at_echo), 2 + flight_s / 3e-6, 1e-9);
-  EXPECT_NEAR(terrain_x(*heard_at(2, {.echo = true}, 1).aim_at_echo), 2 + flight_s, 1e-9);
-  EXPECT_NEAR(terrain_x(*heard_at(2, {.echo = true}, 0).aim_at_echo), 2, 1e-12);
+  EXPECT_NEAR(terrain_x(*received_at(2, {.echo = true}, 3e-6).aim_at_echo), 2 + flight_s / 3e-6, 1e-9);
+  EXPECT_NEAR(terrain_x(*received_at(2, {.echo = true}, 1).aim_at_echo), 2 + flight_s, 1e-9);
+  EXPECT_NEAR(terrain_x(*received_at(2, {.echo = true}, 0).aim_at_echo), 2, 1e-12);
 }
 
 // Pulse 5 is the last with an aim, pulse 2 the last before a jump, and no aim comes before pulse 0.
 TEST(PulseSimulator, TheAimAtTheEchoCarriesOnOverJumpsAndEnds) {
   const auto flight_s = [](double x) { return 2 * std::sqrt(500.0 * 500 + x * x) / 299792458; };
-  EXPECT_NEAR(terrain_x(*heard_at(4, {.echo = true}, 1e-6).aim_at_echo), 4 + flight_s(4) / 1e-6, 1e-9);
-  EXPECT_NEAR(terrain_x(*heard_at(5, {.echo = true}, 1e-5).aim_at_echo), 5 + flight_s(5) / 1e-5, 1e-9);
-  EXPECT_NEAR(terrain_x(*heard_at(2, {.echo = true}, 1e-5).aim_at_echo), 2 + flight_s(2) / 1e-5, 1e-9);
-  EXPECT_NEAR(terrain_x(*heard_at(0, {.echo = true}, 1e-6).aim_at_echo), flight_s(0) / 1e-6, 1e-9);
+  EXPECT_NEAR(terrain_x(*received_at(4, {.echo = true}, 1e-6).aim_at_echo), 4 + flight_s(4) / 1e-6, 1e-9);
+  EXPECT_NEAR(terrain_x(*received_at(5, {.echo = true}, 1e-5).aim_at_echo), 5 + flight_s(5) / 1e-5, 1e-9);
+  EXPECT_NEAR(terrain_x(*received_at(2, {.echo = true}, 1e-5).aim_at_echo), 2 + flight_s(2) / 1e-5, 1e-9);
+  EXPECT_NEAR(terrain_x(*received_at(0, {.echo = true}, 1e-6).aim_at_echo), flight_s(0) / 1e-6, 1e-9);
 }
 
 /// Leans its beams by angle_1 to +x; the lander believes twice as much.

@@ -69,7 +69,7 @@ Lidar lidar_of(const Instrument& instrument) {
               .range_timer = std::move(timer)};
   const double per_sample =
       kReference_pe * 500 * 500 / static_cast<double>(lidar.detector.samples_per_pixel());
-  if (lidar.receiver.sees_waveforms())
+  if (lidar.receiver.uses_waveforms())
     lidar.link_constants_pe_m2.assign(lidar.detector.samples().size(), per_sample);
   return lidar;
 }
