@@ -13,7 +13,7 @@ from matplotlib.colors import LogNorm
 
 from landfall import dictionary, files
 from landfall.errors import DataError
-from landfall.plot import maps, plots, reduction, relief, scales
+from landfall.plot import captions, maps, plot_command, reduction, relief, scales
 
 LAYERS = ["p_invalid", "p_missed_hazard", "p_judged_safe", "p_fail_rel_x", "p_fail_rel_y", "p_fail_rel_z", "p_fail_absolute", "e_z_mean", "e_z_std", "e_map_std", "z_sigma_abs",
           "e_map_std_over_sigma", "z_true_map", "in_region"]
@@ -21,7 +21,7 @@ TERRAIN_COLOR = "#f4f1ea"  # where a probability is 0
 CLASSES = 30
 
 
-parse = plots.parser_of("plot_draws.py", __doc__, {"draws": "DRAWS"})
+parse = plot_command.parser_of("plot_draws.py", __doc__, {"draws": "DRAWS"})
 
 
 class Draws:
@@ -201,7 +201,7 @@ def draw(draws):
     names = [*dictionary.requirements(), *dictionary.own_paths(draws.columns)]
     histograms = math.ceil(len(names) / 3)
     rows = histograms + (0 if draws.grid is None else 3 if draws.has_hazards() else 2)
-    title = f"{draws.name}: {plots.counted(draws.count(), 'draw')}; {rate_text(draws, 'all' if len(names) == 6 else 'all_and_own')}"
+    title = f"{draws.name}: {captions.counted(draws.count(), 'draw')}; {rate_text(draws, 'all' if len(names) == 6 else 'all_and_own')}"
     figure, axes = maps.new_figure((rows, 3), (19, 5.2 * rows), title)
     if draws.grid is not None:
         layers, share = draws.layers, "share of the draws"
@@ -235,4 +235,4 @@ def figure_of(options):
     return draw(Draws(options.draws))
 
 
-main = plots.main_of(parse, figure_of)
+main = plot_command.main_of(parse, figure_of)

@@ -11,7 +11,7 @@ from matplotlib.patches import Circle
 
 from landfall import dictionary, files
 from landfall.errors import DataError
-from landfall.plot import maps, plots, reduction, relief, scales
+from landfall.plot import captions, maps, plot_command, reduction, relief, scales
 
 LAYERS = ["slope", "roughness", "safe", "p_safe", "p_touchdown", "cost", "outcome"]
 MAX_LISTED = 6  # sites in the legend
@@ -24,10 +24,10 @@ MARKED = (3, 2)
 
 def add_options(parser):
     parser.add_argument("--dem", metavar="DEM.h5", help="the DEM that was judged: its relief shades the first panel")
-    plots.add_data_only_option(parser)
+    plot_command.add_data_only_option(parser)
 
 
-parse = plots.parser_of("plot_hazards.py", __doc__, {"hazards": "HAZARDS"}, add_options)
+parse = plot_command.parser_of("plot_hazards.py", __doc__, {"hazards": "HAZARDS"}, add_options)
 
 
 class Hazards:
@@ -92,7 +92,7 @@ def draw_safety(ax, hazards, z):
             text, color = classes[value]
             how[text] = maps.draw_marks(ax, hazards.grid, (values == value) & inside, color, np.count_nonzero(inside), fill_few=True)
     total = np.count_nonzero(inside)
-    maps.legend(ax, {f"{text}: {counts[value]:,} ({plots.percent(counts[value] / total if total else None)})": color
+    maps.legend(ax, {f"{text}: {counts[value]:,} ({captions.percent(counts[value] / total if total else None)})": color
                      for value, (text, color) in classes.items()}, 2)
     maps.draw_scale_marks(ax)
     maps.note(ax, *(f"{text}: {manner}" for text, manner in how.items() if manner))
@@ -144,7 +144,7 @@ def draw_reach(ax, hazards):
     if radius_m is None:
         return []
     ax.add_patch(Circle((0, 0), radius_m, fill=False, edgecolor="black", linewidth=1.4, linestyle="--", path_effects=maps.OUTLINE, gid="divert"))
-    return [Line2D([], [], color="black", linestyle="--", label=f"divert radius {plots.metres(float(radius_m))}")]
+    return [Line2D([], [], color="black", linestyle="--", label=f"divert radius {captions.metres(float(radius_m))}")]
 
 
 def draw_sites(ax, hazards):
@@ -192,7 +192,7 @@ def draw_roc(ax, hazards):
     at = None if limit is None else int(np.argmin(np.abs(limits - limit)))
     if at is not None and np.isclose(limits[at], limit):
         ax.plot(alarms[at], missed[at], linestyle="none", marker="o", markersize=10, color=maps.VERMILION, gid="limit",
-                label=f"limit {plots.metres(float(limit))}: {missed[at]:.3g} % missed,\n{alarms[at]:.3g} % false alarms")
+                label=f"limit {captions.metres(float(limit))}: {missed[at]:.3g} % missed,\n{alarms[at]:.3g} % false alarms")
     label_limits(ax, alarms, missed, limits)
     ax.legend(loc="upper right", fontsize=maps.NOTE_PT, framealpha=0.9)
 
@@ -219,7 +219,7 @@ def label_limits(ax, alarms, missed, limits):
         if all(np.hypot(*(at - other)) > 0.09 for other in labelled):
             labelled.append(at)
             same = limits[np.hypot(*(places - at).T) < 0.01]
-            text = plots.metre_range(same[0], same[-1]) if same.size > 1 else plots.metres(float(same[0]))
+            text = captions.metre_range(same[0], same[-1]) if same.size > 1 else captions.metres(float(same[0]))
             ax.annotate(text, (x, y), (5, 7), textcoords="offset points", fontsize=maps.NOTE_PT, gid="roc label")
 
 
@@ -250,7 +250,7 @@ def draw_reliability(ax, hazards):
 def draw(hazards, z=None, data_only=False):
     scored = hazards.score is not None
     grid, places = hazards.grid, np.count_nonzero(hazards.inside())
-    title = f"{hazards.name}: {places:,} places, bins of {plots.metres(grid.resolution_m)}"
+    title = f"{hazards.name}: {places:,} places, bins of {captions.metres(grid.resolution_m)}"
     figure, axes = maps.new_figure((3 if scored else 2, 2), (14, 20.5 if scored else 14.4), title)
     draw_safety(axes[0, 0], hazards, z)
     draw_probability(axes[0, 1], hazards)
@@ -268,4 +268,4 @@ def figure_of(options):
     return draw(hazards, z, options.data_only)
 
 
-main = plots.main_of(parse, figure_of)
+main = plot_command.main_of(parse, figure_of)

@@ -6,13 +6,13 @@ distance that the lander diverted, and slope and roughness on the true ground ag
 import numpy as np
 
 from landfall.errors import DataError
-from landfall.plot import maps, plots
+from landfall.plot import captions, maps, plot_command
 from landfall.plot.plot_draws import draw_terrain, Draws
 
 ARMS = {"landing": "with the lidar", "blind": "without a lidar"}
 
 
-parse = plots.parser_of("plot_landing.py", __doc__, {"draws": "DRAWS"}, ending="-landing.png")
+parse = plot_command.parser_of("plot_landing.py", __doc__, {"draws": "DRAWS"}, ending="-landing.png")
 
 
 def frame(ax, draws):
@@ -116,7 +116,7 @@ def draw_pairs(ax, draws):
 
 def draw(draws):
     landing = draws.verdict["landing"]
-    title = f"{draws.name}: {plots.counted(draws.count(), 'landing')}, safe with the lidar {landing['safe']['passed']}, without {landing['blind']['passed']}"
+    title = f"{draws.name}: {captions.counted(draws.count(), 'landing')}, safe with the lidar {landing['safe']['passed']}, without {landing['blind']['passed']}"
     figure, axes = maps.new_figure((2, 3), (19, 11), title)
     for ax, arm in zip(axes[0], ARMS):
         draw_touchdowns(ax, draws, arm)
@@ -134,4 +134,4 @@ def figure_of(options):
     return draw(draws)
 
 
-main = plots.main_of(parse, figure_of)
+main = plot_command.main_of(parse, figure_of)

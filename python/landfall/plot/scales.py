@@ -9,7 +9,7 @@ import numpy as np
 from matplotlib.colors import ListedColormap
 
 from landfall import dictionary
-from landfall.plot import plots
+from landfall.plot import captions
 
 OUTLIERS = dictionary.table("maps")["outliers"]          # on either side
 LIMIT_INSIDE = dictionary.table("maps")["limit_inside"]  # a scale reaches at least this times the limit
@@ -67,7 +67,7 @@ class Scale:
     @property
     def unit(self):
         """(name, factor) of the unit that the colour bar and the texts show."""
-        return plots.length_unit(max(abs(self.low), abs(self.high))) if self.base == "m" else (self.base, 1.0)
+        return captions.length_unit(max(abs(self.low), abs(self.high))) if self.base == "m" else (self.base, 1.0)
 
     @property
     def clipped(self):
@@ -89,7 +89,7 @@ class Scale:
 
     def text(self, value):
         """A value with its unit."""
-        return plots.metres(value) if self.base == "m" else f"{value:.4g} {self.base}".rstrip()
+        return captions.metres(value) if self.base == "m" else f"{value:.4g} {self.base}".rstrip()
 
     def range_text(self):
         """The extremes of all values."""
@@ -97,7 +97,7 @@ class Scale:
         if np.isnan(low):
             return "no value anywhere"
         if self.base == "m":
-            return plots.metre_range(low, high)
+            return captions.metre_range(low, high)
         return f"{low:.4g} to {high:.4g} {self.base}".rstrip()
 
     def notes(self, of=""):

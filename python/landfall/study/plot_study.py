@@ -13,7 +13,7 @@ import os
 
 from landfall import command, dictionary, files
 from landfall.errors import UsageError, printable
-from landfall.plot import plots
+from landfall.plot import plot_command
 from landfall.study import crossing, figures, verdicts
 from landfall.study.table import Results
 
@@ -30,7 +30,7 @@ def parse(arguments):
     parser.add_argument("--metrics", metavar="A,B", help="columns of the results; default: the study's, or five of the requirements, those of hazards and of campaigns")
     parser.add_argument("--x", metavar="AXIS", help="axis to the right; default: the study's, or the first that is a number")
     parser.add_argument("--percentile", type=percentile, default=50, help="of the repeats, 0..100, default 50")
-    plots.add_output_options(parser)
+    plot_command.add_output_options(parser)
     return parser.parse_args(arguments)
 
 
@@ -134,7 +134,7 @@ def write(options, results):
     command.check_outputs(tables, options.overwrite, makes_folder=True)
     made = draw_all(options, results, metrics)
     command.check_outputs(made, options.overwrite, makes_folder=True)
-    plots.save(made, options.dpi)
+    plot_command.save(made, options.dpi)
     axes = [axis.name for axis in results.axes]
     if spec:
         x = chosen_x(options, results)
