@@ -405,7 +405,7 @@ std::string text_of(const OrderedJson& d) {
                       (d.contains("plan")    ? "plan"
                        : d.contains("score") ? "score"
                                              : "metrics") +
-                      "_json is not what this version writes");
+                      "_json was not written by this version");
   }
   return text + config_lines(d) + provenance_lines(d);
 }

@@ -144,8 +144,10 @@ class TextTable {
     if (text_.substr(0, 8) == "TSCANTRJ") fail("is a TerraScan trajectory; it needs " + wish());
     if (text_.find('\0') == std::string::npos) return;
     if (text_.size() % kSbetRecord == 0)
-      fail("is binary, as an SBET trajectory (.out: latitude, longitude and heading in radians); it needs " +
-           wish());
+      fail(
+          "is a binary file, such as an SBET trajectory (.out: latitude, longitude and heading in radians); "
+          "it needs " +
+          wish());
     fail("is binary, but not HDF5; it needs " + wish());
   }
 

@@ -281,7 +281,7 @@ TEST(Fracture, Validates) {
   EXPECT_EQ(shape_refusal(Fracture{}), "accepted");
   EXPECT_THAT(shape_refusal(Fracture{0, 1, 1, 0, 0, 1, 0, 0}), HasSubstr("length_m"));
   EXPECT_THAT(shape_refusal(Fracture{9, 0, 1, 0, 0, 1, 0, 0}),
-              HasSubstr("width_m: 0 is not positive, which a trough"));
+              HasSubstr("width_m: 0 is not positive (a trough"));
   EXPECT_THAT(shape_refusal(Fracture{9, 1, 0, 1, 1, 1, 0, 0}),
               HasSubstr("width_m: 1 is not 0, where depth_m is 0"));
   EXPECT_THAT(shape_refusal(Fracture{9, 0, 0, 0, 0, 1, 0, 0}), HasSubstr("depth_m: 0 is not positive"));
