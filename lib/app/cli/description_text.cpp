@@ -360,7 +360,7 @@ std::string score_text(const OrderedJson& d) {
                                  {rate("missed_hazard_frac"), rate("false_alarm_frac")}) +
                      own_table(own_verdicts_from(score));
   if (d.contains("best_site") && d["best_site"].at("true_safe").is_boolean())
-    text += print("%-16s%10s   on the true ground\n", "best site",
+    text += print("%-16s%10s   on the true terrain\n", "best site",
                   d["best_site"]["true_safe"].get<bool>() ? "safe" : "hazard");
   if (d.contains("best_site"))
     for (const std::string& place : place_lines(d["best_site"])) text += "best site at " + place + "\n";

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Maps of probabilities show the shaded ground where the probability is 0, and colours from 0 to the
+// Maps of probabilities show the shaded terrain where the probability is 0, and colours from 0 to the
 // largest one elsewhere, because most places never fail, and a colour for 0 would hide where the others
 // lie. Blocks of bins have their largest probability. The report keeps the commands of the chain for each
 // draw: they carry the configurations, so that they need no file but the scan and the terrain.

@@ -162,7 +162,7 @@ DrawSeries::DrawSeries(TerrainSource terrain, const DrawsConfig& config, const D
   } else {
     build_terrain(config.stages(span.first).terrain, provenance);
     terrain_draw_ = span.first;
-    source_.warn = [](const std::string&) {};  // of later grounds, which are alike
+    source_.warn = [](const std::string&) {};  // of later terrains, which are alike
   }
   prepare(config.terrain_varies() ? nullptr : scene_.surface.get(), std::nullopt, provenance);
 }

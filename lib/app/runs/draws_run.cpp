@@ -94,7 +94,7 @@ class ScanSequence {
         throw UsageError("--terrain " + terrain + ": " + config.name() +
                          " has a section terrain; give one of them");
       if (!has_section && terrain.empty())
-        throw UsageError("draws that trace need a ground: --terrain, or the section terrain of " +
+        throw UsageError("draws that trace need a terrain: --terrain, or the section terrain of " +
                          config.name());
     }
 

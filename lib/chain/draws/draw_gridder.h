@@ -29,7 +29,7 @@ struct DrawnDem {
   Grid<std::int32_t> count;  ///< returns of each bin
 };
 
-/// The true ground of a draw. What it points to outlives the draw.
+/// The true terrain of a draw. What it points to outlives the draw.
 struct DrawTerrain {
   const TerrainSurface& surface;
   const RayEngine* engine = nullptr;  ///< null: the draw takes the ranges of the traced scan

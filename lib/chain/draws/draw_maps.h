@@ -29,7 +29,7 @@ struct ErrorSums {
   [[nodiscard]] double std_m(std::size_t bin) const;
 };
 
-/// The safety of each place over the draws, where it is known in the draw's map and on the true ground.
+/// The safety of each place over the draws, where it is known in the draw's map and on the true terrain.
 struct SafetyCounts {
   Grid<std::int32_t> known;        ///< draws in which both are known
   Grid<std::int32_t> judged_safe;  ///< of these, draws in which the map says safe
@@ -52,7 +52,7 @@ struct DrawMaps {
   Grid<std::int32_t> fail_absolute;
   Grid<std::int64_t> count;  ///< returns
   ErrorSums e_z;             ///< z_true - z_est
-  /// H(X, Y) - z_est, (X, Y) the bin's centre; none where the ground varies.
+  /// H(X, Y) - z_est, (X, Y) the bin's centre; none where the terrain varies.
   std::optional<ErrorSums> e_map;
   std::optional<SafetyCounts> safety;  ///< of a campaign that judges hazards
 

@@ -32,7 +32,7 @@ enum class MetricsKind {
 /// By MetricsKind.
 using DrawMetrics = std::variant<Metrics, DecisiveMetrics>;
 
-/// The score of a draw's hazard map on the true ground.
+/// The score of a draw's hazard map on the true terrain.
 struct DrawHazards {
   HazardScore score;
   std::optional<LandingSite> best;  ///< the chosen place; none where no place is safe
@@ -84,11 +84,11 @@ struct DrawSetup {
 class DrawRunner {
  public:
   /// The scene's data must outlive this object. With maps H at the bins' centres is computed once, if all
-  /// draws have one ground. With `device`, an OpenCL device draws and bins (DeviceGridder).
+  /// draws have one terrain. With `device`, an OpenCL device draws and bins (DeviceGridder).
   DrawRunner(DrawsScene scene, bool with_maps, const std::optional<OpenClOptions>& device = std::nullopt);
 
   [[nodiscard]] const DrawsScene& scene() const { return scene_; }
-  /// H at the bins' centres, NaN off the terrain; only with maps of one ground.
+  /// H at the bins' centres, NaN off the terrain; only with maps of one terrain.
   [[nodiscard]] const std::optional<Grid<double>>& z_true_map() const { return z_true_map_; }
 
   /// Throws UsageError, naming the key, for a draw that the device must make and cannot.

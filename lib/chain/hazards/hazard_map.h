@@ -31,11 +31,11 @@ struct HazardParameters {
   std::optional<double> z_sigma_m;   ///< of maps without a sigma of their own
   double touchdown_sigma_m = 1;      ///< >= 0
   SiteParameters sites;
-  std::uint64_t seed = 1;                          ///< of the grounds that p_safe is computed from
+  std::uint64_t seed = 1;                          ///< of the terrains that p_safe is computed from
   std::vector<Requirement> own_requirements = {};  ///< on numbers of HazardScore
 };
 
-/// A map with its small holes filled, and the true ground of its bins.
+/// A map with its small holes filled, and the true terrain of its bins.
 struct HazardInput {
   Grid<double> z;
   std::optional<Grid<double>> z_true;

@@ -10,7 +10,7 @@
 
 namespace landfall {
 
-/// The grounds that may lie under a map, given the elevations and the noise of its bins; the ground is what
+/// The terrains that may lie under a map, given the elevations and the noise of its bins; the ground is what
 /// is at the bins' centres. Conditional simulation: a draw agrees with the map as well as its noise allows,
 /// and is as rough as the map itself says.
 ///

@@ -148,7 +148,7 @@ std::string fixed_because(const std::string& key) {
                                        "eval.region", "hazard.region"};
   for (const char* const prefix : kGrid)
     if (key.starts_with(prefix)) return "changes the bins that are judged, and all draws share them";
-  if (key.starts_with("terrain.grid")) return "changes the grid of the ground, and all draws share it";
+  if (key.starts_with("terrain.grid")) return "changes the grid of the terrain, and all draws share it";
   return {};
 }
 
@@ -306,7 +306,7 @@ void DrawsConfig::check_requirements() const {
 
 void DrawsConfig::predict() {
   if (!has_layers_) throw UsageError(name_ + ": /sigma: is a map, and /layers is false");
-  if (terrain_varies_) throw UsageError(name_ + ": /sigma: is a map of one ground, and the ground varies");
+  if (terrain_varies_) throw UsageError(name_ + ": /sigma: is a map of one terrain, and the terrain varies");
   if (const std::string method = stages_.regrid.at("method"); method != "bilinear_nearest")
     throw UsageError(name_ + ": /sigma: needs the method bilinear_nearest, not " + method);
   Json regrid = stages_.regrid;

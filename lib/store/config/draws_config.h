@@ -50,7 +50,7 @@ class DrawsConfig {
   [[nodiscard]] bool has_hazards() const { return !stages_.hazard.is_null(); }
   /// Whether each draw traces its rays; else they are those of the scan.
   [[nodiscard]] bool traces() const { return traces_; }
-  /// Whether draws have different grounds.
+  /// Whether draws have different terrains.
   [[nodiscard]] bool terrain_varies() const { return terrain_varies_; }
   /// Whether each DEM has its 1-sigma map.
   [[nodiscard]] bool has_uncertainty() const { return has_uncertainty_; }

@@ -25,7 +25,7 @@ struct Draws {
   std::optional<DrawMaps> maps;
   // With maps:
   std::optional<BinMask> region;           ///< the judged bins
-  std::optional<Grid<float>> z_true_map;   ///< H(X, Y), NaN off the terrain; none where the ground varies
+  std::optional<Grid<float>> z_true_map;   ///< H(X, Y), NaN off the terrain; none where the terrain varies
   std::optional<Grid<float>> z_sigma_abs;  ///< predicted, where it is asked for
 };
 

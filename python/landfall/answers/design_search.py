@@ -15,7 +15,7 @@ from landfall.answers.design_problem import ALL_AND_OWN, ALL_REQUIREMENTS, Candi
 from landfall.errors import DataError
 
 TOGETHER = 4  # candidates that are proposed together, whatever the number of workers
-# The search's one draw, the tests and the proofs have seeds of their own, and so have the grounds, which follow them: further apart than
+# The search's one draw, the tests and the proofs have seeds of their own, and so have the terrains, which follow them: further apart than
 # the seeds of any terrains.
 RACE_SEED, PROOF_SEED, PROOF_STEP = 1_000_000_000, 1_100_000_000, 1_000_000
 MAX_DRAWS = 2000

@@ -291,8 +291,8 @@ class TracedDraws(Draws):
         self.runner.run("monte-carlo", "-o", output, "-O", *arguments, config=self.config(draws))
 
     def config(self, draws):
-        """The configuration of monte-carlo. Where each draw has its own ground, the ground follows the scan's seed, so that draws with fresh
-        seeds have fresh grounds."""
+        """The configuration of monte-carlo. Where each draw has its own terrain, the ground follows the scan's seed, so that draws with fresh
+        seeds have fresh terrains."""
         configs = copy.deepcopy(self.configs)
         seed = draws.get("scan", {}).get("seed", configs["scan"]["seed"])
         if self.traced.get("terrain_seed") == "each" and "seed" in configs["terrain"]:

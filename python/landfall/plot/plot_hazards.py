@@ -99,7 +99,7 @@ def draw_safety(ax, hazards, z):
 
 
 def shaded(grid, image, z, size):
-    """Colours times the light on the relief; level ground keeps its colour."""
+    """Colours times the light on the relief; level terrain keeps its colour."""
     step_m = size * grid.resolution_m
     mean = reduction.shrink_mean(z, size)
     return np.clip(image * relief.light(mean, step_m, relief.factor(mean, step_m))[..., None], 0, 1)

@@ -113,7 +113,7 @@ def shares_of(counts):
 
 
 def margins_of(roc):
-    """The score of a map that is judged by a lower roughness limit than the true ground, from the ROC's 21 limits."""
+    """The score of a map that is judged by a lower roughness limit than the true terrain, from the ROC's 21 limits."""
     return {f"margin_{margin}_percent": {key: roc[key][(100 - margin) // 10] for key in ("missed_hazard_frac", "false_alarm_frac")}
             for margin in MARGINS}
 

@@ -14,7 +14,7 @@ from landfall.study import names, session, stages
 
 KEEPABLE = ("scan", "dem", "eval", "hazard", "draws")
 MAX_SHARED = 16
-BYTES_PER_RAY = 40  # of a truth: 38.5 with 648,000 rays on rocky ground (2026-11-26)
+BYTES_PER_RAY = 40  # of a truth: 38.5 with 648,000 rays on rocky terrain (2026-11-26)
 
 
 @dataclass(frozen=True)

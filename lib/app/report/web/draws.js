@@ -248,7 +248,7 @@ function touchdownChart([arm, title], reach) {
 
 function landingTable(failed) {
   const {x_m, y_m, slope_deg, roughness_m} = report.landings.landing;
-  const number = (value) => value === null ? ["no ground"] : [shortNumber(value), value];
+  const number = (value) => value === null ? ["no terrain"] : [shortNumber(value), value];
   const columns = [["draw", true], ["x (m)", true], ["y (m)", true], ["slope (\u00b0)", true], ["roughness (m)", true], ["blind", false]];
   const rows = failed.slice(0, MAX_FAILURES).map((i) => [[String(drawNumber(i)), drawNumber(i)], number(x_m[i]), number(y_m[i]), number(slope_deg[i]),
     number(roughness_m[i]), [report.landings.blind.safe[i] === 1 ? "safe" : "not safe"]]);
@@ -262,7 +262,7 @@ function fillLandings(section) {
   }
   const all = ARMS.flatMap(([arm]) => [...report.landings[arm].x_m, ...report.landings[arm].y_m]);
   const reach = 1.05 * Math.max(1, ...all.map(Math.abs));
-  section.append(htmlElement("p", {class: "note"}, `Each draw lands at its best site, and without a lidar at the origin, judged on the true ground.${shownNote()}`),
+  section.append(htmlElement("p", {class: "note"}, `Each draw lands at its best site, and without a lidar at the origin, judged on the true terrain.${shownNote()}`),
                  htmlElement("div", {class: "figures"}, ...ARMS.map((arm) => touchdownChart(arm, reach))));
   const failed = report.landings.landing.safe.map((safe, i) => safe === 1 ? -1 : i).filter((i) => i >= 0);
   section.append(htmlElement("h3", {}, "Landings that are not safe"), htmlElement("p", {}, failed.length === 0 ? "All landings with the lidar are safe." :
@@ -305,7 +305,7 @@ function mapsNote() {
   const {factor} = report.grid;
   return gridText() +
       `${factor === 1 ? "" : `, stored in blocks of ${factor} x ${factor} bins`}. Blocks show their largest probability and error, and their mean spread; where a ` +
-      "probability is 0 the shaded ground is seen. North (y) is up; grey: no value; outlined: the region. Colours of errors end at the 99.5 % quantile.";
+      "probability is 0 the shaded terrain is seen. North (y) is up; grey: no value; outlined: the region. Colours of errors end at the 99.5 % quantile.";
 }
 
 async function fillMaps(section) {

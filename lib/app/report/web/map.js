@@ -151,7 +151,7 @@ export class MapPanel {
     return colors;
   }
 
-  /** `colorsOf(value, light)`: the colour of a block in the light of the ground, 1 where no ground is given. */
+  /** `colorsOf(value, light)`: the colour of a block in the light of the ground, 1 where no terrain is given. */
   colorsInLight(blocks, colorsOf) {
     const colors = new Float32Array(3 * blocks.values.length);
     const {relief} = this.options;
