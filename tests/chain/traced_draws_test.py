@@ -75,7 +75,7 @@ class TracedTest(ChainTest):
 
 
 class Equality(TracedTest):
-    """One draw of each campaign through the chain."""
+    """One draw of each run through the chain."""
 
     def test_everything_drawn(self):
         """Ground, path, attitude, jitter, aim from an estimate with random errors, noise."""
@@ -179,7 +179,7 @@ class Equality(TracedTest):
 
 
 class Division(TracedTest):
-    """How a campaign is run does not change its file."""
+    """How draws are run does not change their file."""
 
     def test_threads_parts_and_a_state(self):
         for vary, seed in ((DISPERSED, "fixed"), ({**DISPERSED, "terrain.base.0.slope_x": TERRAIN_KEYS["terrain.base.slope_x"]}, "each")):

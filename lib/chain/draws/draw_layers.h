@@ -8,7 +8,7 @@
 
 namespace landfall {
 
-/// The layers that follow from the sums of a campaign, as draws.h5 stores and its report shows them.
+/// The layers that follow from the sums of a run of draws, as draws.h5 stores and its report shows them.
 
 /// One kind of failing footprints: its layer and the requirement that the footprints miss.
 struct FailureMap {

@@ -41,8 +41,8 @@ struct SafetyCounts {
   void merge(const SafetyCounts& other);
 };
 
-/// The sums from which the maps of a campaign are made: counts and integer sums over its draws, per bin of
-/// the DEM. 84 bytes per bin, 96 with hazards.
+/// The sums from which the maps of a run of draws are made: counts and integer sums over its draws, per bin
+/// of the DEM. 84 bytes per bin, 96 with hazards.
 struct DrawMaps {
   std::int64_t draws = 0;
   Grid<std::int32_t> invalid;     ///< draws in which the bin has no elevation
@@ -54,7 +54,7 @@ struct DrawMaps {
   ErrorSums e_z;             ///< z_true - z_est
   /// H(X, Y) - z_est, (X, Y) the bin's centre; none where the terrain varies.
   std::optional<ErrorSums> e_map;
-  std::optional<SafetyCounts> safety;  ///< of a campaign that judges hazards
+  std::optional<SafetyCounts> safety;  ///< of a run of draws that judges hazards
 
   explicit DrawMaps(const GridSpec& grid);
   [[nodiscard]] const GridSpec& spec() const { return invalid.spec(); }

@@ -38,7 +38,7 @@ struct DrawHazards {
   std::optional<LandingSite> best;  ///< the chosen place; none where no place is safe
 };
 
-/// How a campaign's draws land.
+/// How a run's draws land.
 struct LandingParameters {
   double drift_time_s = 0;              ///< for which the velocity error acts after the last pulse
   std::optional<double> yaw_deg;        ///< none: drawn, uniform in [0, 360)

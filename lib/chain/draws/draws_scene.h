@@ -10,7 +10,7 @@
 
 namespace landfall {
 
-/// The inputs that the draws of a campaign share.
+/// The inputs that the draws of a run share.
 struct DrawsScene {
   TrueRanges truth;  ///< one range per pixel and pulse, and its echo if the receiver sees waveforms; empty
                      ///< for draws that trace

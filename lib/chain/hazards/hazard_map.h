@@ -48,8 +48,8 @@ struct HazardInput {
   std::int64_t bins_without_sigma = 0;
   std::optional<BinMask> region = std::nullopt;  ///< the places, if the region's shape is mask or polygon
   std::optional<ReturnCentroids> centroids = std::nullopt;  ///< for p_safe
-  /// Whether a map on which no place of the region can be judged is a result: the worst of a campaign or of a
-  /// study. A region without a bin never is.
+  /// Whether a map on which no place of the region can be judged is a result: the worst of a run of draws or
+  /// of a study. A region without a bin never is.
   bool takes_unknown = false;
 };
 

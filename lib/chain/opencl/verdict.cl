@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The verdict on the DEM of one draw in OpenCL C 1.2, and the sums of a campaign's maps, by the operations of the CPU in their
+// The verdict on the DEM of one draw in OpenCL C 1.2, and the sums of a run's maps, by the operations of the CPU in their
 // order (lib/chain/terrain/relief/triangulated_grid.cpp, lib/base/raster/window_mean.cpp, lib/chain/evaluation/judge/verdict.h, lib/chain/draws/draw_maps.cpp).
 // Without contraction each operation is rounded as on the CPU.
 //

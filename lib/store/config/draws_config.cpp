@@ -137,7 +137,7 @@ std::string moves_rays_because(const Json::json_pointer& pointer, const Json& sc
   return {};
 }
 
-/// Why a key cannot vary in any campaign; empty if it can.
+/// Why a key cannot vary in any run of draws; empty if it can.
 std::string fixed_because(const std::string& key) {
   if (key == "scan.seed" || key == "terrain.seed")
     return "is the same in all draws, whose numbers make their random numbers differ";
@@ -333,7 +333,7 @@ void DrawsConfig::take_samples(const NumberTable& samples) {
   if (samples.row_count() == 0) samples.fail("has no row; a draw is a row");
   constexpr std::size_t kMaxDraws = 100'000;  // the bound of /draws in the schema
   if (samples.row_count() > kMaxDraws)
-    samples.fail("has " + std::to_string(samples.row_count()) + " rows; a campaign has at most 100000 draws");
+    samples.fail("has " + std::to_string(samples.row_count()) + " rows; a run has at most 100000 draws");
   draw_count_ = static_cast<std::int64_t>(samples.row_count());
   for (const std::string& key : samples.names()) {
     const std::vector<double>& values = samples.column(key);

@@ -26,7 +26,7 @@ struct DrawStages {
   nlohmann::json terrain;  ///< null: the ground is a file's
 };
 
-/// A campaign (docs/user/monte-carlo.md).
+/// A run of draws (docs/user/monte-carlo.md).
 class DrawsConfig {
  public:
   /// `resolved` is the configuration of monte-carlo, `scanned` the resolved configuration of the traced scan,
@@ -115,7 +115,7 @@ class DrawsConfig {
   std::map<std::string, Variation<double>> vary_;
 };
 
-/// Checks what can be checked without the scan: as DrawsConfig, but sections of the scan that a campaign
+/// Checks what can be checked without the scan: as DrawsConfig, but sections of the scan that a run of draws
 /// cannot change are only checked for their names. Without a scan, of draws that trace: as DrawsConfig.
 void check_draws_config(const nlohmann::json& resolved, const std::string& name, bool has_scan,
                         const NumberTable* samples);

@@ -17,7 +17,7 @@
 
 namespace landfall {
 
-/// The draws of a campaign, or of a part of one.
+/// The draws of a run, or of a part of one.
 struct Draws {
   DrawTable table;
   /// Footprint::edge_bins() of all draws; none where the footprint varies, and in files of version 0.2.0.
@@ -39,9 +39,9 @@ using NamedNumber = std::pair<std::string, double>;
 
 /// How many draws passed each requirement and all six ("all"), then each of the user's own and these and the
 /// six together ("all_and_own"), with Wilson's 95 % interval and the exact one-sided
-/// lower bound, and in how many it is judged; of a campaign that judges hazards also in how many the chosen
-/// place is safe in truth, and of one whose draws land in how many they land safely, with the lidar and
-/// without, with exact McNemar test and the interval of the difference (Newcombe). Over several scans for
+/// lower bound, and in how many it is judged; of a run of draws that judges hazards also in how many the
+/// chosen place is safe in truth, and of one whose draws land in how many they land safely, with the lidar
+/// and without, with exact McNemar test and the interval of the difference (Newcombe). Over several scans for
 /// each of them, and for all. With the state of a sequential test the results decided the number of draws:
 /// both are then not valid, and marked so.
 [[nodiscard]] nlohmann::ordered_json verdict_json(const DrawTable& table,
@@ -57,8 +57,8 @@ struct DrawsInput {
   std::string crs_wkt;
   std::string file_id;
   nlohmann::json chain;  ///< its last step made the file
-  /// The file is of version 0.2.0: draw i has the seed of the campaign plus i, and so random numbers that
-  /// campaigns with other seeds have too.
+  /// The file is of version 0.2.0: draw i has the seed of the run plus i, and so random numbers that
+  /// runs of draws with other seeds have too.
   bool counts_seeds = false;
 };
 

@@ -93,7 +93,7 @@ class Design:
         return [self.problem.scan_of(self.runner, self.problem.configs(values, terrain)) for terrain in range(len(self.problem.terrains))]
 
     def part(self, scan, draws, begin, end):
-        """The file of the draws begin..end-1 of a campaign; an earlier run may have made it."""
+        """The file of the draws begin..end-1 of a run; an earlier run may have made it."""
         path = self.runner.place("part", [*scan.depends, draws, begin, end], "h5")
         if not os.path.exists(path):
             scan.make_draws(draws, path, "--draws", f"{begin}:{end}")
@@ -170,7 +170,7 @@ class Design:
         return {"seed": row["seed"], "draw": row["draw"], "numbers": len(common)}
 
     def merged(self, passes, parts):
-        """The rate of the whole campaign."""
+        """The rate of the whole run."""
         verdict = os.path.join(self.runner.scratch, "verdict.json")
         self.runner.run("monte-carlo", "merge", *parts, "-o", os.path.join(self.runner.scratch, "merged.h5"), "-O", "--verdict", verdict)
         tree = schema.read_json(verdict)

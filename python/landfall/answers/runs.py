@@ -62,7 +62,7 @@ def needs_chain(scan):
 
 
 def truth_of(scan):
-    """The scan that is traced for a campaign."""
+    """The scan that is traced for a run of draws."""
     echoes = scan_keys.part(scan, ("echo",)) if stages.has_receiver(scan) else {}
     return {**stages.truth_config(scan), **echoes}
 

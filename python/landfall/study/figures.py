@@ -73,8 +73,8 @@ def estimate_name(results, quantile):
 
 
 def interval_name(metrics):
-    """The interval of probabilities that campaigns estimate; else empty."""
-    return "probabilities: share of a campaign's draws, 95 % interval (Wilson)" if any(map(is_probability, metrics)) else ""
+    """The interval of probabilities that runs of draws estimate; else empty."""
+    return "probabilities: share of the draws, 95 % interval (Wilson)" if any(map(is_probability, metrics)) else ""
 
 
 # A metric against an axis

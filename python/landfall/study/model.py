@@ -62,7 +62,7 @@ class Study:
     plot: dict
     files: tuple = field(default=())  # all that it was read from
     description: str = ""
-    traces: bool = False  # the draws of its campaigns trace their own rays
+    traces: bool = False  # the draws of its runs trace their own rays
 
     def axes(self):
         return [axis for dimension in self.dimensions for axis in dimension]

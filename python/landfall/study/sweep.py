@@ -89,7 +89,7 @@ def plan(options):
     print(f"{printable(study.name)}: {counted(len(graph.cases), 'case')}: {counted(len(graph.terrain), 'terrain')}, "
           f"{counted(len(graph.truth), 'truth')}, {counted(len(graph.scan), 'scan')}, {counted(len(graph.regrid), 'DEM')}, "
           f"{counted(len(graph.eval), 'evaluation')}" + (f", {counted(len(graph.hazard), 'hazard map')}" if graph.hazard else "") +
-          (f", {counted(len(graph.draws), 'campaign')}" if graph.draws else "") +
+          (f", {counted(len(graph.draws), 'monte-carlo run')}" if graph.draws else "") +
           f"; {written} files written")
     print(rules.disk_text(graph, layout.keep))
 

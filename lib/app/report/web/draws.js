@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 
-// Fills the sections of the report on a campaign of draws.
+// Fills the sections of the report on a run of draws.
 
 import {axisOf, Chart} from "./chart.js";
 import {valuesBar} from "./cursor.js";
@@ -279,7 +279,7 @@ function fillFailures(section) {
       `${failed.length > MAX_FAILURES ? ` The table has the first ${MAX_FAILURES}.` : ""}${shownNote()}`));
   if (failed.length > 0) section.append(htmlElement("div", {class: "tall"}, failureTable(failed)));
   if (report.stages === null) {
-    section.append(htmlElement("p", {class: "note"}, "The commands of the chain stand in the report of a campaign over one scan."));
+    section.append(htmlElement("p", {class: "note"}, "The report of a run over one scan shows the commands of the chain."));
     return;
   }
   const configurations = Object.entries(report.stages).map(([stage, config]) => `cat > ${stage}.json <<'END'\n${JSON.stringify(config)}\nEND`);
@@ -293,7 +293,7 @@ function fillFailures(section) {
   show();
   section.append(htmlElement("h3", {}, "The same draw by the chain"),
                  htmlElement("p", {class: "note"}, report.traces ? "The metrics are the same, bit for bit." :
-                     "scan.h5 and terrain.h5 are the inputs of this campaign; the metrics are the same, bit for bit."),
+                     "scan.h5 and terrain.h5 are the inputs of this run; the metrics are the same, bit for bit."),
                  htmlElement("details", {}, htmlElement("summary", {}, "once: the configurations of the tools"),
                              htmlElement("pre", {id: "configurations"}, configurations.join("\n"))),
                  htmlElement("div", {class: "controls screen-only"}, htmlElement("label", {}, "draw", input)), commands);
@@ -310,7 +310,7 @@ function mapsNote() {
 
 async function fillMaps(section) {
   if (report.layers.length === 0) {
-    section.append(htmlElement("p", {}, "This campaign was made without maps."));
+    section.append(htmlElement("p", {}, "This run was made without maps."));
     return;
   }
   const {groups, all, named} = await loadGroups();
