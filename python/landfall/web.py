@@ -3,7 +3,7 @@
 
 usage: web.py WEB_FOLDER OUTPUT_FOLDER PAGE...
 
-Writes PAGE.html of each page. The build calls this for the reports of the tools; it needs nothing beside Python.
+Writes PAGE.html of each page. The build calls this for the reports of the tools; it needs nothing but Python.
 """
 import base64
 import hashlib

@@ -187,7 +187,7 @@ class Maps(ChainTest):
         self.assertIn("this map carries no p_safe above 0.9966, and sites.min_p is 0.999 (smaller bins carry more): 100 % safe", result.stderr)
         self.succeed("terrain-gen", "-o", self.path("t.h5"), "-O", "--set", 'grid={"half_width_m": 8, "resolution_m": 0.1}', "--set",
                      'features=[{"type": "rock", "x_m": 1, "y_m": 1, "diameter_m": 1, "height_m": 0.3}]')
-        self.check_message("hazard-map", run(*arguments).stderr, ["t.h5: rocks or steps stand out of the relief: beside them p_safe is less sure"])
+        self.check_message("hazard-map", run(*arguments).stderr, ["t.h5: rocks or steps stand out of the relief: next to them p_safe is less sure"])
 
     def test_truth_is_ignored_on_request(self):
         layers, listed = self.hazards(self.chain.dem, CONFIG, "--no-truth")

@@ -12,7 +12,7 @@
 
 namespace landfall::cli {
 
-/// The wishes that the options of `landfall run` express beside the configuration.
+/// The wishes that the options of `landfall run` express in addition to the configuration.
 struct ChainRequest {
   std::filesystem::path folder;
   bool require_pass = false;

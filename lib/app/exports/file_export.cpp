@@ -187,7 +187,7 @@ PointReader::Pass properties_pass(const PointReader& points, const ExportOptions
   return pass;
 }
 
-/// Writes the .xmf, and beside it the positions that it refers to, which get their final name first. Returns
+/// Writes the .xmf and the file of positions that it refers to, which gets its final name first. Returns
 /// a remark on their frame, or nothing.
 std::string xmf_points(const Job& job, const PointReader& points, ByteSink& sink) {
   const auto& [o, output, tool, progress] = job;

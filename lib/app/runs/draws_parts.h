@@ -11,7 +11,7 @@
 
 namespace landfall {
 
-/// The state that a run of draws keeps: a file of draws under a hidden name beside the
+/// The state that a run of draws keeps: a file of draws under a hidden name next to the
 /// output, so that a run that was ended resumes from it.
 class DrawsState {
  public:

@@ -52,8 +52,8 @@ struct DrawsSummary {
 };
 
 /// Makes the draws, or a part of them, and writes draws.h5. At most every 30 s the state of the run is
-/// written beside the output (DrawsState); a run with the same inputs begins there. An interrupt ends the run
-/// after the draw that is being made and a last state. The state is removed when the output is complete.
+/// written next to the output (DrawsState); a run with the same inputs begins there. An interrupt ends the
+/// run after the draw that is being made and a last state. The state is removed when the output is complete.
 /// Throws as DrawsConfig and DrawSeries do, and UsageError for a part beyond the rows or of a sequential
 /// test, and for a sequential test over several pairs.
 DrawsSummary run_draws(const DrawsSources& sources, const std::optional<DrawSpan>& part, DrawsOutput output);

@@ -128,7 +128,7 @@ class UncertaintyMap {
 [[nodiscard]] double misfit_factor(double count);
 
 /// max(0.6, q)^1.2 for a bin with q times the mean number of returns: more returns fall into the bins that
-/// hold a steep face of a rock, where the error is largest, and fewer beside them. Fitted to rocks under
+/// hold a steep face of a rock, where the error is largest, and fewer next to them. Fitted to rocks under
 /// seven scans of 1 to 14 returns per bin (docs/user/uncertainty.md).
 [[nodiscard]] double crowding_factor(double relative_count);
 

@@ -82,7 +82,7 @@ class LaneWalk {
   /// Range at which a ray enters the grid's width, -infinity where steep.
   static HWY_INLINE V entrance(const Axis& along, double width);
   static HWY_INLINE void put_on_border(const Axis& along, M comes_over, double width, CellPosition& position);
-  /// Moves rays that start beside the grid to where they enter it. Returns which of them certainly miss it.
+  /// Moves rays that start outside the grid to where they enter it. Returns which of them certainly miss it.
   HWY_INLINE M position_at_entrance(const WalkTerrain& terrain, const Axis& x, const Axis& y,
                                     CellPosition& col, CellPosition& row);
   /// Whether a ray certainly ends in the cell where it starts.

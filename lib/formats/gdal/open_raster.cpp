@@ -148,7 +148,7 @@ void require_whole_usgs_dem(const OpenRaster& raster, const DemBase& dem) {
         " columns between the corners of a USGS DEM: it is truncated or damaged; get or export it again");
 }
 
-/// A header beside an image of another format (FILE.hdr beside FILE.pgm) makes the drivers of raw rasters
+/// A header next to an image of another format (FILE.hdr next to FILE.pgm) makes the drivers of raw rasters
 /// read the image's own header and samples as elevations.
 void require_own_data(const OpenRaster& raster, const DemBase& dem) {
   constexpr std::array<std::string_view, 6> kRawDrivers = {"EHdr", "ENVI", "ERS", "RST", "SAGA", "PDS"};
@@ -156,7 +156,7 @@ void require_own_data(const OpenRaster& raster, const DemBase& dem) {
   if (std::ranges::find(kRawDrivers, driver) == kRawDrivers.end()) return;
   const std::string format = promised_format(dem.path);
   if (!format.empty())
-    throw FormatError(dem.path + ": is a " + format + " file, which a header of a raw raster beside it (" +
+    throw FormatError(dem.path + ": is a " + format + " file, which a header of a raw raster next to it (" +
                       std::string(driver) +
                       ") describes otherwise; rename one of them, or gdal_translate it");
 }

@@ -8,7 +8,7 @@
 
 namespace landfall {
 
-// The effects of the keys of a scan's configuration, as schemas/scan.schema.json says beside each key:
+// The effects of the keys of a scan's configuration, as schemas/scan.schema.json states for each key:
 // "effect", which the keys below inherit, "drawn" and "sigma"; "beam_with", for a whole section, the value of
 // another key with which its keys move the beams.
 

@@ -82,7 +82,7 @@ class StateTable {
     add("safety_missed", maps.safety->missed, "1", "of these, draws in which the place is a hazard in truth");
   }
 
-  /// In pieces, so that little memory is needed beside the maps.
+  /// In pieces, so that little memory is needed besides the maps.
   void write(const LandfallFileWriter& file) {
     constexpr std::size_t kPieceRows = 4 * kTableChunkRows;
     std::vector<ColumnSpec> specs;

@@ -82,7 +82,7 @@ def main(arguments):
     parser.add_argument("results", metavar="RESULTS", help="Dakota's results file")
     parser.add_argument("--model", metavar="FILE", default="model.json", help="base, inputs and outputs (model.json)")
     parser.add_argument("--folder", metavar="DIR", default="landfall-model", help="where results are kept and found again (landfall-model)")
-    parser.add_argument("--bin", metavar="DIR", help="where the tools are (default: beside this package, or on PATH)")
+    parser.add_argument("--bin", metavar="DIR", help="where the tools are (default: next to this package, or on PATH)")
     options = parser.parse_args(arguments)
     if options.bin:
         tools.BIN = options.bin

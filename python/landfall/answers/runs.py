@@ -93,7 +93,7 @@ def add_options(parser, what):
     """The options of a program that runs many tools."""
     parser.add_argument("file", metavar="FILE", help=what)
     parser.add_argument("-o", "--out", metavar="DIR", required=True, help="folder of the results; an interrupted run resumes from it")
-    parser.add_argument("--bin", metavar="DIR", help="where the tools are (default: beside this package, or on PATH)")
+    parser.add_argument("--bin", metavar="DIR", help="where the tools are (default: next to this package, or on PATH)")
     parser.add_argument("-j", "--workers", metavar="N", type=int, default=1, help="runs at a time, each with one thread; 1 has all threads (1)")
     parser.add_argument("--runner", metavar="COMMAND", default="", help='command that runs each tool, as "srun -Q -n1 -c1"')
 

@@ -142,7 +142,7 @@ def draw_chosen(ax, draws):
 
 
 def edges_of(values, limit, is_whole):
-    """Edges of equally wide classes, between whole numbers for counts. Bars are wide enough to be seen beside a limit far away."""
+    """Edges of equally wide classes, between whole numbers for counts. Bars are wide enough to be seen next to a limit far away."""
     low, high = float(values.min()), float(values.max())
     minimum = max(abs(low - limit), abs(high - limit), abs(limit) / 2) / 100
     if is_whole:

@@ -212,7 +212,7 @@ def set_percent_axes(ax, alarms, missed):
 
 
 def label_limits(ax, alarms, missed, limits):
-    """The limit beside each point, one label for points at one place and none for points that are near to a labelled one."""
+    """The limit next to each point, one label for points at one place and none for points that are near to a labelled one."""
     places = ax.transAxes.inverted().transform(ax.transData.transform(np.column_stack((alarms, missed))))
     labelled = []
     for at, x, y in zip(places, alarms, missed):
@@ -239,7 +239,7 @@ def draw_reliability(ax, hazards):
     ax.plot([0, 1], [0, 1], color="black", linewidth=1, label="perfectly calibrated")
     ax.plot(middle, share, color=maps.BLUE, marker="o", linewidth=1, gid="reliability", label="found; number of places")
     for x, y, places in zip(middle, share, count):
-        # Beside a low point, where the curve leaves room; a label of the last ones would not fit there.
+        # Next to a low point, where the curve leaves room; a label of the last ones would not fit there.
         offset, ha, va = ((0, 7), "center", "bottom") if y > x else ((7, -2), "left", "center") if x < 0.8 else ((0, -7), "center", "top")
         ax.annotate(f"{places:,.0f}", (x, y), offset, textcoords="offset points", ha=ha, va=va, fontsize=maps.NOTE_PT,
                     bbox={"facecolor": "white", "edgecolor": "none", "alpha": 0.8, "pad": 0.6})

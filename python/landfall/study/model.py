@@ -85,7 +85,7 @@ def unit_of(name):
 
 
 def without_unit(name, unit):
-    """The name without the unit that it ends in, for texts that give the unit beside it: range_sigma_m -> range_sigma."""
+    """The name without the unit that it ends in, for texts that give the unit separately: range_sigma_m -> range_sigma."""
     return name.rsplit("_", 1)[0] if unit not in ("", "1") and "_" in name and name.rsplit("_", 1)[1] in UNITS else name
 
 

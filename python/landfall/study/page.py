@@ -218,7 +218,7 @@ def estimate_cell(estimate):
 
 # Cases: lib/app/report/web/study.js fills this
 
-CASES = """<noscript><p>This table needs JavaScript; results.csv beside this page holds the same numbers.</p></noscript>
+CASES = """<noscript><p>This table needs JavaScript; results.csv next to this page holds the same numbers.</p></noscript>
 <div class="controls" id="filters"></div>
 <details id="columns" class="screen-only"><summary>Columns</summary><div class="choices"></div></details>
 <p class="note"><output id="case-count"></output></p>

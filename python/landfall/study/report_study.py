@@ -2,7 +2,7 @@
 # A study's report shows the numbers of its figures: rates and quantiles with their intervals are read from
 # `pass_rates.csv` and `percentiles.csv`, so that page and figures cannot differ. The description of how a case is made
 # comes from the rules of `study.mk`, which the run itself used.
-"""Writes a study's report: one HTML file that needs nothing beside it, with the table of its cases, their configurations
+"""Writes a study's report: one self-contained HTML file, with the table of its cases, their configurations
 and the figures of plot_study.py.
 
 FOLDER is a study's, with results.h5 (make -f Makefile.studies study).
@@ -325,7 +325,7 @@ def failures(study, chains, verdicts):
 
 
 def reports(study, shown):
-    """{case: name} of dem-eval's reports that lie beside the layers."""
+    """{case: name} of dem-eval's reports that lie next to the layers."""
     found = {}
     for case in shown:
         name = "eval/" + os.path.basename(study.files_of(case)[0])[:-5] + ".html"

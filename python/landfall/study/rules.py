@@ -312,7 +312,7 @@ def size_text(size):
 
 
 def disk_text(graph, keep):
-    """The files that stay on the disk beside terrains and results, in one line."""
+    """The files that stay on the disk, other than terrains and results, in one line."""
     parts = []
     if graph.truth:
         rays = sum(rays_of(json.loads(graph.configs["scan", stage.config_id])) for stage in graph.truth.values())

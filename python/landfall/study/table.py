@@ -32,7 +32,7 @@ SIZES = ("max_m", "p95_m", "le90_m")
 
 
 def metric_label(metric, unit):
-    """The name of a metric in a figure or a report, without the unit, which it gives beside it."""
+    """The name of a metric in a figure or a report, without the unit, which it gives separately."""
     own = dictionary.OWN_NUMBER.fullmatch(metric)
     if own:
         return f"own requirement {own[2]}, {metric.rpartition('.')[2]}"

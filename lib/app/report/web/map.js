@@ -284,7 +284,7 @@ export class MapPanel {
     this.svg.append(svgElement("text", {x: x + half + 5, y: y + half, class: "haloed"}, text));
   }
 
-  /** Draws a circle for each point, with its number beside it where no other circle or number is. The first points
+  /** Draws a circle for each point, with its number next to it where no other circle or number is. The first points
    * are placed first; a point without room gets no number. */
   drawPoints() {
     const places = (this.options.points ?? []).map(({x_m, y_m, text}) => ({x: this.x(x_m), y: this.y(y_m), text}));

@@ -18,7 +18,7 @@ struct PolygonSoup {
   std::vector<Eigen::Vector3d> points;
   std::vector<std::uint32_t> corners;     ///< numbers of points, polygon after polygon
   std::vector<std::size_t> polygon_ends;  ///< where each polygon's corners end
-  std::vector<std::string> unread;        ///< what the file holds beside its shape, for a warning
+  std::vector<std::string> unread;        ///< other contents of the file, for a warning
 
   [[nodiscard]] std::span<const std::uint32_t> polygon(std::size_t i) const {
     const std::size_t begin = i == 0 ? 0 : polygon_ends[i - 1];

@@ -344,9 +344,9 @@ TEST(PenitenteField, Validates) {
   EXPECT_EQ(with([](auto& f) { f.length_m = f.width_m = 0, f.diameter_m = 30; }), "accepted");
   EXPECT_THAT(with([](auto& f) { f.length_m = 0; }), HasSubstr("length_m: 0 is not finite and positive"));
   EXPECT_THAT(with([](auto& f) { f.diameter_m = 30; }),
-              HasSubstr("length_m: 50 is not allowed beside diameter_m"));
+              HasSubstr("length_m: 50 is not allowed with diameter_m"));
   EXPECT_THAT(with([](auto& f) { f.diameter_m = 30, f.length_m = 0; }),
-              HasSubstr("width_m: 50 is not allowed beside diameter_m"));
+              HasSubstr("width_m: 50 is not allowed with diameter_m"));
   EXPECT_THAT(with([](auto& f) { f.amplitude_m = 0; }), HasSubstr("amplitude_m"));
   EXPECT_THAT(with([](auto& f) { f.wavelength_m = kNan; }), HasSubstr("wavelength_m"));
   EXPECT_THAT(with([](auto& f) { f.exponent = 0; }), HasSubstr("exponent"));
