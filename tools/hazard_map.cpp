@@ -121,7 +121,7 @@ void place(cli::Session& session, const std::string& name, HazardMap& map, const
   place_on_map(map.sites, crs_wkt);
 }
 
-/// Prints what is asked for, and passes on the outcome.
+/// Prints the requested tables, and passes on the outcome.
 ExitCode conclude(cli::Session& session, const Options& o, const HazardMap& map,
                   const HazardParameters& parameters, bool is_sharp = false) {
   const RequirementVerdicts own = own_verdicts(map, parameters);

@@ -71,7 +71,7 @@ def seal_file(path):
 
 
 def sound_files(paths):
-    """Those of the files that check_files() does not refuse."""
+    """The files that check_files() accepts."""
     try:
         if paths:
             check_files(*paths)

@@ -68,7 +68,7 @@ class ChainRecord {
   [[nodiscard]] bool is_announced(const std::filesystem::path& output) const;
   /// The table that the stage printed; empty if nothing is recorded.
   [[nodiscard]] std::string table(const ChainStage& stage) const;
-  /// Whether the stage was asked for its requirement and met it.
+  /// Whether the stage had a requirement and met it.
   [[nodiscard]] bool has_met(const ChainStage& stage) const;
   /// The names of the recorded outputs that still exist.
   [[nodiscard]] std::vector<std::string> outputs() const;

@@ -51,7 +51,7 @@ std::string metres(const OrderedJson& value) {
   return value.is_number() ? print("%.6g", value.get<double>()) : "-";
 }
 
-/// Also of a clock whose seconds are large numbers.
+/// Keeps the digits of clocks whose seconds are large numbers.
 std::string time_text(const OrderedJson& value) {
   return value.is_number() ? print("%.15g", value.get<double>()) : "-";
 }

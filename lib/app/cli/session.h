@@ -38,7 +38,7 @@ struct CommonOptions {
   bool print_completion = false;
   int compression = 1;
 
-  /// Whether a tool prints its table: where it is asked for, and on a terminal.
+  /// Whether a tool prints its table: with --table, and on a terminal.
   [[nodiscard]] bool shows_table(bool is_asked) const;
 };
 

@@ -64,7 +64,7 @@ using Warn = std::function<void(const std::string&)>;
 /// Warnings about the axes of a mesh file, and about how the placed mesh stands.
 std::vector<std::string> place_findings(const MeshImport& import, const PlaceComments& comments,
                                         const IndexedTriangles& mesh) {
-  constexpr std::size_t kFewestVertices = 16;  // of which a shape is told
+  constexpr std::size_t kFewestVertices = 16;  // that show a shape
   Eigen::AlignedBox3d box;
   for (const Eigen::Vector3d& vertex : mesh.vertices) box.extend(vertex);
   const Eigen::Vector3d size = box.sizes();

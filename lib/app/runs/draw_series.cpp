@@ -68,7 +68,7 @@ void require_hazards(const DrawsConfig& config, const DrawSpan& span) {
   });
 }
 
-/// The sigmas of regrid --uncertainty in a draw; none unless they are asked for.
+/// The sigmas of regrid --uncertainty in a draw; none unless they are requested.
 std::optional<UncertaintyParameters> uncertainty_of(const DrawsConfig& config, const DrawStages& stages,
                                                     const std::string& name) {
   if (!config.has_uncertainty()) return std::nullopt;

@@ -55,9 +55,9 @@ class DrawGridder {
   /// Null without a device.
   [[nodiscard]] DeviceGridder* device() const { return device_.get(); }
 
-  /// The DEM of the draw, which the next call replaces; the caller may take layers out of it. `simulation` is
-  /// of the ground `truth`. It traces if it can; else it has as many pulses and pixels as the ranges: throws
-  /// FormatError where it has not.
+  /// The DEM of the draw, which the next call replaces; the caller may take layers out of it. `simulation`
+  /// must use the terrain `truth`. Without an engine its pulse and pixel counts must match the ranges; throws
+  /// FormatError otherwise.
   [[nodiscard]] DrawnDem& draw(const Simulation& simulation, Method method, TruthAt truth_at,
                                const TerrainSurface& truth);
 

@@ -80,7 +80,7 @@ struct DrawSetup {
 
 /// Runs draws one after the other, each on all threads: traces or replays, grids and judges in memory. Memory
 /// does not depend on the number of draws. A device judges them too (DeviceJudge) where the metrics are
-/// MetricsKind::verdict, no hazards are asked for and the ground is a grid in memory.
+/// MetricsKind::verdict, no hazards are requested and the terrain is a grid in memory.
 class DrawRunner {
  public:
   /// The scene's data must outlive this object. With maps H at the bins' centres is computed once, if all

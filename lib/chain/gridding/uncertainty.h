@@ -80,7 +80,7 @@ struct BinSigmas {
 ///
 /// navigation = J (Sigma_p + t^2 Sigma_v) J^T + a^T (Sigma_th + t^2 Sigma_w) a, a = R^T (r x J).
 ///
-/// Where a bin has no slope, misfit is 0 and the others are NaN.
+/// In a bin without a slope, misfit is 0 and the others are NaN.
 class UncertaintyMap {
  public:
   /// The first four arguments belong to one grid and one set of returns, and must outlive the map. Takes 8

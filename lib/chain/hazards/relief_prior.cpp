@@ -145,7 +145,7 @@ class Cells {
   std::int64_t bins_, first_row_, first_col_, rows_, cols_;
 };
 
-/// The mean about each bin of what was seen, blurred over the scale.
+/// The mean of the measured bins about each bin, blurred over the scale.
 Grid<float> mean_of_seen(Grid<float> values, const ScaleDetails& scale) {
   const GridSpec& spec = values.spec();
   for (std::size_t i = 0; i < spec.size(); ++i) values.values()[i] *= scale.seen.values()[i];

@@ -21,7 +21,7 @@ namespace {
 
 constexpr double kStudentFreedom = 5;
 /// Sigmas beyond which nothing is open: neither the map's own, nor those of the first terrains, where one
-/// more ground would be on the other side of a limit with a probability of kDoubt.
+/// more terrain would be on the other side of a limit with a probability of kDoubt.
 constexpr double kCertain = 8;
 constexpr std::uint64_t kFirstTerrains = 3;
 constexpr float kDoubt = 2.46e-4F;  // T(-kCertain)
@@ -76,7 +76,7 @@ class Moments {
   Moments(const GridSpec& spec, std::int64_t half_bins)
       : half_bins_(half_bins), mean_(spec), squares_(spec) {}
 
-  /// The places' values on the ground of this number, from 1 on.
+  /// The places' values on the terrain of this number, from 1 on.
   void add(const Grid<double>& values, const BinMask& places, double number) {
     by_rows(mean_.spec(), [&](std::int64_t row) {
       for (std::size_t c = 0; c < values.row(row).size(); ++c) {

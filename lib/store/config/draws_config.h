@@ -44,7 +44,7 @@ class DrawsConfig {
   [[nodiscard]] MetricsKind metrics() const { return metrics_; }
   [[nodiscard]] bool has_layers() const { return has_layers_; }
   /// The parameters of the predicted 1-sigma map: /regrid/uncertainty; what it lacks is taken from the varied
-  /// navigation errors, and the range noise from the scan (D318). Empty where the map is not asked for.
+  /// navigation errors, and the range noise from the scan (D318). Empty if the map is not requested.
   [[nodiscard]] const std::optional<UncertaintyParameters>& predicted() const { return predicted_; }
   /// Whether hazards are judged on the DEM of each draw.
   [[nodiscard]] bool has_hazards() const { return !stages_.hazard.is_null(); }

@@ -26,7 +26,7 @@ struct Draws {
   // With maps:
   std::optional<BinMask> region;           ///< the judged bins
   std::optional<Grid<float>> z_true_map;   ///< H(X, Y), NaN off the terrain; none where the terrain varies
-  std::optional<Grid<float>> z_sigma_abs;  ///< predicted, where it is asked for
+  std::optional<Grid<float>> z_sigma_abs;  ///< predicted, if it is requested
 };
 
 /// A number of a draw by its dotted path in metrics.json.

@@ -38,7 +38,7 @@ std::string_view trimmed(std::string_view text) {
 }
 
 /// The character of "," ";" and tab that divides a line into most cells; a blank if it has none of them.
-/// Those between double quotes do not count.
+/// Characters between double quotes do not count.
 char separator_of(std::string_view line) {
   char separator = ' ';
   std::ptrdiff_t maximum = 0;

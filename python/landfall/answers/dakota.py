@@ -18,7 +18,7 @@ KEYS = ("base", "inputs", "outputs")
 
 
 def read_parameters(path):
-    """({variable: number}, [(name of a function, what is asked of it)]) of a file in Dakota's standard or APREPRO format."""
+    """({variable: number}, [(name of a function, its requested values)]) of a file in Dakota's standard or APREPRO format."""
     try:
         with open(path, encoding="utf-8") as file:
             lines = [line.strip() for line in file]

@@ -52,7 +52,7 @@ class Problem:
         return {f"{path}.{own['name']}": own for path, stage in sections.items() for own in self.base.get(stage, {}).get("requirements", [])}
 
     def _counted_own(self):
-        """Those of _own() that a draw must meet: all, the one that is named, or none."""
+        """The requirements of _own() that a draw must meet: all, the named one, or none."""
         return {path: own for path, own in self._own().items() if self.requirement in (ALL_AND_OWN, own["name"])}
 
     def judges_map(self):

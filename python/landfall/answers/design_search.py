@@ -219,7 +219,7 @@ def pareto(candidates):
 
 
 def by_fronts(candidates):
-    """Those on the Pareto front, then those on the front of the others, and so on: the margins of one draw may mislead."""
+    """The candidates on the Pareto front, then those on the front of the others, and so on: the margins of one draw may mislead."""
     rest = list(candidates)
     while rest:
         front = pareto(rest)

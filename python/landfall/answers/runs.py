@@ -85,7 +85,7 @@ def _close_scratch(folder, lock):
 
 def is_steady(outcome):
     """Whether an outcome, a tree with "code" if a tool failed, follows from the configuration alone: a tool that ran out of memory or
-    disk is asked again."""
+    disk is checked again."""
     return outcome.get("code", 2) == 2
 
 

@@ -132,7 +132,7 @@ def case_names(study, verdicts):
 
 
 def columns(study, shown, verdicts, seconds, metrics):
-    """Those of the cases' table: what a case is, its verdict, then all of results.csv; `first` are shown unless asked otherwise."""
+    """The columns of the cases' table: the case, its verdict, then all of results.csv; `first` are shown by default."""
     made = [_column("case", "case", "", "case", list(shown), True),
             _column("verdict", "verdict", "", "verdict", [verdicts[case] for case in shown], True)]
     for index, axis in enumerate(axes(study)):

@@ -296,7 +296,7 @@ def cases_text(study, graph, layout, limits):
     return json.dumps(head, indent=1, ensure_ascii=False)[:-2] + ',\n "cases": [\n  ' + ",\n  ".join(rows) + "\n ]\n}\n"
 
 
-# Disk space, told before any file is made
+# Disk space, reported before any file is made
 
 
 def rays_of(scan):

@@ -35,7 +35,7 @@ def metric_label(metric, unit):
     """The name of a metric in a figure or a report, without the unit, which it gives separately."""
     own = dictionary.OWN_NUMBER.fullmatch(metric)
     if own:
-        return f"own requirement {own[2]}, {metric.rpartition('.')[2]}"
+        return f"custom requirement {own[2]}, {metric.rpartition('.')[2]}"
     return METRIC_NAMES.get(metric) or model.without_unit(metric, unit)
 
 
