@@ -85,7 +85,7 @@ TEST(ErrorEffects, JitterMovesTrueBeamsOnly) {
   const PulseBatch batch = simulate({.pointing = {.jitter_sigma_x_rad = 1e-3}}, engine);
   const PointingError same({.jitter_sigma_x_rad = 1e-3}, 1);
   for (std::size_t i = 0; i < 100; ++i) {
-    const Vector3d n = same.turn(static_cast<std::int64_t>(i)).m.col(2);
+    const Vector3d n = same.rotation(static_cast<std::int64_t>(i)).m.col(2);
     const Vector3d hit = lander(i) + lander(i).z() / n.z() * Vector3d(n.x(), -n.y(), -n.z());
     EXPECT_LT((true_point(batch, i) - hit).norm(), 1e-12);
     EXPECT_NE(true_point(batch, i).y(), lander(i).y());
