@@ -49,7 +49,7 @@ struct ChainNames {
 /// version. Empty if the file_id is the same.
 [[nodiscard]] std::string replacement_reason(const nlohmann::json& before, const nlohmann::json& after);
 
-/// The record of what `landfall run` has made in a folder: the chain; for each output its file_id, or the
+/// The record of the outputs of `landfall run` in a folder: the chain; for each output its file_id, or the
 /// hash of its bytes, also of one that is about to get its name, so that a file of another origin is never
 /// taken for one (the outputs equal those of the single tools, so that no file says who made it); the table
 /// that each stage printed; whether it met its requirement. It lies in the hidden file .landfall-run.json of
@@ -74,7 +74,7 @@ class ChainRecord {
   [[nodiscard]] std::vector<std::string> outputs() const;
   /// The chain of these outputs; empty for a record of version 0.2.0, which has none.
   [[nodiscard]] const std::optional<ChainIdentity>& chain() const { return chain_; }
-  /// The chain of what is made from now on. The next call of add() or save() writes it.
+  /// The chain of all later outputs. The next call of add() or save() writes it.
   void set_chain(ChainIdentity chain);
   /// Notes that the temporary files of a stage are about to get their names, and writes the file.
   void announce(const ChainStage& stage);

@@ -45,7 +45,7 @@ struct Tool {
 
 /// A run that another program of landfall starts.
 struct Invocation {
-  bool keep_same = false;  ///< an output that is what this run would write is left as it is
+  bool keep_same = false;  ///< leaves an output that this run would not change
   bool kept = false;       ///< it was left
   std::string
       section{};  ///< of the configuration that --set has, for messages: "chain.json: /eval"; or empty

@@ -8,7 +8,7 @@
 namespace landfall::html_report {
 
 /// The table of requirements as HTML, with the words of the terminal's table (verdict_texts()): requirement,
-/// what was measured, limit, verdict.
+/// measured value, limit, verdict.
 [[nodiscard]] std::string verdict_table_html(const Metrics& metrics, const EvaluationLimits& limits);
 
 /// A paragraph with assumption_texts().

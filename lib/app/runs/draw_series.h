@@ -67,7 +67,7 @@ class DrawSeries {
   /// Runs the draw after the last row of `draws`, and adds it. The result of each draw depends on its number
   /// only.
   void run_next(Draws& draws);
-  /// After the last draw, and before `draws` is kept: adds to its maps what a device still has.
+  /// Adds the remaining results of a device to the maps. Call after the last draw and before keeping `draws`.
   void complete(Draws& draws);
 
  private:

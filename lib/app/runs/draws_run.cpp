@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The first interrupt of a run of draws waits for the current draw and the state, a second one does not.
-// Batch systems send SIGTERM some seconds before SIGKILL, and a draw takes less. Writing a state does not
-// decide the end of the run (lib/base/output/temporary_files.h), because interrupts are deferred while it is
-// named.
+// The first interrupt waits for the current draw and the state, a second one does not. Batch systems send
+// SIGTERM some seconds before SIGKILL, and a draw takes less. Writing a state does not decide the end of the
+// run (lib/base/output/temporary_files.h), because interrupts are deferred while it is named.
 #include "app/runs/draws_run.h"
 
 #include <algorithm>
@@ -71,7 +70,7 @@ class ScanSequence {
     return *series_;
   }
 
-  /// Adds to the maps what a device still has.
+  /// Adds the remaining results of a device to the maps.
   void complete(Draws& draws) { series_->complete(draws); }
 
   /// The frame of the scan in memory; with several it is not written, because there are no maps.

@@ -26,7 +26,7 @@ namespace landfall {
 /// The metrics of a draw that are computed.
 enum class MetricsKind {
   full,     ///< all of metrics.json
-  verdict,  ///< what decides the six requirements: no percentiles, several times faster
+  verdict,  ///< the numbers that decide the six requirements: no percentiles, several times faster
 };
 
 /// By MetricsKind.

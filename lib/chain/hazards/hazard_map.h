@@ -102,7 +102,7 @@ struct LandingSite {
   double slope_deg = 0, roughness_m = 0;
   std::optional<float> distance_to_hazard_m;  ///< none without a place that is not safe
   Safety truth = Safety::unknown;
-  MapPosition map = {};  ///< who has the CRS of the file sets it
+  MapPosition map = {};  ///< set by the caller, who has the CRS of the file
 };
 
 /// Whether p_touchdown too is as large as the evidence allows: all about the site is at that bound.

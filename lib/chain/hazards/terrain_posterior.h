@@ -22,9 +22,8 @@ namespace landfall {
 /// The elevation at a bin's centre is its mean m less s^2 / 24 times the Laplacian of the means, to second
 /// order in the edge s: m + (m - the mean of its four neighbours) / 6. About that it departs by a normal
 /// draw, since there is relief within the bin. Its variance follows from the relief of the two finest scales,
-/// v1 and v2: v1 min(v1 / v2, 1), one scale finer by the same factor. A departure is not larger than the
-/// second smallest difference of the bin from the eight around it: next to a wall, the terrain of each side
-/// is even.
+/// v1 and v2: v1 min(v1 / v2, 1), one scale finer by the same factor. A departure is at most the second
+/// smallest difference of the bin from the eight around it: next to a wall, the terrain of each side is even.
 ///
 /// The elevation of a bin is that at the mean position of its returns, which scan patterns move alike in
 /// neighbouring bins: on slopes this is no noise that is independent from bin to bin. Where these positions

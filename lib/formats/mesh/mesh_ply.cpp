@@ -40,7 +40,7 @@ class Values {
     return encoding_ == PlyEncoding::text ? 1 : size_of(type);
   }
 
-  /// Refuses what follows the last element.
+  /// Refuses text after the last element.
   void require_end() {
     if (encoding_ == PlyEncoding::text) return text_.require_end();
     if (bytes_left() > 0)

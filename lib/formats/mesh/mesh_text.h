@@ -86,7 +86,7 @@ class MeshText {
     return numbers;
   }
 
-  /// Refuses a word: what follows the last element of the file.
+  /// Refuses a word after the last element of the file.
   void require_end() {
     for (std::string_view rest = word(); !rest.empty(); rest = word()) {
       if (rest.front() != '#')

@@ -89,7 +89,7 @@ class DrawsConfig {
   /// `owner` begins messages about the key.
   void add_variation(const std::string& owner, const std::string& key, Variation<double> variation);
   void take_samples(const NumberTable& samples);
-  /// Refuses what only draws that trace have.
+  /// Refuses keys that only draws that trace have.
   void require_scanned(const nlohmann::json& resolved) const;
   void check_requirements() const;
   void warn_of_draw(const nlohmann::json& section, const char* stage);

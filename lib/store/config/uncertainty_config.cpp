@@ -74,8 +74,7 @@ std::vector<std::string> errors_of(const Json& config, CoveringSigma sigma) {
   return errors;
 }
 
-/// The white errors of the timer, in addition to the range noise: jitter, and rounding to steps, uniform over
-/// one.
+/// The white errors of the timer besides the range noise: jitter, and rounding to steps, uniform over one.
 double with_timer(double range_sigma_m, const Json& config) {
   const double jitter_m =
       range_of_time_m(number_at(config, Json::json_pointer("/receiver/jitter_sigma_s")).value_or(0));

@@ -55,7 +55,7 @@ class HazardStripWriter {
                     std::vector<std::string> layers);
 
   void take(const PlaceMeasures& strip);
-  /// Writes what is known at the end, and commits the file.
+  /// Writes the final attributes, and commits the file.
   void finish(const HazardMap& map);
 
  private:

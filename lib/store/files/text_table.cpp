@@ -136,18 +136,16 @@ class TextTable {
     std::size_t line;
   };
 
-  /// Refuses what is certainly not text. An SBET file (smoothed best estimate of trajectory) has records of
-  /// 17 float64 and no header.
+  /// Refuses files that are certainly not text. An SBET file (smoothed best estimate of trajectory) has
+  /// records of 17 float64 and no header.
   void require_text() const {
     constexpr std::size_t kSbetRecord = 136;
     if (const std::string foreign = foreign_content(text_); !foreign.empty()) fail(foreign);
     if (text_.substr(0, 8) == "TSCANTRJ") fail("is a TerraScan trajectory; it needs " + wish());
     if (text_.find('\0') == std::string::npos) return;
     if (text_.size() % kSbetRecord == 0)
-      fail(
-          "is a binary file, such as an SBET trajectory (.out: latitude, longitude and heading in radians); "
-          "it needs " +
-          wish());
+      fail("is binary, like an SBET trajectory (.out: latitude, longitude, heading in radians); it needs " +
+           wish());
     fail("is binary, but not HDF5; it needs " + wish());
   }
 

@@ -46,7 +46,7 @@ struct DemSource {
   std::string driver;  ///< GDAL's short name
   RasterSize size;     ///< of the whole raster, not of the window that was read
   int band = 1;
-  /// The statements that the raster lacked, or made in two ways, and what was taken instead; sentences
+  /// The statements that the raster lacked or contradicted, and the assumptions instead; sentences
   /// without its name.
   std::vector<std::string> assumed = {};
   friend bool operator==(const DemSource&, const DemSource&) = default;

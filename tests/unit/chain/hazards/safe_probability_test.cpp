@@ -67,8 +67,7 @@ Judged judge(const Grid<double>& z, SigmaParts sigma, const HazardLimits& limits
 }
 
 /// Pooled over sites: in every tenth of probability the truly safe share is the mean probability. A bin is
-/// the mean of four returns; bench/bench_probability.py has more kinds of terrain, larger sites and the
-/// tools.
+/// the mean of four returns; bench/bench_probability.py has more kinds of terrain, and larger sites.
 TEST(SafeProbability, IsCalibratedOnRocks) {
   const GridSpec spec = GridSpec::centered(8, 0.05);
   const GridSpec fine{0.025, 2 * spec.first_row - 1, 2 * spec.first_col - 1, 2 * spec.rows + 1,
