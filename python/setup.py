@@ -30,7 +30,7 @@ def scratch(name):
 
 
 class BuildWithData(build_py):
-    """Copies what the package reads into it."""
+    """Copies the files that the package reads into it."""
 
     def run(self):
         super().run()

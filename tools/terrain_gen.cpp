@@ -67,7 +67,7 @@ void bind(CLI::App& app, Options& o) {
       "--horizontal-scale", import.horizontal_scale, "M",
       "Metres per unit of the coordinates (per pixel without a georeference), for a raster without a CRS");
   of_raster("--crs", import.crs, "DEF",
-            "CRS of the raster in place of its own: EPSG:NUMBER, a PROJ text or WKT");
+            "CRS that replaces that of the raster: EPSG:NUMBER, a PROJ text or WKT");
   of_raster(
       "--nodata", import.nodata, "VALUE[,...]",
       "Samples that are holes, in addition to those that the raster declares; none: keep numbers that look "

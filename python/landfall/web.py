@@ -22,7 +22,7 @@ PLACE = re.compile(r"@(\w+)@")
 
 
 class Module:
-    """A script with its imports, {module: names}, and what it declares. Throws ValueError if it cannot be joined."""
+    """A script with its imports, {module: names}, and its declarations. Throws ValueError if it cannot be joined."""
 
     def __init__(self, folder, name):
         self.name = name

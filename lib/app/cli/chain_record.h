@@ -12,7 +12,7 @@
 
 namespace landfall::cli {
 
-/// The chain that a folder belongs to: how it was named, and what it says.
+/// The chain of a folder: its name and its content.
 ///
 /// Two chains with equal names are one, of which the later is an edition. Two with other names and an equal
 /// configuration are one too: its file was renamed, moved or copied. Others are two chains.
@@ -45,8 +45,8 @@ struct ChainNames {
 /// The step that made a landfall file, as Provenance::as_step(); null if it is not a complete one.
 [[nodiscard]] nlohmann::json step_of(const std::filesystem::path& output);
 
-/// Why a step gives another file than an earlier one: what differs in its configuration, options, inputs and
-/// version. Empty if the file_id is the same.
+/// The reason why a step gives another file than before: the differences in its configuration, options,
+/// inputs and version. Empty if the file_id is the same.
 [[nodiscard]] std::string replacement_reason(const nlohmann::json& before, const nlohmann::json& after);
 
 /// The record of the outputs of `landfall run` in a folder: the chain; for each output its file_id, or the

@@ -304,7 +304,7 @@ std::string csv_grid(const Job& job, ByteSink& sink) {
   return "";
 }
 
-/// Adds the input's name to what a writer finds wrong in its content.
+/// Adds the input's name to a writer's error about its content.
 void naming(const std::string& input, const std::function<void()>& write) {
   try {
     write();

@@ -148,7 +148,7 @@ class RasterPlaces {
   std::optional<Sited> first_;
 };
 
-/// Loads rasters, and records and warns of what it finds in them.
+/// Loads rasters, and records and reports findings about them.
 DemLoader recording_dem_loader(const RasterRules& rules, Provenance& provenance, const Warn& warn) {
   const auto places = std::make_shared<RasterPlaces>(rules, warn);
   return [links = rules.links, places, &provenance, warn](const DemBase& asked, const GridSpec& site) {

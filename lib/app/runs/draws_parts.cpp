@@ -113,7 +113,7 @@ Provenance DrawsState::provenance_of(const DrawTable& table) const {
 std::optional<Draws> DrawsState::load(const std::function<void(const std::string&)>& warn) const {
   {
     const OutputPath killed(path_, true);
-  }  // removes what a run that was killed while it wrote a state has left
+  }  // removes the temporary file of a run that was killed while it wrote a state
   if (!std::filesystem::exists(path_)) return std::nullopt;
   try {
     DrawsInput input = read_draws(path_);

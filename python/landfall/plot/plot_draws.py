@@ -154,7 +154,7 @@ def edges_of(values, limit, is_whole):
 
 
 def words_of(draws, name):
-    """(what its columns begin with, what is measured, bound, factor of its numbers, whether they are whole) of a requirement."""
+    """(the prefix of its columns, the metric, bound, factor of its numbers, whether they are whole) of a requirement."""
     path = dictionary.own_paths(draws.columns).get(name)
     if path:
         bound = "at least" if draws.columns[path + ".at_least"][0] == 1 else "at most"

@@ -135,7 +135,7 @@ def draw_probability(ax, hazards):
 
 
 def draw_reach(ax, hazards):
-    """The border of the places among which sites are looked for: the circle, or where the cost ends. Returns what the legend says about it."""
+    """The border of the places among which sites are looked for: the circle, or the end of the cost. Returns its entries in the legend."""
     radius_m, cost = hazards.config.get("sites/divert_radius_m"), hazards.layers["cost"]
     has_reach = hazards.config.get("sites/reach/height_m") is not None or hazards.config.get("sites/reach") is not None
     if has_reach and cost is not None:
@@ -148,7 +148,7 @@ def draw_reach(ax, hazards):
 
 
 def draw_sites(ax, hazards):
-    """Numbers at the landing sites. Returns what the legend says about them."""
+    """Numbers at the landing sites. Returns their entries in the legend."""
     sites, handles = hazards.sites, []
     count = len(sites.get("rank", ()))
     for row in range(count):

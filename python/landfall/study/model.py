@@ -38,7 +38,7 @@ class Axis:
     unit: str
     log: bool
     points: tuple
-    role: str = "axis"  # or "repeat", or "drawn" for what a repeat draws
+    role: str = "axis"  # or "repeat", or "drawn" for the values that a repeat draws
 
     def keys(self):
         """The keys that its points set, in order, each once."""
@@ -223,7 +223,7 @@ def resolved(stage, config, where="", words=()):
 
 
 def configuration(study, stage, indices, repeated=True):
-    """A stage's configuration at a point of the study; unless `repeated`, without what a repeat sets."""
+    """A stage's configuration at a point of the study; unless `repeated`, without the keys that a repeat sets."""
     config = copy.deepcopy(study.base[stage])
     for dimension, index in zip(study.dimensions, indices):
         for axis in dimension:

@@ -229,7 +229,7 @@ def _column(dataset):
     return dataset.asstr()[()].tolist() if dataset.dtype.kind == "O" else dataset[()].tolist()
 
 
-# 95 % confidence intervals of what a study repeats
+# 95 % confidence intervals over the repeats of a study
 
 
 def wilson(passed, count):

@@ -212,7 +212,7 @@ export class MapPanel {
     }
   }
 
-  /** Says what is drawn, and how it is reduced from the DEM. */
+  /** The note on the quantity drawn, and on its reduction from the DEM. */
   tell(stride, averaged, enlarged) {
     const bins = stride * this.raster.factor;
     const marks = this.raster.layer.style === "classes" ? "wrong places on top" :

@@ -92,7 +92,7 @@ export class OrbitView {
     this.draw();
   }
 
-  /** Moves what is seen by pixels of the page to the right and down. */
+  /** Moves the view by pixels of the page to the right and down. */
   move(right_px, down_px) {
     const {clientWidth, clientHeight} = this.canvas;
     const scale = this.distance / pixelsAtUnitDistance(clientWidth, clientHeight);

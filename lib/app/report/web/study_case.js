@@ -7,7 +7,7 @@ import {report} from "./report_data.js";
 import {caseCount, caseName, changed, columnOf, numberText, state, valueAt, valuesOfCase, verdictMark} from "./study_rows.js";
 import {bringIntoView, focusCase} from "./study_table.js";
 
-/** A stage's configuration in a case: the first one with what the case changes. */
+/** A stage's configuration in a case: the first one with the changes of the case. */
 function configuration(kind, row) {
   const {base, changes} = report.configs[kind];
   const tree = {"": structuredClone(base)};
