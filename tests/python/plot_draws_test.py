@@ -1,6 +1,6 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Tests of plot_draws.py on a campaign over the small chain."""
+"""Tests of plot_draws.py on draws over the small chain."""
 import json
 import os
 import shutil

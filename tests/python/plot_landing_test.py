@@ -78,7 +78,7 @@ class LandingTest(harness.ToolTest):
                 self.assertTrue(0 <= values.min() - line[:, axis].min() < s and 0 <= line[:, axis].max() - values.max() < s, (values, line))
 
     def test_files(self):
-        """With and without maps; the figure of the campaign too, although its terrain varies."""
+        """With and without maps; the figure of the draws too, although its terrain varies."""
         for layers in (True, False):
             path = self.draws(layers=layers)
             for module, name in ((plot_landing, "landing"), (plot_draws, "draws")):

@@ -10,7 +10,7 @@
 //
 // The order in which the CPU adds three products is found, not assumed. On x86-64 Eigen adds those of the
 // first two rows of a rotation from the left and those of the third from the right; with other vectors it
-// does otherwise. The host computes sums that tell the orders apart and passes the order to the kernels;
+// does otherwise. The host computes sums that distinguish the orders and passes the order to the kernels;
 // fused products are refused. The results of the CPU stay what they were.
 //
 // A draw that a device cannot make is refused before the first draw, for each draw of the run, since a

@@ -91,7 +91,7 @@ struct MapLayers {
 /// The region in words: "within 50 m of the origin".
 [[nodiscard]] std::string region_text(const HazardParameters& parameters);
 
-/// A place to land; SiteParameters tells how it is chosen.
+/// A place to land, chosen by SiteParameters.
 struct LandingSite {
   BinIndex bin;
   double x_m = 0, y_m = 0, z_m = 0;

@@ -29,7 +29,7 @@ constexpr double kCellM = 0.6;
 constexpr std::int64_t kMinCellBins = 2;
 constexpr std::int64_t kCellReach = 2;
 constexpr std::array<double, 2 * kCellReach + 1> kCellWeights = {1, 4, 6, 4, 1};
-/// From this share on a detail tells of the relief around.
+/// The smallest share from which a detail shows the relief around it.
 constexpr float kSeen = 0.5F;
 
 using Probabilities = std::array<float, kClasses>;
@@ -249,7 +249,7 @@ ScaleRelief relief_of(const ScaleDetails& scale, const Grid<float>* coarser) {
         gain_square += found[k] * g * g;
         relief += found[k] * ratio;
       }
-      // Beyond the last class the energy tells itself.
+      // Beyond the last class the energy itself is used.
       if (const float excess = energy.at(bin) - 1; excess > kRatios.back()) relief = std::max(relief, excess);
       const float detail = scale.detail_m.at(bin);
       result.gain.at(bin) = gain;

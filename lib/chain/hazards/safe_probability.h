@@ -22,7 +22,7 @@ inline constexpr std::uint64_t kSafeTerrains = 8;
 struct MapEvidence {
   const Grid<double>& z;  ///< counts where the parts of sigma are not NaN
   SigmaParts sigma;
-  const PlaceMeasures& measured;  ///< of the map as it is; NaN where it does not tell
+  const PlaceMeasures& measured;  ///< of the map as it is; NaN where it is unknown
   const BinMask& region;
   std::uint64_t seed = 1;
   std::optional<ReturnCentroids> centroids = std::nullopt;  ///< without, z is that of the bins' centres

@@ -104,7 +104,7 @@ std::int64_t block_bytes(const OpenRaster& raster) {
   return bytes < 0x1p62 ? static_cast<std::int64_t>(bytes) : std::int64_t{1} << 62U;
 }
 
-/// A DTED cell stores whole columns, so its length tells how many it has; GDAL takes missing columns for
+/// A DTED cell stores whole columns, so its length gives their number; GDAL takes missing columns for
 /// holes. A cell that is marked complete must hold all of them.
 void require_whole_dted(const OpenRaster& raster, const DemBase& dem) {
   const char* const partial = raster.dataset->GetMetadataItem("DTED_PartialCellIndicator");

@@ -113,7 +113,7 @@ def assumptions(study):
 
 
 def axes(study):
-    """Name, label, unit, role and values in order of each axis, of a repeat and of what it draws too; digits that tell the values apart."""
+    """Name, label, unit, role and values in order of each axis, of a repeat and of its drawn values; enough digits to distinguish the values."""
     made = []
     for index, axis in enumerate(study.axes):
         values = list({json.dumps(row[index]): row[index] for row in study.rows}.values())
