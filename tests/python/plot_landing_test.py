@@ -45,7 +45,7 @@ class LandingTest(harness.ToolTest):
         for ax, arm in zip(axes, plot_landing.ARMS):
             safe, ground = draws.columns[f"{arm}.safe"] == 1, ~np.isnan(draws.columns[f"{arm}.slope_deg"])
             self.assertTrue((~ground).any() and ground.any(), arm)
-            for gid, expected in (("safe", safe), ("not-safe", ~safe & ground), ("over-no-ground", ~ground)):
+            for gid, expected in (("safe", safe), ("not-safe", ~safe & ground), ("over-no-terrain", ~ground)):
                 self.assertEqual(self.points(ax, f"{arm}-{gid}"), np.count_nonzero(expected), gid)
         curves = {line.get_gid(): line for ax in axes for line in ax.lines if line.get_gid() in plot_landing.ARMS}
         self.assertEqual(set(curves), set(plot_landing.ARMS))
