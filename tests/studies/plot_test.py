@@ -441,7 +441,7 @@ class Crossings(PlotTest):
         self.assertEqual(label, f"all: {100 * max(first, second):.2g} cm ({100 * min(first, second):.2g} to nowhere)")
         found = crossing.crossings_of(results, results.points, "coverage.invalid_frac", self.SPEC)
         np.testing.assert_allclose((found.minimum, found.median), sorted((second, first)), rtol=1e-9)
-        self.assertEqual(found.largest, math.inf)
+        self.assertEqual(found.maximum, math.inf)
         self.assertEqual(figure.axes[0].get_xlabel(), "relative elevation error, largest [cm]")
 
     def test_without_the_key_there_is_none(self):

@@ -43,7 +43,7 @@ void add_named_files(const Json& value, std::vector<std::string>& files) {
     for (const Json& element : value) add_named_files(element, files);
 }
 
-/// The formats of other programs that the extension of an output may name, beside those of landfall-export.
+/// The formats of other programs that the extension of an output may name, besides those of landfall-export.
 constexpr std::array kForeignExtensions = {".asc", ".e57", ".gz",  ".img", ".jpeg", ".jpg", ".json", ".laz",
                                            ".obj", ".off", ".stl", ".txt", ".vrt",  ".xyz", ".zip"};
 

@@ -38,7 +38,7 @@ struct CommonOptions {
   bool print_completion = false;
   int compression = 1;
 
-  /// Whether a tool prints its table: where it is asked for, and on a terminal.
+  /// Whether a tool prints its table: with --table, and on a terminal.
   [[nodiscard]] bool shows_table(bool is_asked) const;
 };
 
@@ -80,7 +80,7 @@ class Session {
   /// Runs one phase of the work: shows its progress on a terminal and records its wall and CPU time for
   /// --json. Returns its wall time, seconds.
   double phase(const std::string& name, const std::function<void(const ProgressCallback&)>& work);
-  /// Shows a text beside the progress of the running phase, if that is shown.
+  /// Shows a text next to the progress of the running phase, if that is shown.
   void note(const std::string& text);
   /// phase() as a function, for modules that run the phases themselves.
   [[nodiscard]] PhaseRunner phases() {

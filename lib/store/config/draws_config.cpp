@@ -137,7 +137,7 @@ std::string moves_rays_because(const Json::json_pointer& pointer, const Json& sc
   return {};
 }
 
-/// Why a key cannot vary in any campaign; empty if it can.
+/// Why a key cannot vary in any run of draws; empty if it can.
 std::string fixed_because(const std::string& key) {
   if (key == "scan.seed" || key == "terrain.seed")
     return "is the same in all draws, whose numbers make their random numbers differ";
@@ -148,7 +148,7 @@ std::string fixed_because(const std::string& key) {
                                        "eval.region", "hazard.region"};
   for (const char* const prefix : kGrid)
     if (key.starts_with(prefix)) return "changes the bins that are judged, and all draws share them";
-  if (key.starts_with("terrain.grid")) return "changes the grid of the ground, and all draws share it";
+  if (key.starts_with("terrain.grid")) return "changes the grid of the terrain, and all draws share it";
   return {};
 }
 
@@ -306,7 +306,7 @@ void DrawsConfig::check_requirements() const {
 
 void DrawsConfig::predict() {
   if (!has_layers_) throw UsageError(name_ + ": /sigma: is a map, and /layers is false");
-  if (terrain_varies_) throw UsageError(name_ + ": /sigma: is a map of one ground, and the ground varies");
+  if (terrain_varies_) throw UsageError(name_ + ": /sigma: is a map of one terrain, and the terrain varies");
   if (const std::string method = stages_.regrid.at("method"); method != "bilinear_nearest")
     throw UsageError(name_ + ": /sigma: needs the method bilinear_nearest, not " + method);
   Json regrid = stages_.regrid;
@@ -333,7 +333,7 @@ void DrawsConfig::take_samples(const NumberTable& samples) {
   if (samples.row_count() == 0) samples.fail("has no row; a draw is a row");
   constexpr std::size_t kMaxDraws = 100'000;  // the bound of /draws in the schema
   if (samples.row_count() > kMaxDraws)
-    samples.fail("has " + std::to_string(samples.row_count()) + " rows; a campaign has at most 100000 draws");
+    samples.fail("has " + std::to_string(samples.row_count()) + " rows; a run has at most 100000 draws");
   draw_count_ = static_cast<std::int64_t>(samples.row_count());
   for (const std::string& key : samples.names()) {
     const std::vector<double>& values = samples.column(key);

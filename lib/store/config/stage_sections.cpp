@@ -26,7 +26,7 @@ constexpr double kTerrainMargin = 10;  // m
 constexpr double kFineSpacing = 0.1;   // m; no terrain needs finer nodes than this because of a footprint
 constexpr double kNodesPerFootprint = 17;
 
-/// Merges as RFC 7396 does, but keeps a null: it removes a key from what the result is merged over.
+/// Merges as RFC 7396 does, but keeps a null, which removes the key when the result is merged later.
 void merge_keeping_nulls(Json& base, const Json& changes) {
   if (!changes.is_object() || !base.is_object()) {
     base = changes;

@@ -151,7 +151,7 @@ std::vector<std::string> qualifiers_of(const std::string& layer) {
   return {};
 }
 
-/// Those that are in the file, in the form of CF's ancillary_variables.
+/// The qualifiers that are in the file, in the form of CF's ancillary_variables.
 std::string ancillary_variables(const std::string& layer, const std::vector<Layer>& written) {
   std::string names;
   for (const std::string& name : qualifiers_of(layer))

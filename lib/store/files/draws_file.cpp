@@ -80,7 +80,7 @@ class StateTable {
     add("safety_missed", maps.safety->missed, "1", "of these, draws in which the place is a hazard in truth");
   }
 
-  /// In pieces, so that little memory is needed beside the maps.
+  /// In pieces, so that little memory is needed besides the maps.
   void write(const LandfallFileWriter& file) {
     constexpr std::size_t kPieceRows = 4 * kTableChunkRows;
     std::vector<ColumnSpec> specs;
@@ -184,7 +184,7 @@ bool is_varied(const std::string& name) {
          });
 }
 
-/// Refuses values that no campaign has, because sums of them could overflow.
+/// Refuses values that no run of draws has, because sums of them could overflow.
 template <class T>
 void require_at_most(const LandfallFileReader& file, const std::string& name, const Grid<T>& values,
                      std::int64_t minimum, std::int64_t maximum) {
@@ -235,7 +235,7 @@ constexpr std::int64_t kMaxDraws = std::int64_t{1} << 17;  ///< for which ErrorS
 
 void check_state(const LandfallFileReader& file, const DrawMaps& maps) {
   constexpr std::int64_t kMaxError = std::int64_t{1} << 46;    // 65,536 m in 2^-30 m
-  constexpr std::int64_t kMaxReturns = std::int64_t{1} << 52;  // in all draws of a campaign, below 2^63
+  constexpr std::int64_t kMaxReturns = std::int64_t{1} << 52;  // in all draws of a run, below 2^63
   require_at_most(file, "invalid", maps.invalid, 0, maps.draws);
   require_at_most(file, "fail_rel_x", maps.fail_rel_x, 0, maps.draws);
   require_at_most(file, "fail_rel_y", maps.fail_rel_y, 0, maps.draws);
@@ -313,7 +313,7 @@ struct Numbering {
   const char* meaning;
 };
 
-/// With several scans, each counts from its own first draw. `first`: in a campaign over one scan.
+/// With several scans, each counts from its own first draw. `first`: in a run of draws over one scan.
 void check_numbering(const LandfallFileReader& file, const DrawTable& table, const Numbering& numbering,
                      const std::optional<std::int64_t>& first) {
   const auto pair = std::ranges::find(table.varied, kPairColumn, &DrawColumn::name);
@@ -329,8 +329,8 @@ void check_numbering(const LandfallFileReader& file, const DrawTable& table, con
       expect(i, sum_of(numbering.values[i - 1], numbering.step));
 }
 
-/// Draw i has the seed of the campaign and the number i; in a file of version 0.2.0 the seed of the campaign
-/// plus i.
+/// Draw i has the seed of the run and the number i; in a file of version 0.2.0 the seed of the run
+/// of draws plus i.
 void check_seeds(const LandfallFileReader& file, const DrawTable& table, bool counts_seeds) {
   static const nlohmann::json::json_pointer kSeed("/scan/seed");
   const nlohmann::json& config = file.config();
@@ -339,10 +339,10 @@ void check_seeds(const LandfallFileReader& file, const DrawTable& table, bool co
     seed = config.at(kSeed).get<std::int64_t>();
   if (counts_seeds) {
     if (seed) seed = sum_of(*seed, table.first);
-    return check_numbering(
-        file, table, {"seed", table.seeds, 1, "the seed of the campaign plus the number of the draw"}, seed);
+    return check_numbering(file, table,
+                           {"seed", table.seeds, 1, "the seed of the run plus the number of the draw"}, seed);
   }
-  check_numbering(file, table, {"seed", table.seeds, 0, "the seed of the campaign"}, seed);
+  check_numbering(file, table, {"seed", table.seeds, 0, "the seed of the run"}, seed);
   check_numbering(file, table, {"draw", table.draws, 1, "the number of the draw"}, table.first);
 }
 
@@ -371,7 +371,7 @@ void check_landings(const LandfallFileReader& file, const DrawTable& table) {
     check_metric(file, table, name, "0 or 1", [](double value) { return value == 0 || value == 1; });
 }
 
-/// Refuses rows that contradict themselves or the configuration: no campaign wrote them.
+/// Refuses rows that contradict themselves or the configuration: no run of draws wrote them.
 void check_rows(const LandfallFileReader& file, const DrawTable& table, bool counts_seeds) {
   check_seeds(file, table, counts_seeds);
   const auto is_flag = [](double value) { return value == 0 || value == 1; };

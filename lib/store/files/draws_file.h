@@ -16,7 +16,7 @@
 
 namespace landfall {
 
-/// The draws of a campaign, or of a part of one.
+/// The draws of a run, or of a part of one.
 struct Draws {
   DrawTable table;
   /// Footprint::edge_bins() of all draws; none where the footprint varies, and in files of version 0.2.0.
@@ -24,8 +24,8 @@ struct Draws {
   std::optional<DrawMaps> maps;
   // With maps:
   std::optional<BinMask> region;           ///< the judged bins
-  std::optional<Grid<float>> z_true_map;   ///< H(X, Y), NaN off the terrain; none where the ground varies
-  std::optional<Grid<float>> z_sigma_abs;  ///< predicted, where it is asked for
+  std::optional<Grid<float>> z_true_map;   ///< H(X, Y), NaN off the terrain; none where the terrain varies
+  std::optional<Grid<float>> z_sigma_abs;  ///< predicted, if it is requested
 };
 
 /// A number of a draw by its dotted path in metrics.json.
@@ -47,8 +47,8 @@ struct DrawsInput {
   std::string crs_wkt;
   std::string file_id;
   nlohmann::json chain;  ///< its last step made the file
-  /// The file is of version 0.2.0: draw i has the seed of the campaign plus i, and so random numbers that
-  /// campaigns with other seeds have too.
+  /// The file is of version 0.2.0: draw i has the seed of the run plus i, and so random numbers that
+  /// runs of draws with other seeds have too.
   bool counts_seeds = false;
 };
 

@@ -39,8 +39,8 @@ Json requirement_rate(const std::string& name, const std::vector<T>& passes) {
   return json;
 }
 
-/// The share of draws whose chosen place is safe in truth, of a campaign that judges hazards. A draw without
-/// a safe place, or whose place is unknown in truth, counts as not safe.
+/// The share of draws whose chosen place is safe in truth, of a run of draws that judges hazards. A draw
+/// without a safe place, or whose place is unknown in truth, counts as not safe.
 Json hazard_json(std::int64_t draws, const std::vector<double>& chosen_safe,
                  const std::vector<double>& site_x_m, const std::vector<double>& missed) {
   const auto sites = std::ranges::count_if(site_x_m, [](double x_m) { return !std::isnan(x_m); });

@@ -9,13 +9,13 @@
 
 namespace landfall {
 
-/// How many draws passed each requirement and all six ("all"), then each of the user's own and these and the
-/// six together ("all_and_own"), with Wilson's 95 % interval and the exact one-sided
-/// lower bound, and in how many it is judged; of a campaign that judges hazards also in how many the chosen
-/// place is safe in truth, and of one whose draws land in how many they land safely, with the lidar and
-/// without, with exact McNemar test and the interval of the difference (Newcombe). Over several scans for
-/// each of them, and for all. With the state of a sequential test the results decided the number of draws:
-/// both are then not valid, and marked so.
+/// The rates of the draws, each with its passed and judged draws, Wilson's 95 % interval and the exact
+/// one-sided lower bound, over all scans and over each of several:
+/// - each requirement, all six ("all"), each custom one, and all of them ("all_and_own");
+/// - with hazards, a chosen place that is safe in truth;
+/// - with landings, a safe one with and without the lidar, the exact McNemar test and Newcombe's interval of
+///   the difference.
+/// After a sequential test, which lets results decide the number of draws, both intervals are marked invalid.
 [[nodiscard]] nlohmann::ordered_json verdict_json(const DrawTable& table,
                                                   const std::optional<SprtState>& sprt);
 

@@ -82,7 +82,7 @@ void keep_creation_order(hid_t group_properties) {
 std::mutex close_lock;
 std::string close_failure;  // NOLINT(*-avoid-non-const-global-variables)
 
-/// H5Dclose that remembers its first failure; closing what the file has already closed is not a failure.
+/// H5Dclose that remembers its first failure; closing an already closed object is not a failure.
 herr_t close_written(hid_t dataset) {
   if (H5Iis_valid(dataset) <= 0) return -1;
   const herr_t result = H5Dclose(dataset);

@@ -64,7 +64,7 @@ def needs_chain(scan):
 
 
 def truth_of(scan):
-    """The scan that is traced for a campaign."""
+    """The scan that is traced for a run of draws."""
     echoes = scan_keys.part(scan, ("echo",)) if stages.has_receiver(scan) else {}
     return {**stages.truth_config(scan), **echoes}
 
@@ -87,7 +87,7 @@ def _close_scratch(folder, lock):
 
 def is_steady(outcome):
     """Whether an outcome, a tree with "code" if a tool failed, follows from the configuration alone: a tool that ran out of memory or
-    disk is asked again."""
+    disk is checked again."""
     return outcome.get("code", 2) == 2
 
 
@@ -95,7 +95,7 @@ def add_options(parser, what):
     """The options of a program that runs many tools."""
     parser.add_argument("file", metavar="FILE", help=what)
     parser.add_argument("-o", "--out", metavar="DIR", required=True, help="folder of the results; an interrupted run resumes from it")
-    parser.add_argument("--bin", metavar="DIR", help="where the tools are (default: beside this package, or on PATH)")
+    parser.add_argument("--bin", metavar="DIR", help="where the tools are (default: next to this package, or on PATH)")
     parser.add_argument("-j", "--workers", metavar="N", type=int, default=1, help="runs at a time, each with one thread; 1 has all threads (1)")
     parser.add_argument("--runner", metavar="COMMAND", default="", help='command that runs each tool, as "srun -Q -n1 -c1"')
 
@@ -322,8 +322,8 @@ class TracedDraws(Draws):
         self.runner.run("monte-carlo", "-o", output, "-O", *arguments, config=self.config(draws))
 
     def config(self, draws):
-        """The configuration of monte-carlo. Where each draw has its own ground, the ground follows the scan's seed, so that draws with fresh
-        seeds have fresh grounds."""
+        """The configuration of monte-carlo. Where each draw has its own terrain, the ground follows the scan's seed, so that draws with fresh
+        seeds have fresh terrains."""
         configs = copy.deepcopy(self.configs)
         seed = draws.get("scan", {}).get("seed", configs["scan"]["seed"])
         if self.traced.get("terrain_seed") == "each" and "seed" in configs["terrain"]:

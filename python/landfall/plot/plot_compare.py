@@ -46,7 +46,7 @@ def cut(grid, values, first, bins):
 
 
 def read_common(options):
-    """(grid of A, layer of A, layer of B in the frame of A) on the bins in common, and lines that say what was compared."""
+    """(grid of A, layer of A, layer of B in the frame of A) on the bins in common, and lines that describe the comparison."""
     (grid_a, a), (grid_b, b) = read(options.dem_a, options.layer), read(options.dem_b, options.layer)
     placed = place(options)
     if "not_compared" in placed:

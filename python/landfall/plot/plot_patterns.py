@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Draws where each scan pattern aims: a small scan of flat ground for each, from 500 m at -23 m/s (docs/user/lidar)."""
+"""Draws where each scan pattern aims: a small scan of flat terrain for each, from 500 m at -23 m/s (docs/user/lidar)."""
 import os
 from dataclasses import dataclass
 

@@ -15,7 +15,7 @@ from landfall.study import names, session, stages
 
 KEEPABLE = ("scan", "dem", "eval", "hazard", "draws")
 MAX_SHARED = 16
-BYTES_PER_RAY = 40  # of a truth: 38.5 with 648,000 rays on rocky ground (2026-11-26)
+BYTES_PER_RAY = 40  # of a truth: 38.5 with 648,000 rays on rocky terrain (2026-11-26)
 
 
 @dataclass(frozen=True)
@@ -293,7 +293,7 @@ def cases_text(study, graph, layout, limits):
     return json.dumps(head, indent=1, ensure_ascii=False)[:-2] + ',\n "cases": [\n  ' + ",\n  ".join(rows) + "\n ]\n}\n"
 
 
-# Disk space, told before any file is made
+# Disk space, reported before any file is made
 
 
 def rays_of(scan):
@@ -309,7 +309,7 @@ def size_text(size):
 
 
 def disk_text(graph, keep):
-    """The files that stay on the disk beside terrains and results, in one line."""
+    """The files that stay on the disk, other than terrains and results, in one line."""
     parts = []
     if graph.truth:
         rays = sum(rays_of(json.loads(graph.configs["scan", stage.config_id])) for stage in graph.truth.values())

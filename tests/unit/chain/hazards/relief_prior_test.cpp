@@ -50,7 +50,7 @@ TEST(ReliefOf, EqualReliefIsFound) {
   }
 }
 
-// A few rocks on level ground: what is seen of each is kept, between them all is noise.
+// A few rocks on level terrain: what is seen of each is kept, between them all is noise.
 TEST(ReliefOf, AFewRocks) {
   const GridSpec spec = GridSpec::centered(5, 0.05);
   Grid<float> rocks(spec);
