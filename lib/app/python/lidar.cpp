@@ -52,7 +52,7 @@ class Surface {
     return z_m;
   }
 
-  /// Of shapes (N, 3), metres and unit vectors, frame D; a range is NaN where the ray misses.
+  /// The arrays have the shape (N, 3), metres and unit vectors, frame D; a range is NaN where the ray misses.
   [[nodiscard]] Numbers first_hit(const Numbers& origins, const Numbers& directions,
                                   std::size_t threads) const {
     const auto count = static_cast<std::size_t>(origins.shape(0));

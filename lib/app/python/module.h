@@ -8,7 +8,7 @@
 
 #include "app/python/tool_run.h"
 
-/// What python/landfall/memory.py is made of: conversion and lifetime. Arrays are checked and converted there
+/// The parts of python/landfall/memory.py: conversion and lifetime. Arrays are checked and converted there
 /// (float64, C order), so that each function here takes only what it can use. Errors of landfall become
 /// UsageError and DataError of landfall.errors. The GIL is released while the library computes.
 namespace landfall::python {

@@ -40,7 +40,7 @@ class MemoryFile {
   [[nodiscard]] static MemoryFile* of(hid_t object);
 
   [[nodiscard]] const std::string& name() const { return name_; }
-  /// Makes the file anew, empty, and returns an identifier for its writer. Throws IoError.
+  /// Makes the file, empty, and returns an identifier for its writer. Throws IoError.
   Handle create(hid_t creation_properties);
   /// Another identifier of the file. Throws FormatError if it was not created.
   [[nodiscard]] Handle open() const;
