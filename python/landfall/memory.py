@@ -265,10 +265,10 @@ class Lidar:
         D <- B (w, x, y, z). `estimate` and `nominal`: (position_m, attitude) that the lander estimates, and from which an uncompensated pattern aims;
         without them the configuration's navigation error applies, and the pattern aims from the truth. `t_s`: time since pulse 0."""
         def one(pose: Pose) -> Pose:
-            return None if pose is None else (np.asarray(pose[0], float)[None], np.asarray(pose[1], float)[None])
+            return None if pose is None else (_array(pose[0], "position_m", 1)[None], _array(pose[1], "attitude", 1)[None])
 
-        times = None if t_s is None else [t_s]
-        return self.pulses([k], np.asarray(position_m, float)[None], np.asarray(attitude, float)[None], one(estimate), one(nominal), times)[0]
+        position_m, attitude = _array(position_m, "position_m", 1)[None], _array(attitude, "attitude", 1)[None]
+        return self.pulses([k], position_m, attitude, one(estimate), one(nominal), None if t_s is None else [t_s])[0]
 
     def pulses(self, k: typing.Any, position_m: typing.Any, attitude: typing.Any, estimate: Pose = None, nominal: Pose = None,
                t_s: typing.Any = None) -> Array:
