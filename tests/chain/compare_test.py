@@ -9,7 +9,7 @@ import h5py
 import numpy as np
 from scipy import stats
 
-from harness import DRAWS, CampaignTest, ChainTest, columns, returns_of, run
+from harness import DRAWS, CampaignTest, ChainTest, columns, read_bytes, returns_of, run
 
 LAYERS = ["z_est", "count", "weight_sum", "x_true", "y_true", "z_true", "z_spread"]
 
@@ -83,8 +83,7 @@ class Compare(ChainTest):
         found = self.compare(self.chain.eval, self.path("e2.h5"))
         with open(self.chain.metrics, encoding="utf-8") as file:
             a = json.load(file)
-        with open(self.path("m2.json"), encoding="utf-8") as file:
-            b = json.load(file)
+        b = json.loads(read_bytes(self.path("m2.json")))
         self.assertEqual({r["name"]: (r["a"], r["b"]) for r in found["requirements"]},
                          {name: (a["requirements"][name], b["requirements"][name]) for name in a["requirements"]})
         violations = next(m for m in found["metrics"] if m["metric"] == "accuracy.relative.z.violation_count")

@@ -104,8 +104,7 @@ class SpreadTest(ToolTest):
         at = np.repeat(np.arange(rows * cols), pulses)
         aims = (np.stack([at % cols - cols / 2, at // cols - rows / 2]) + np.random.default_rng(7).uniform(0, 1, (2, at.size))) * cell
         aims = np.random.default_rng(8).permutation(aims, axis=1)
-        with open(self.path("aims.csv"), "w", encoding="utf-8") as file:
-            file.write("t_s,x_m,y_m\n" + "".join(f"{k / 20000},{x},{y}\n" for k, (x, y) in enumerate(aims.T)))
+        self.write("aims.csv", "t_s,x_m,y_m\n" + "".join(f"{k / 20000},{x},{y}\n" for k, (x, y) in enumerate(aims.T)))
         scan = scan_of(0, 0)
         scan["detector"].update(rows=4, columns=4, ifov_rad=0.0037)
         scan["laser"] = {"pulse_rate_hz": 20000, "scan_time_s": at.size / 20000}

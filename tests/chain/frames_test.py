@@ -108,8 +108,7 @@ class Horizon(Frames):
         self.raster("dem", 100 + np.arange(25).reshape(5, 5) / 7, crs=f"+proj=ortho +lat_0=0 +lon_0=0 +R={MOON_M}", corner=(0, 0))
         self.succeed("landfall-import", self.path("dem.tif"), "-o", self.path("dem.h5"))
         square = [[170, -1], [175, -1], [175, 1], [170, 1], [170, -1]]
-        with open(self.path("far.csv"), "w", encoding="ascii") as file:
-            file.write('id,WKT\n1,"POLYGON((' + ", ".join(f"{x} {y}" for x, y in square) + '))"\n')
+        self.write("far.csv", 'id,WKT\n1,"POLYGON((' + ", ".join(f"{x} {y}" for x, y in square) + '))"\n')
         subprocess.run(["ogr2ogr", "-q", "-f", "GPKG", "-a_srs", MOON, "-oo", "GEOM_POSSIBLE_NAMES=WKT", self.path("far.gpkg"), self.path("far.csv")], check=True)
         self.refuse(1, "dem-eval", self.path("dem.h5"), "--table", "--set", "region=" + json.dumps({"shape": "polygon", "path": self.path("far.gpkg")}),
                     words=["far.gpkg", "no place in the DEM frame"])
@@ -269,8 +268,7 @@ class Colours(Frames):
     def setUp(self):
         super().setUp()
         header = b"P6\n40 40\n255\n"
-        with open(self.path("picture.ppm"), "wb") as file:
-            file.write(header + (np.arange(40 * 40 * 3) % 251).astype(np.uint8).tobytes())
+        self.write("picture.ppm", header + (np.arange(40 * 40 * 3) % 251).astype(np.uint8).tobytes())
         self.picture = self.path("picture.tif")
         self.translate("-a_srs", "EPSG:32632", "-a_ullr", "500000", "5400040", "500040", "5400000", self.path("picture.ppm"), self.picture)
 

@@ -77,8 +77,7 @@ class SameBytes(DeviceDraws):
 
     def test_a_mesh_is_judged_by_the_cpu(self):
         mesh, scan = self.path("mesh.h5"), self.path("mesh_scan.h5")
-        with open(self.path("mesh.obj"), "w", encoding="utf-8") as file:
-            file.write("v -20 -20 0\nv 20 -20 1\nv 20 20 0\nv -20 20 1\nf 1 2 3\nf 1 3 4\n")
+        self.write("mesh.obj", "v -20 -20 0\nv 20 -20 1\nv 20 20 0\nv -20 20 1\nf 1 2 3\nf 1 3 4\n")
         self.succeed("terrain-gen", "--from", self.path("mesh.obj"), "-o", mesh)
         self.succeed("scan-sim", *self.chain.inputs("scan-sim")[2:], "--terrain", mesh, "--keep-misses", "-o", scan)
         arguments = ["monte-carlo", scan, "--terrain", mesh, "-c", self.config(campaign(draws=2, metrics="verdict"), "mc.json")]

@@ -165,8 +165,7 @@ class Opens(ChainTest):
                 self.assertEqual(a.read(), b.read())  # the name changes nothing
 
     def test_a_mesh_may_not(self):
-        with open(self.path("m.obj"), "w", encoding="utf-8") as file:
-            file.write("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n")
+        self.write("m.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n")
         self.refuse(2, "terrain-gen", "--from", self.path("m.obj"), "-o", self.path("m.nc"), words=["grids", ".h5"],
                     output=self.path("m.nc"))
 

@@ -104,8 +104,7 @@ class OnAMap(ToolTest):
         self.succeed("terrain-gen", "--set", "grid.half_width_m=2", "--set", "grid.resolution_m=1", "-o", self.path("flat.h5"))
         with h5py.File(self.path("flat.h5")) as file:
             cells = "\n".join(" ".join(map(str, row)) for row in file["z"][()])
-        with open(self.path("utm.asc"), "w", encoding="ascii") as file:
-            file.write(f"ncols 5\nnrows 5\nxllcorner 500000\nyllcorner 5400000\ncellsize 1\n{cells}\n")
+        self.write("utm.asc", f"ncols 5\nnrows 5\nxllcorner 500000\nyllcorner 5400000\ncellsize 1\n{cells}\n")
         subprocess.run(["gdal_translate", "-q", "-a_srs", "EPSG:32632", self.path("utm.asc"), self.path("utm.tif")], check=True)
         self.succeed("landfall-import", self.path("utm.tif"), "-o", dem)
         square = [((500001, 5400001), (500004, 5400001), (500004, 5400004), (500001, 5400004))]
@@ -202,8 +201,7 @@ class InTheFrame(ChainTest):
                   "terrain": {key: value for key, value in TERRAIN.items() if key != "grid"}, "scan": with_values(SCAN, noise={}),
                   "eval": {key: value for key, value in EVAL.items() if key != "region_radius_m"},
                   "hazard": {key: value for key, value in HAZARD.items() if key != "region_radius_m"}}
-        with open(self.path("chain.json"), "w", encoding="utf-8") as file:
-            json.dump(config, file)
+        self.write("chain.json", json.dumps(config))
         self.succeed("landfall", "run", "-c", self.path("chain.json"), "-o", self.path("out"))
         bins = json.loads(read_bytes(self.path("out/metrics.json")))["region"]["bin_count"]
         with h5py.File(self.path("out/hazards.h5")) as file:

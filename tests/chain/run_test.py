@@ -45,8 +45,7 @@ class Landfall(ToolTest):
         script = self.path("landfall")
         with open(script, "w", encoding="utf-8") as file:
             file.write(run("landfall", "--print-completion").stdout)
-        with open(self.path("scan-sim"), "w", encoding="utf-8") as file:
-            file.write(run("scan-sim", "--print-completion").stdout)
+        self.write("scan-sim", run("scan-sim", "--print-completion").stdout)
 
         def complete(*words):
             text = ('source "$1"; shift; COMP_WORDS=("$@"); COMP_CWORD=$((${#COMP_WORDS[@]} - 1)); _landfall_landfall; '

@@ -9,19 +9,13 @@ import unittest
 import h5py
 import numpy as np
 
-from harness import ToolTest, run
+from harness import ToolTest
 
 SHARED = os.environ.get("LANDFALL_DATA", os.path.join(os.environ["LANDFALL_ROOT"], "..", "shared", "data"))
 PLANE = [(x, y, 0.1 * x) for y in range(-10, 11, 2) for x in range(-10, 11, 2)]
 
 
 class Imports(ToolTest):
-    def write(self, name, content):
-        path = self.path(name)
-        with open(path, "wb") as file:
-            file.write(content if isinstance(content, bytes) else content.encode())
-        return path
-
     def imported(self, path, *arguments):
         """x, y, z of the points; self.points has all columns, self.said what was warned about."""
         done = self.succeed("landfall-import", path, "-o", self.path("scan.h5"), "-O", *arguments)
