@@ -9,8 +9,8 @@ import unittest
 import numpy as np
 
 from harness import EVAL, HAZARD, REGRID, SCAN, columns, read_bytes, run, with_values
+from harness.draws import DISPERSED, FRACTAL, DrawsTest
 from oracle import hazards
-from traced_draws_test import DISPERSED, FRACTAL, TracedTest
 
 FLAT = {"grid": {"half_width_m": 6, "resolution_m": 0.1}, "base": {"type": "plane", "elevation_m": 0}}
 STILL = with_values(SCAN, noise={}, navigation_error={}, trajectory__rpy_deg=[0, 0, 0], trajectory__rpy_rate_degps=[0, 0, 0])
@@ -28,12 +28,11 @@ def normal_probability(low, high, mean, sigma):
     return upto(high) - upto(low)
 
 
-class LandingTest(TracedTest):
+class LandingTest(DrawsTest):
     def landings(self, config, *options):
-        """The rows of the draws, and the verdict on their landings."""
+        """The rows of draws that trace, and the verdict on their landings."""
         self.succeed("monte-carlo", *self.arguments(config, "draws.h5", "-O", "--verdict", self.path("v.json"), *options))
-        self.verdict = json.loads(read_bytes(self.path("v.json")))
-        return columns(self.path("draws.h5"), "draws"), self.verdict.get("landing")
+        return columns(self.path("draws.h5"), "draws"), json.loads(read_bytes(self.path("v.json"))).get("landing")
 
 
 class Judgement(LandingTest):
@@ -85,8 +84,7 @@ class Judgement(LandingTest):
         """Landings of redrawn errors."""
         config = {key: value for key, value in campaign(scan={}, vary={"scan.navigation_error.position_m.0": {"type": "normal", "sigma": 0.5}}).items()
                   if key != "terrain"}
-        self.succeed("monte-carlo", self.chain.source, "--terrain", self.chain.terrain, *self.arguments(config, "draws.h5"))
-        rows, ground = columns(self.path("draws.h5"), "draws"), columns(self.chain.terrain)
+        rows, ground = self.draws(config), columns(self.chain.terrain)
         self.check_landings(config, rows, ground["z"], ground["x"], ground["y"], 0.1)
 
 
@@ -173,7 +171,7 @@ class ClosedForms(LandingTest):
         rows, verdict = self.landings(config)
         self.assertLess(len(rows["seed"]), 20)
         self.assertEqual(rows["pass"].sum(), 0)  # the requirements fail, and are not what is tested
-        self.assertEqual(self.verdict["sprt"], "accepted")
+        self.assertEqual(self.verdict()["sprt"], "accepted")
         self.assertIn("not valid after stopping", verdict["note"])
         self.assertEqual(run("monte-carlo", *self.arguments(config, "draws.h5", "-O", "--require-pass")).returncode, 0)
 

@@ -11,7 +11,6 @@ import h5py
 import numpy as np
 
 from harness import SCAN, Chain, ToolTest, columns, read_bytes, with_values
-from monte_carlo_test import DrawsTest, campaign
 
 LIGHT_MPS = 299792458
 FWHM_S = 1e-9
@@ -336,13 +335,8 @@ class Draws(ReceiverTest):
             np.testing.assert_array_equal(kept[name], values, name)
 
     def test_replays_that_would_differ_are_refused(self):
+        """Keys that differ: redraw_keys_test.py."""
         config = self.rich("leading_edge")
-        self.scan(config, self.chain.terrain, "--keep-misses", "--keep-echoes", output="source.h5")
-        for key, value in (("link.reference_pe", 121), ("link.background_pe", 4), ("beam.divergence_rad", 0.04),
-                           ("surface.albedo", 0.6), ("receiver.type", "peak"), ("receiver.threshold_pe", 11),
-                           ("receiver.pulse_fwhm_s", 4e-10), ("receiver.returns", "last")):
-            self.refuse(2, *self.replay(config, "--set", f"{key}={value}"), output=self.path("replayed.h5"),
-                        words=["source.h5", "/" + key.replace(".", "/") + " differs"])
         self.scan(config, self.chain.terrain, "--keep-misses", output="source.h5")
         self.refuse(2, *self.replay(config), words=["--keep-echoes"], output=self.path("replayed.h5"))
         self.scan(config, self.chain.terrain, "--keep-echoes", output="source.h5")
@@ -436,25 +430,6 @@ class Draws(ReceiverTest):
             if config["receiver"].get("type", "none") != "none":  # one ray of the pixel
                 keys = [*keys, "/detector/subpixels"]
             self.assertEqual(sorted(warned), sorted(keys), config)
-
-
-class Campaigns(DrawsTest):
-    """Draws of monte-carlo with a receiver equal the chain's."""
-
-    def test_draws_equal_the_chain(self):
-        for kind in LINEAR:
-            receiver = {"beam": {"divergence_rad": 0.01}, "surface": {"albedo": 0.5},
-                        "link": {"reference_pe": 150, "reference_range_m": 50, "background_pe": 3},
-                        "receiver": {"type": kind, "threshold_pe": 40, "jitter_sigma_s": 1e-11}}
-            scan = self.path("scan.h5")
-            self.succeed("scan-sim", "-c", self.config({**SCAN, **receiver, "detector": {**SCAN["detector"], "subpixels": 2}}),
-                         "--terrain", self.chain.terrain, "--keep-misses", "--keep-echoes", "-O", "-o", scan)
-            config = campaign(draws=3, vary={"scan.noise.range_bias_m": {"type": "normal", "mean": 0, "sigma": 0.01},
-                                             "scan.receiver.jitter_sigma_s": {"type": "uniform", "low": 0, "high": 1e-9}})
-            rows = self.draws(config, scan=scan)
-            for draw in (0, 2):
-                with self.subTest(kind=kind, draw=draw):
-                    self.check_draw(rows, config, draw, scan=scan)
 
 
 if __name__ == "__main__":
