@@ -57,13 +57,6 @@ class Layer(AlbedoTest):
         with h5py.File(self.path("plain.h5")) as file:
             self.assertTrue(np.array_equal(file["z"][()], z))
 
-    def test_threads_and_runs_give_the_same_bytes(self):
-        files = []
-        for threads in ("1", "2"):
-            self.terrain(ICE_AND_DUST, "-t", threads)
-            files.append(read_bytes(self.path("terrain.h5")))
-        self.assertEqual(files[0], files[1])
-
     def test_a_gradient_and_a_rock(self):
         """The rock's footprint is a disc of 2 m radius, its border excluded: there it is not above the ground."""
         x, y, z, albedo = self.terrain({"ground": {"type": "gradient", "from": 0.1, "to": 0.7, "azimuth_deg": 30, "length_m": 12},

@@ -141,11 +141,6 @@ class GeotiffTest(ExportTest):
         self.assert_close(table[:, 1], y.ravel(), 1e-9)
         self.assert_close(table[:, 2], dem["z_est"][::-1].ravel(), 2e-7)  # GMT stores grids as float32
 
-    def test_the_bytes_do_not_depend_on_threads(self):
-        one = self.export(CHAIN.eval, "a.tif", "--layers", "all", "-t", 1)
-        two = self.export(CHAIN.eval, "b.tif", "--layers", "all", "-t", 2)
-        self.assertEqual(read_bytes(one), read_bytes(two))
-
 
 class PlyTest(ExportTest):
     def test_cloudcompare_reads_coordinates_and_scalar_fields(self):
@@ -506,11 +501,6 @@ class PictureTest(ExportTest):
         light = light[np.count_nonzero(count == 0):]
         self.assertTrue((np.diff(light) <= 0).all())
 
-    def test_the_bytes_do_not_depend_on_threads(self):
-        for source in [CHAIN.scan, CHAIN.dem]:
-            self.assertEqual(read_bytes(self.export(source, "1.png", "-O", "-t", 1)),
-                             read_bytes(self.export(source, "2.png", "-O", "-t", 2)))
-
 
 class ViewTest(ExportTest):
     def test_view_is_the_exported_picture_of_the_output(self):
@@ -597,12 +587,6 @@ class RefusalTest(ExportTest):
         bare = self.path("bare.h5")
         self.succeed("dem-eval", *CHAIN.inputs("dem-eval"), "--metrics-only", "-o", bare)
         self.refused(bare, "-o", self.path("a.tif"), words=["bare.h5", "--metrics-only"], code=1)
-
-    def test_an_existing_output_is_kept(self):
-        path = self.export(CHAIN.dem, "dem.csv")
-        before = read_bytes(path)
-        self.refuse(2, "landfall-export", CHAIN.eval, "-o", path, words=["exists", "-O"])
-        self.assertEqual(read_bytes(path), before)
 
 
 if __name__ == "__main__":

@@ -213,17 +213,6 @@ class Maps(ChainTest):
         self.assertEqual(score["filled_truth_bins"], 0)
         self.assertGreater(self.hazards(self.path("d.h5"), config)[2]["filled_truth_bins"], 0)
 
-    def test_equal_bytes_for_any_number_of_threads(self):
-        for method in METHODS:
-            made = []
-            for threads in (1, 2, 7):
-                out = [self.path(f"{threads}.{end}") for end in ("h5", "sites", "score")]
-                self.succeed("hazard-map", self.chain.dem, "-c", self.config(with_values(CONFIG, z_sigma_m=0.02, method=method, limits__roughness_m=0.1)),
-                             "-t", threads, "-o", out[0], "--sites", out[1], "--score", out[2], "-O")
-                made.append([read_bytes(path) for path in out])
-            self.assertEqual(made[0], made[1], method)
-            self.assertEqual(made[0], made[2], method)
-
 
 class Strips(ChainTest):
     """--layers: the same values as in one piece, from strips of the map."""
@@ -416,7 +405,8 @@ class Interface(ChainTest):
     def test_outputs_are_refused_before_the_map_is_read(self):
         with open(self.path("s.json"), "w", encoding="utf-8"):
             pass
-        self.refuse_map(2, "/nowhere/dem.h5", "-o", self.path("h.h5"), "--sites", self.path("s.json"), words=["s.json", "-O"])
+        for option in ("--sites", "--report"):
+            self.refuse_map(2, "/nowhere/dem.h5", "-o", self.path("h.h5"), option, self.path("s.json"), words=["s.json", "-O"])
 
     def test_warnings(self):
         self.succeed("terrain-gen", "-o", self.path("other.h5"), "-c", self.chain.config("terrain-gen"), "--set", "features=[]")

@@ -135,17 +135,6 @@ class Mirrors(ChainTest):
         for axis in "xyz":
             np.testing.assert_allclose(known[f"{axis}_est"], known[f"{axis}_true"], rtol=0, atol=1e-9)
 
-    def test_a_redraw_requires_the_seed_of_drawn_facets(self):
-        drawn, given = ({"type": "polygon", **tilts} for tilts in ({"facet_tilt_sigma_rad": 1e-4}, {"facet_tilt_rad": [1e-4] * 48}))
-        for scanner, word in ((drawn, "/scanner/facet_tilt_sigma_rad"), (given, None)):
-            self.scan(scanner)
-            arguments = self.arguments(scanner, "--seed", 9, "--ranges-from", self.path("scan.h5"))
-            arguments[arguments.index("-o") + 1] = self.path("redrawn.h5")
-            if word:
-                self.refuse(2, *arguments, words=["/seed", word])
-            else:
-                self.succeed(*arguments)
-
     def test_a_mirror_that_accelerates_slowly_loses_pulses(self):
         """A line of 8 m in 20 pulses from 50 m, flown back: 4.57 degrees of tilt, 0.0840 rad and 20/19 of it in the frame of the new line."""
         _, pulses = self.scan(self.fsm(incidence_deg=0, fold_azimuth_deg=0))

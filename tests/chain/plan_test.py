@@ -9,7 +9,7 @@ import unittest
 import h5py
 import numpy as np
 
-from harness import CONFIGS, ChainTest, attributes, columns, read_bytes, with_values
+from harness import CONFIGS, ChainTest, attributes, columns, with_values
 
 # The scan reaches 6 m from the origin, and the region 5 m, so that some returns lie outside the region.
 SCAN = with_values(CONFIGS["scan-sim"], scanner__pattern__half_width_m=6)
@@ -77,11 +77,6 @@ class Plan(ChainTest):
                           int(((per_pulse[1] > 0) & (per_pulse[1] < per_pulse[0])).sum()),
                           int((per_pulse[1] == 0).sum()), 0, 400])
         self.assertAlmostEqual(plan["time"]["total"]["time_s"], 0.2)
-
-    def test_the_same_bytes_at_any_thread_count(self):
-        for threads in (1, 2, 7):
-            self.plan("-o", self.path(f"{threads}.h5"), "-t", threads)
-        self.assertEqual(len({read_bytes(self.path(f"{n}.h5")) for n in (1, 2, 7)}), 1)
 
     def test_it_prints_a_table_or_json(self):
         text = self.plan().stdout
