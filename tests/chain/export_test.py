@@ -532,61 +532,11 @@ class ViewTest(ExportTest):
         self.assertEqual(geotiff.returncode, 1)
         self.assertIn("cannot load the GDAL plugin", geotiff.stderr)
 
-    def test_a_bad_view_is_refused_before_the_run(self):
-        output = self.path("dem.h5")
-        taken = self.path("taken.png")
-        with open(taken, "w", encoding="ascii") as file:
-            file.write("mine")
-        for view, words in [(taken, ["taken.png exists", "-O"]), (self.path("a.jpg"), ["a.jpg", ".png"]),
-                            (self.path("no/a.png"), ["no/a.png", "does not exist"])]:
-            self.refuse(2, "regrid", *CHAIN.inputs("regrid"), "-o", output, "--view", view, words=words, output=output)
-        self.assertEqual(read_bytes(taken), b"mine")
-        self.refuse(2, "dem-eval", *CHAIN.inputs("dem-eval"), "--view", self.path("a.png"), words=["--view", "-o"])
-        self.refuse(2, "dem-eval", *CHAIN.inputs("dem-eval"), "-o", output, "--metrics-only", "--view",
-                    self.path("a.png"), words=["--metrics-only"], output=output)
-        self.refuse(2, "terrain-gen", *CHAIN.inputs("terrain-gen"), "-o", self.path("t.tif"), "--view",
-                    self.path("a.png"), words=["t.tif", ".h5"], output=self.path("t.tif"))
-
     def test_a_failed_run_writes_no_picture(self):
         scan = self.path("scan.h5")
         with open(scan, "wb") as file:
             file.write(read_bytes(CHAIN.scan)[:5000])
         self.refuse(1, "regrid", scan, "-o", self.path("d.h5"), "--view", self.path("a.png"), output=self.path("a.png"))
-
-
-class RefusalTest(ExportTest):
-    def refused(self, *arguments, words, code=2):
-        self.refuse(code, "landfall-export", *arguments, words=words)
-
-    def test_wrong_arguments_are_named(self):
-        path = self.path
-        self.refused(words=["a file to export"])
-        self.refused(CHAIN.scan, words=["--output"])
-        self.refused(CHAIN.scan, "-o", path("a.foo"), words=["a.foo", "'.foo'", ".csv, .gpkg, .html, .las, .pcd, .ply, .png, .tif, .xmf"])
-        self.refused(CHAIN.scan, "-o", path("a.tif"), words=["landfall.scan", ".ply", "not .tif"])
-        self.refused(CHAIN.dem, "-o", path("a.las"), words=["landfall.dem", ".csv, .png, .tif or .xmf", "not .las"])
-        self.refused(CHAIN.scan, "-o", "-", words=["--format csv"])
-        self.refused(CHAIN.scan, "-o", "-", "--format", "ply", words=["ply", "csv"])
-        self.refused(CHAIN.scan, "-o", "-", "--format", "csv", "--json", words=["--json", "standard output"])
-        self.refused(CHAIN.dem, "-o", path("a.tif"), "--layers", "q", words=["no layer 'q'", "z_est, count"])
-        self.refused(CHAIN.dem, "-o", path("a.tif"), "--layers", "z_est,z_est", words=["z_est twice"])
-        self.refused(CHAIN.dem, "-o", path("a.tif"), "--layers", "z_est,all", words=["all cannot be combined with other names"])
-        self.refused(CHAIN.dem, "-o", path("a.png"), "--layers", "all,count", words=["one layer", "--layers names all,count"])
-        self.refused(CHAIN.scan, "-o", path("a.csv"), "--columns", "q", words=["no column 'q'", "x_est"])
-        self.refused(CHAIN.scan, "-o", path("a.csv"), "--columns", "t,t", words=["t twice"])
-        self.refused(CHAIN.scan, "-o", path("a.csv"), "--layers", "z_est", words=["--layers", "scan to .csv"])
-        self.refused(CHAIN.dem, "-o", path("a.csv"), "--columns", "z_est", words=["--columns", "grid to .csv"])
-        self.refused(CHAIN.dem, "-o", path("a.tif"), "--every", "2", words=["--every"])
-        self.refused(CHAIN.scan, "-o", path("a.ply"), "--every", "0", words=["--every"])
-        self.refused(CHAIN.scan, "-o", path("a.ply"), "--keep-misses", words=["--keep-misses"])
-        self.refused(CHAIN.scan, "-O", "-o", CHAIN.scan, "--format", "csv", words=["input of this run"])
-        self.refused(path("none.h5"), "-o", path("a.csv"), words=["none.h5"], code=1)
-        self.assertEqual(self.entries(), [])
-
-    def test_files_without_layers_are_refused(self):
-        bare = self.path("bare.h5")
-        self.succeed("dem-eval", *CHAIN.inputs("dem-eval"), "--metrics-only", "-o", bare)
-        self.refused(bare, "-o", self.path("a.tif"), words=["bare.h5", "--metrics-only"], code=1)
 
 
 if __name__ == "__main__":

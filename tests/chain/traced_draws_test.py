@@ -124,39 +124,17 @@ class Equality(DrawsTest):
 
 
 class Refusals(DrawsTest):
-    def refused(self, config, *options, words, code=2):
-        self.refuse(code, "monte-carlo", *self.arguments(config, "draws.h5", *options), words=words, output=self.path("draws.h5"))
+    def refused(self, config, words):
+        self.refuse(2, "monte-carlo", *self.arguments(config, "draws.h5"), words=words, output=self.path("draws.h5"))
 
     def test_keys(self):
         uniform = {"type": "uniform", "low": 1, "high": 2}
-        for key, words in {"scan.seed": "the same in all draws", "scan.draw": "number of the draw", "terrain.draw": "/terrain_seed", "regrid.resolution_m": "bins",
-                           "eval.region_radius_m": "bins", "hazard.region_radius_m": "bins", "terrain.grid.resolution_m": "grid of the ground",
-                           "landing.drift_time_s": "the same in all draws", "scan.noise.nothing": "unknown key of scan",
-                           "hazard.limits.slope_deg": "no section hazard", "other.key": "first part"}.items():
+        for key, words in {"scan.draw": "number of the draw", "terrain.draw": "/terrain_seed", "hazard.region_radius_m": "bins",
+                           "terrain.grid.resolution_m": "grid of the ground", "landing.drift_time_s": "the same in all draws", "other.key": "first part"}.items():
             self.refused(campaign(vary={key: uniform}), words=[key, words])
-        self.refused(campaign(vary={"scan.noise.dropout_frac": {"type": "list", "values": [0, 0.1, 1.5]}}), words=["draw 2", "/noise/dropout_frac"])
 
-    def test_a_divert_that_cannot_be_flown(self):
-        config = campaign(hazard=with_values(HAZARD, sites__reach=REACH), vary={"hazard.sites.reach.thrust_accel_mps2": listed(3, 2, 1.6)})
-        self.refused(config, words=["mc.json: draw 2: /hazard: /sites/reach/thrust_accel_mps2: 1.6"])
-
-    def test_grounds(self):
-        self.refused(campaign(), "--terrain", self.chain.terrain, words=["--terrain", "section terrain", "one of them"])
-        self.refused(campaign(terrain=None), words=["--terrain", "section terrain"])
-        self.refused(campaign(terrain=None, terrain_seed="each"), "--terrain", self.chain.terrain, words=["/terrain_seed"])
-        self.refused(campaign(sigma=True, vary=GROUND), words=["/sigma", "ground varies"])
-        self.refused(campaign(terrain="europa"), words=["/terrain", "preset:NAME"])
+    def test_a_preset_that_is_not_there(self):
         self.refused(campaign(terrain="preset:nowhere"), words=["/terrain", "no such preset"])
-        self.refused(campaign(), "--engine", "opencl", words=["--engine opencl", "without a scan"])
-        self.refused(campaign(uncertainty=True, regrid={**REGRID, "method": "median"}), words=["/uncertainty", "bilinear_nearest"])
-
-    def test_over_a_scan(self):
-        """Sections for draws that trace, and a key that moves the beams: the message says what to do."""
-        over = {"draws": 2, "regrid": REGRID, "eval": EVAL}
-        for changes, words in (({"terrain": TERRAIN}, "/terrain"), ({"terrain_seed": "each"}, "/terrain_seed"), ({"uncertainty": True}, "/uncertainty"),
-                               ({"vary": {"scan.trajectory_dispersion.position_m.0": {"type": "normal", "sigma": 1}}}, "trajectory_dispersion")):
-            self.refuse(2, "monte-carlo", self.chain.source, "--terrain", self.chain.terrain, "-c", self.config({**over, **changes}, "mc.json"),
-                        "-o", self.path("draws.h5"), words=[words, "leave out the scan"])
 
     def test_aim_from_an_estimate(self):
         pattern = dict(PATTERN, aim="estimate")
@@ -168,11 +146,6 @@ class Refusals(DrawsTest):
                          for key in ("noise.range_sigma_m", "navigation_error.position_m.0"))
         self.succeed("monte-carlo", *over, self.config(noise, "mc.json"))
         self.refuse(2, "monte-carlo", *over, self.config(errors, "mc.json"), "-O", words=["navigation_error.position_m.0", "leave out the scan"])
-
-    def test_a_path_below_the_ground(self):
-        """The third draw begins under it; which of its pulses is named depends on the threads."""
-        heights = {"scan.trajectory_dispersion.position_m.2": {"type": "list", "values": [0, 5, -80]}}
-        self.refused(campaign(vary=heights), code=1, words=["draw 2", "pulse ", "below the terrain"])
 
 
 if __name__ == "__main__":

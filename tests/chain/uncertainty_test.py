@@ -91,27 +91,17 @@ class Uncertainty(ChainTest):
         one, two = (columns(self.path(f"{name}.h5"), "/")["z_sigma_rel"] for name in ("one", "two"))
         self.assertAlmostEqual(np.nanmedian(two / one), 0.5 ** 0.5, delta=0.03)
 
-    def refuse_grid(self, words, *options, scans=None):
-        self.refuse(2, "regrid", *(scans or [self.chain.scan]), "-c", self.chain.config("regrid"), "-o",
-                    self.path("out.h5"), *options, words=words, output=self.path("out.h5"))
+    def refuse_grid(self, words, *options):
+        self.refuse(2, "regrid", self.chain.scan, "-c", self.chain.config("regrid"), "-o", self.path("out.h5"), *options, words=words,
+                    output=self.path("out.h5"))
 
     def test_missing_inputs_are_named(self):
-        self.refuse_grid([self.chain.scan, "navigation", "--navigation-sigma"], "--uncertainty")
-        self.refuse_grid(["z_sigma_abs needs --uncertainty"], "--layers", "z_est,z_sigma_abs")
         self.refuse_grid(["z_corrected needs --corrected"], "--layers", "z_corrected")
         self.refuse_grid(["z_corrected_sigma_rel needs --corrected"], "--layers", "z_corrected_sigma_rel",
                          "--uncertainty", *NAVIGATION)
         self.refuse_grid(["z_true_map needs --terrain"], "--layers", "z_true_map", "--uncertainty", *NAVIGATION)
         self.refuse_grid(["--uncertainty"], "--range-sigma", 0.1)
         self.refuse_grid(["--uncertainty"], *NAVIGATION)
-        self.refuse_grid(["range_sigma_m", "-0.5"], "--uncertainty", "--range-sigma", -0.5, *NAVIGATION)
-        self.refuse_grid(["speed_mps=1", "velocity_mps"], "--uncertainty", "--navigation-sigma", "speed_mps=1")
-
-    def test_scans_that_overlap_with_other_poses_are_refused(self):
-        self.succeed("scan-sim", *self.chain.inputs("scan-sim"), "--set", "trajectory.position_m=[0.5,-0.3,49]", "-o",
-                     self.path("other.h5"))
-        self.refuse_grid(["other.h5", "overlaps"], "--uncertainty", *NAVIGATION,
-                         scans=[self.chain.scan, self.path("other.h5")])
 
 
 class Calibration(ToolTest):
