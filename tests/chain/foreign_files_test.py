@@ -127,22 +127,6 @@ class Trajectories(ToolTest):
                         file[group + name] = values.reshape(shape)
                 self.expect_same_points(self.scan(self.path("t.h5")), plain)
 
-    def test_refusals_say_what_is_there_and_what_is_wanted(self):
-        table = rows()
-        sbet = struct.pack("<17d", *range(17)) * 3
-        for name, content, words in (
-                ("t.csv", "time,x,y,z\n0,0,0,0\n", ["it has time, x, y, z and needs t_s, x_m, y_m, z_m"]),
-                ("t.csv", "0,0,0,0\n", ["begins with the number 0", "t_s, x_m, y_m, z_m"]),
-                ("t.csv", text(table, ";").replace("0.", "0,"), ["with a point, not a comma"]),
-                ("t.csv", text(table).encode("utf-16"), ["UTF-16", "UTF-8"]),
-                ("t.xlsx", b"PK\x03\x04more", [".xlsx", "CSV"]),
-                ("t.trj", '#HEADER: "t", "roll", "pitch", "yaw", "x", "y", "z"\n0,0,0,0,0,0,0\n', ["HELIOS++", "t_s, x_m, y_m, z_m"]),
-                ("t.out", sbet, ["SBET", "t_s, x_m, y_m, z_m"])):
-            with self.subTest(words):
-                path = self.write(name, content)
-                self.refuse(1, "scan-sim", "--terrain", self.ground, "-o", self.path("s.h5"), "-c",
-                            self.config({"trajectory": {"type": "table", "path": path}}), words=[name, *words])
-
     @unittest.skipUnless(os.path.isdir(DATA), "shared/data/strangers is absent")
     def test_shared_tables(self):
         plain = self.scan(os.path.join(DATA, "tr0.csv"), "plain.h5")

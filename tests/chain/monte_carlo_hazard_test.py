@@ -75,14 +75,6 @@ class Hazards(DrawsTest):
         self.assertIn("chosen place truly safe", page)
         self.assertIn("p_missed_hazard", page)
 
-    def test_bad_hazards(self):
-        def refuse(hazard, *words):
-            self.refuse(2, "monte-carlo", *self.arguments({**campaign(), "hazard": hazard}, "no.h5"), words=["mc.json: /hazard", *words])
-        refuse({"lander": {"legs": 5}}, "/lander/legs")
-        refuse({"landers": 1}, "landers")
-        refuse(with_values(HAZARD, lander__body_radius_m=5.2), "/lander/body_radius_m", "101 x 101")
-        refuse(3)
-
 
 class Pairs(DrawsTest):
     CONFIG = base.campaign(draws=3, vary=VARY, metrics="verdict")
@@ -138,7 +130,6 @@ class Pairs(DrawsTest):
         result = run("monte-carlo", *self.pairs(), "-c", self.path("mc.json"), "-o", self.path("again.h5"), "-v")
         self.assertIn("resumes after 4 draws", result.stderr)
         self.assertEqual(read_bytes(self.path("again.h5")), whole)
-        self.refuse(2, "monte-carlo", *self.pairs(), "-c", self.path("mc.json"), "-o", self.path("no.h5"), "--draws", "0:7", words=["6 draws"])
 
     def test_table_and_report(self):
         result = run("monte-carlo", *self.pairs(), "-c", self.config(self.CONFIG, "mc.json"), "-o", self.path("both.h5"), "--table",
@@ -146,15 +137,6 @@ class Pairs(DrawsTest):
         self.assertEqual(result.returncode, 0, result.stderr)
         self.assertRegex(result.stdout, r"(?s)pair 0\n.*pair 1\n.*all pairs, for these terrains\n.*all +\d of 6")
         self.assertIn("all pairs, for these terrains", read_bytes(self.path("both.html")).decode())
-
-    def test_refusals(self):
-        out = ["-c", self.config(self.CONFIG, "mc.json"), "-o", self.path("no.h5")]
-        self.refuse(2, "monte-carlo", "--pair", self.chain.scan, *out, words=["--pair", "SCAN:TERRAIN"])
-        self.refuse(2, "monte-carlo", self.chain.scan, *self.pairs(), *out, words=["--pair", "omit"])
-        self.refuse(2, "monte-carlo", *self.pairs(), "--terrain", self.chain.terrain, *out, words=["--pair", "omit --terrain"])
-        self.refuse(2, "monte-carlo", *self.pairs(), *out, "--set", 'stop={"type":"sprt"}', words=["mc.json: /stop", "--pair gives 2"])
-        self.refuse(2, "monte-carlo", *self.pairs(), *out, "--set", "sigma=true", words=["/sigma", "/layers"])
-        self.refuse(1, "monte-carlo", *self.pairs()[:2], "--pair", f"{self.other.scan}:{self.path('none.h5')}", *out, words=["none.h5"])
 
 
 if __name__ == "__main__":
