@@ -2,7 +2,7 @@
 """Files of landfall-export read by other programs: extents and values equal those that h5py reads from our files.
 
 Tests of a program that is not installed are skipped with a message. The Debian packages are gdal-bin, gmt, cloudcompare,
-python3-paraview, python3-meshio, python3-pil and libxdmf-dev; npm fetches the LAS readers from its registry
+python3-paraview, python3-meshio, python3-pil and libxdmf-dev; npm fetches the LAS reader from its registry
 (tests/chain/outside/package-lock.json).
 """
 import functools
@@ -180,16 +180,6 @@ class PlyTest(ExportTest):
             column = {"range_meas": "range_measured"}.get(name.removeprefix("scalar_"), name.removeprefix("scalar_"))
             self.assert_close(values, points[column], 0, name)
 
-    def test_every_nth_point(self):
-        points = returns_of(CHAIN.scan)
-        data = read_bytes(self.export(CHAIN.scan, "some.ply", "--every", 7, "--columns", "pulse"))
-        header, body = data.split(b"end_header\n", 1)
-        kind = np.dtype([("x", "<f8"), ("y", "<f8"), ("z", "<f8"), ("pulse", "<i4")])
-        self.assertIn(b"property int scalar_pulse\n", header)
-        table = np.frombuffer(body, kind)
-        for name, column in [("x", "x_est"), ("z", "z_est"), ("pulse", "pulse")]:
-            np.testing.assert_array_equal(table[name], points[column][::7])
-
 
 class PcdTest(ExportTest):
     def cloud(self, path):
@@ -233,33 +223,30 @@ class LasTest(ExportTest):
     def setUpClass(cls):
         program("node", "nodejs")
         program("npm", "npm")
-        cls.readers = tempfile.mkdtemp(prefix="landfall-las-")
-        cls.addClassCleanup(shutil.rmtree, cls.readers)
+        cls.reader = tempfile.mkdtemp(prefix="landfall-las-")
+        cls.addClassCleanup(shutil.rmtree, cls.reader)
         for name in ["package.json", "package-lock.json", "read_las.js"]:
-            shutil.copy(os.path.join(OUTSIDE, name), cls.readers)
+            shutil.copy(os.path.join(OUTSIDE, name), cls.reader)
         try:
             subprocess.run(["npm", "ci", "--ignore-scripts", "--no-audit", "--no-fund", "--fetch-retries=0"], check=True,
-                           cwd=cls.readers, capture_output=True, timeout=120)
+                           cwd=cls.reader, capture_output=True, timeout=120)
         except (subprocess.CalledProcessError, subprocess.TimeoutExpired) as error:
-            raise unittest.SkipTest(f"npm cannot fetch the LAS readers: {error}")
+            raise unittest.SkipTest(f"npm cannot fetch the LAS reader: {error}")
 
-    def test_two_readers_read_coordinates_times_and_classes(self):
+    def test_copc_reads_coordinates_times_and_classes(self):
+        points = returns_of(CHAIN.scan)
         for position in ["est", "true"]:
             path = self.export(CHAIN.scan, position + ".las", "--position", position)
-            found = json.loads(output_of("node", "read_las.js", path, cwd=self.readers))
-            points = returns_of(CHAIN.scan)
-            expected = xyz(points, position)
-            for reader in ["loaders", "copc"]:
-                seen = np.stack([found[reader][axis] for axis in "xyz"], axis=1)
-                self.assert_close(seen, expected, 0.501e-6, reader)
-                self.assert_close(found[reader]["bounds"], [seen.min(axis=0), seen.max(axis=0)], 1e-12, reader)
-                self.assertEqual(set(found[reader]["classification"]), {1})
-            copc = found["copc"]
-            self.assertEqual(copc["byReturn"], [len(expected), 0, 0, 0, 0])
-            self.assertEqual(copc["version"], [1, 2])
-            self.assertTrue(copc["software"].startswith("landfall-export "))
-            np.testing.assert_array_equal(copc["time"], columns(CHAIN.scan, "pulses")["t"][points["pulse"]])
-            self.assertEqual(set(copc["returnNumber"]) | set(copc["returns"]), {1})
+            found = json.loads(output_of("node", "read_las.js", path, cwd=self.reader))
+            seen = np.stack([found[axis] for axis in "xyz"], axis=1)
+            self.assert_close(seen, xyz(points, position), 0.501e-6)
+            self.assert_close(found["bounds"], [seen.min(axis=0), seen.max(axis=0)], 1e-12)
+            self.assertEqual(set(found["classification"]), {1})
+            self.assertEqual(found["byReturn"], [len(seen), 0, 0, 0, 0])
+            self.assertEqual(found["version"], [1, 2])
+            self.assertTrue(found["software"].startswith("landfall-export "))
+            np.testing.assert_array_equal(found["time"], columns(CHAIN.scan, "pulses")["t"][points["pulse"]])
+            self.assertEqual(set(found["returnNumber"]) | set(found["returns"]), {1})
 
 
 @functools.lru_cache(maxsize=None)
