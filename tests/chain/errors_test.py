@@ -143,13 +143,6 @@ class Errors(ChainTest):
             self.assertTrue(same(every.pulses, some.pulses, set(every.pulses) - set(ESTIMATE)), key)
             self.assertFalse(same(every.pulses, some.pulses, POSITION), key)
 
-    def test_the_encoder_moves_only_estimated_points(self):
-        every, some = self.without(), self.without("scanner.encoder_sigma_rad")
-        self.assertTrue(same(every.points, some.points, [*TRUTH, "status", "range_measured", "pulse", "pixel"]))
-        self.assertTrue(same(every.pulses, some.pulses, every.pulses))
-        reported = np.isin(every.status, [0, 6])
-        self.assertTrue((every.points["x_est"] != some.points["x_est"])[reported].all())
-
     def test_random_walk_and_gauss_markov_errors_add_up(self):
         stamps = "pointing_error.time_stamp_sigma_s"
         walk, markov = "navigation_error.random_walk", "navigation_error.gauss_markov"

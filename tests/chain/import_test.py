@@ -4,7 +4,6 @@
 import json
 import os
 import resource
-import shutil
 import socket
 import struct
 import subprocess
@@ -157,20 +156,6 @@ class Export(ImportTest):
             self.assertAlmostEqual(half[0, 0], z[::-1][:1, :1].mean(), delta=0.02)
             self.assertAlmostEqual(half[300, 200], z[::-1][599:601, 399:401].mean(), delta=0.02)
         self.assertEqual([name for name in self.entries() if ".tif." in name], [])
-
-    def test_gmt_reads_it(self):
-        terrain, tif = self.made(*CONE), self.path("t.tif")
-        self.succeed("terrain-gen", "--from", terrain, "-o", tif)
-        if not shutil.which("gmt"):
-            self.skipTest("GMT is not installed")
-        extent = gdal("gmt", "grdinfo", "-C", tif).split("\t")[1:5]
-        np.testing.assert_allclose([float(word) for word in extent], [-30.025, 30.025] * 2, atol=1e-6)
-        points = subprocess.run(["gmt", "grd2xyz", tif, "-bo3d"], capture_output=True, check=True).stdout
-        x, y, z = self.nodes(terrain)
-        points = np.frombuffer(points, float).reshape(len(y), len(x), 3)[::-1]
-        np.testing.assert_allclose(points[..., 0], np.broadcast_to(x, z.shape), atol=1e-9)
-        np.testing.assert_allclose(points[..., 1], np.broadcast_to(y[:, None], z.shape), atol=1e-9)
-        np.testing.assert_array_equal(points[..., 2], np.float32(z))  # GMT stores grids as float32
 
     def test_a_configuration_is_exported_directly(self):
         """The GeoTIFF of a configuration equals that of its terrain.h5, byte for byte, at any number of threads."""

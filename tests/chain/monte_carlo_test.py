@@ -6,8 +6,6 @@ import itertools
 import json
 import math
 import os
-import resource
-import signal
 import unittest
 
 import h5py
@@ -314,19 +312,6 @@ class Refusals(DrawsTest):
         with h5py.File(scan, "a") as file:
             del file["points/range_true"]
         self.refuse_draws(1, ["other.h5", "/points/range_true"], scan=scan)
-
-    def test_a_full_disk_keeps_the_state(self):
-        """The finished draws are there after the output could not be written."""
-        def limit():
-            resource.setrlimit(resource.RLIMIT_FSIZE, (20000, 20000))
-            signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
-        self.draws(campaign(), output="whole.h5")
-        self.draws(campaign(), "--draws", "0:4", output="part.h5")
-        os.rename(self.path("part.h5"), self.path(".draws.h5.state"))
-        self.refuse(1, "monte-carlo", *self.arguments(campaign(), "draws.h5"), words=["draws.h5"], output=self.path("draws.h5"),
-                    preexec_fn=limit)
-        self.assertIn("resumes after 4 draws", run("monte-carlo", *self.arguments(campaign(), "draws.h5", "-v")).stderr)
-        self.assertEqual(read_bytes(self.path("draws.h5")), read_bytes(self.path("whole.h5")))
 
 
 if __name__ == "__main__":

@@ -502,15 +502,6 @@ class Chain(Imports):
         self.assertIn("intensities are rounded to integers of 0 to 65535", said)
         self.assertIn("numbers of returns above 5 are written as 5", said)
 
-    def test_a_terrain_of_another_place_is_refused(self):
-        points = self.write("u.csv", "x,y,z\n500000,5400000,1\n500004,5400004,2\n")
-        self.succeed("landfall-import", points, "-o", self.path("a.h5"), *UTM, "--center", "500000,5400000")
-        self.succeed("landfall-import", points, "-o", self.path("b.h5"), *UTM, "--center", "500001,5400000")
-        with h5py.File(self.path("a.h5")) as file:
-            wkt = file["crs"].attrs["crs_wkt"].decode()
-        self.assertIn("landfall site frame", wkt)
-        self.assertNotEqual(wkt, h5py.File(self.path("b.h5"))["crs"].attrs["crs_wkt"].decode())
-
 
 class Rasters(Imports):
     """Elevation models as ESRI grids, which need no library to write."""

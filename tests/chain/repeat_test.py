@@ -94,16 +94,6 @@ class Repeat(ChainTest):
         self.assertEqual(one["range_true"].tobytes(), two["range_true"].tobytes())
         self.assertFalse((one["range_measured"] == two["range_measured"]).any())
 
-    def test_the_draws_do_not_depend_on_other_errors(self):
-        """The range noise is the same with and without dropouts and dead pixels."""
-        self.succeed("scan-sim", *self.chain.inputs("scan-sim"), "--keep-misses", "-o", self.path("some.h5"))
-        self.succeed("scan-sim", *self.chain.inputs("scan-sim"), "--keep-misses", "-o", self.path("all.h5"),
-                     "--set", "noise.dead_pixel_frac=0", "--set", "noise.dropout_frac=0")
-        some, every = (columns(self.path(name), "points") for name in ("some.h5", "all.h5"))
-        returned = some["status"] == 0
-        self.assertLess(returned.sum(), len(returned))
-        self.assertTrue((some["range_measured"] == every["range_measured"])[returned].all())
-
     def test_file_ids_follow_config_and_inputs(self):
         def file_id(path):
             with h5py.File(path) as file:
