@@ -113,27 +113,6 @@ class ClosedForms(ReceiverTest):
             self.assertLess(abs(n / 20000 - chance), 4.5 * math.sqrt(chance * (1 - chance) / 20000) + 1e-12)
             self.assertEqual(set(points["intensity"]), {1})
 
-    def test_a_pixel_on_a_step_mixes_both_surfaces(self):
-        """A step of 8 cm through the pixel's centre, between two nodes: the peak of the sum of two equal pulses is that of
-        their mean while the step is below 2 sigma = 12.7 cm; the centroid is it always."""
-        for depth in (0.08, 0.14):
-            grid = {"grid": {"half_width_m": 4, "resolution_m": 0.01}}
-            grid["features"] = [{"type": "fracture", "length_m": 7, "width_m": 0, "depth_m": 0, "throw_m": depth, "fade_m": 1,
-                                 "wall_slope_deg": 90, "yaw_deg": 0, "taper_m": 0.1}]
-            terrain = self.terrain(grid)
-            with h5py.File(terrain) as file:
-                z, y = file["z"][:, 400], file["y"][()]
-            edge = y[np.flatnonzero(np.diff(z) > depth / 2)[0]] + 0.005
-            config = stare(trajectory__position_m=[0.003, float(edge), 50], detector__ifov_rad=2e-3, detector__subpixels=16,
-                           receiver__type="centroid", link__reference_range_m=50)
-            centroid = self.scan(config, terrain)["range_measured"][0]
-            self.assertAlmostEqual(centroid, 50 - depth / 2, delta=2e-3)
-            peak = self.scan(with_values(config, receiver__type="peak"), terrain)["range_measured"][0]
-            if depth < 2 * SIGMA_M:
-                self.assertAlmostEqual(peak, 50 - depth / 2, delta=0.01)
-            else:
-                self.assertGreater(abs(peak - (50 - depth / 2)), 0.02)
-
     def test_a_step_agrees_with_its_waveform(self):
         """Level ground at 0 and, over x > 0, at `height`: a quarter or half of the sub-rays see each of two pulses."""
         x = np.linspace(-0.6, 0.4, 1000001)
