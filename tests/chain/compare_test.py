@@ -9,7 +9,7 @@ import h5py
 import numpy as np
 from scipy import stats
 
-from harness import DRAWS, CampaignTest, ChainTest, columns, read_bytes, returns_of
+from harness import DRAWS, ChainTest, MonteCarloTest, columns, read_bytes, returns_of
 
 LAYERS = ["z_est", "count", "weight_sum", "x_true", "y_true", "z_true", "z_spread"]
 
@@ -156,7 +156,7 @@ class At(ChainTest):
         self.assertIn("returns in it; ranges and z_est in metres", text)
 
 
-class Draws(CampaignTest):
+class Draws(MonteCarloTest):
     def draw(self, name, judged, dropout, **scan):
         config = self.config({**DRAWS, "draws": 24, "metrics": "verdict", "layers": False, "eval": judged,
                               "scan": {"noise": {"dropout_frac": dropout}, **scan}}, name + ".json")

@@ -12,7 +12,7 @@ import h5py
 import numpy as np
 
 from harness import REGRID, SCAN, ToolTest, columns, config_of, with_values
-from harness.draws import REQUIREMENTS, DrawsTest, campaign, merged
+from harness.draws import REQUIREMENTS, DrawsTest, draws_config, merged
 from monte_carlo_test import ERRORS, VARY
 
 STUDIES = os.path.join(os.environ["LANDFALL_ROOT"], "studies")
@@ -71,7 +71,7 @@ class Redraws(DrawsTest):
         for name, (changes, values, varied, draws) in REDRAWS.items():
             with self.subTest(name):
                 scan = self.source(changes) if changes else self.chain.scan
-                config = campaign(**values, vary={} if varied is None else {**self.every_key(), **varied})
+                config = draws_config(**values, vary={} if varied is None else {**self.every_key(), **varied})
                 rows = self.draws(config, scan=scan)
                 self.assertEqual((set(rows["seed"]), list(rows["draw"])), ({values["scan"].get("seed", SCAN["seed"])}, list(range(values["draws"]))))
                 self.assertEqual({key for key in rows if key.split(".")[0] in ("scan", "regrid", "eval")}, set(config["vary"]))

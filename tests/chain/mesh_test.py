@@ -23,7 +23,7 @@ def placed(points):
     return 2 * np.stack([-points[:, 1], points[:, 0], points[:, 2]], axis=1) + [0.5, -0.25, 0.125]
 
 
-def rolling_ground_with_a_roof():
+def rolling_terrain_with_a_roof():
     """An irregular sheet of 41 x 41 vertices, and a slab that overhangs it."""
     random = np.random.default_rng(5)
     x, y = np.meshgrid(np.linspace(-4, 4, 41), np.linspace(-4, 4, 41))
@@ -123,7 +123,7 @@ class MeshTest(ToolTest):
         return h5py.File(self.path(output), "r")
 
     def test_chain(self):
-        vertices, faces = rolling_ground_with_a_roof()
+        vertices, faces = rolling_terrain_with_a_roof()
         terrain, summary = self.terrain(vertices, faces, **PLACEMENT)
         ground = surface.Mesh(placed(vertices), fans(faces))
         self.assertEqual([summary[k] for k in ["vertex_count", "triangle_count", "welded_vertex_count"]],
@@ -184,7 +184,7 @@ class MeshTest(ToolTest):
         self.assertEqual(first, again)
 
     def test_a_mesh_that_stands_on_edge(self):
-        vertices, faces = rolling_ground_with_a_roof()
+        vertices, faces = rolling_terrain_with_a_roof()
         plain, turned, said = self.path("plain.off"), self.path("turned.off"), self.path("said.off")
         for path, points, head in ((plain, vertices, ""), (turned, vertices[:, [0, 2, 1]] * [1, 1, -1], ""), (said, vertices, "# Blender v2.93\n")):
             with open(path, "w", encoding="ascii") as file:
@@ -210,7 +210,7 @@ class MeshTest(ToolTest):
             self.refuse(2, "terrain-gen", *arguments, "--up", "y", "-o", self.path("x.ply"), words=[expected], output=self.path("x.ply"))
 
     def test_import_and_export_by_options(self):
-        vertices, faces = rolling_ground_with_a_roof()
+        vertices, faces = rolling_terrain_with_a_roof()
         source = self.write("m.off", off_text(vertices, faces))
         placement = ["--set", "mesh.scale_m=2", "--set", "mesh.rotate_rpy_deg=[0,0,90]", "--set",
                     "mesh.translate_m=[0.5,-0.25,0.125]"]

@@ -8,18 +8,18 @@ import unittest
 import h5py
 import numpy as np
 
-from harness import EVAL, REGRID, CampaignTest, as_of_0_2_0, read_bytes
+from harness import EVAL, REGRID, MonteCarloTest, as_of_0_2_0, read_bytes
 
 DROPOUT = "scan.noise.dropout_frac"
 BIAS = "scan.noise.range_bias_m"
 
 
-class FaultsTest(CampaignTest):
+class FaultsTest(MonteCarloTest):
     def arguments(self, *options, scan=None, terrain=None, **values):
         config = {"draws": 3, "regrid": {**REGRID, "resolution_m": 0.2}, "eval": EVAL, **values}
         return [scan or self.chain.scan, "--terrain", terrain or self.chain.terrain, "-c", self.config(config, "mc.json"), *options]
 
-    def refuse_campaign(self, code, words, *options, **values):
+    def refuse_run(self, code, words, *options, **values):
         """With an old output and the state of an earlier run, which must stay as they are."""
         kept = {name: self.config("old " + name, name) for name in ("draws.h5", ".draws.h5.state")}
         self.refuse(code, "monte-carlo", *self.arguments("-O", "-o", kept["draws.h5"], *options, **values), words=words)
@@ -35,7 +35,7 @@ class FaultsTest(CampaignTest):
 
 class Samples(FaultsTest):
     def test_a_table_of_too_many_draws(self):
-        self.refuse_campaign(1, ["samples.csv", "100001 rows", "at most 100000 draws"], "--samples", self.config(BIAS + "\n" + 100001 * "0\n", "samples.csv"))
+        self.refuse_run(1, ["samples.csv", "100001 rows", "at most 100000 draws"], "--samples", self.config(BIAS + "\n" + 100001 * "0\n", "samples.csv"))
 
     def test_tables_in_hdf5(self):
         for code, words, columns in [
@@ -48,7 +48,7 @@ class Samples(FaultsTest):
                 with h5py.File(self.path("samples.h5"), "w") as file:
                     for name, values in columns.items():
                         file[name] = values
-                self.refuse_campaign(code, ["samples.h5", *words], "--samples", self.path("samples.h5"))
+                self.refuse_run(code, ["samples.h5", *words], "--samples", self.path("samples.h5"))
 
 
 class Inputs(FaultsTest):
@@ -58,7 +58,7 @@ class Inputs(FaultsTest):
                 file["points/range_true"][5] = value
             return edit
         for value in (-1.0, np.inf):  # NaN is a miss
-            self.refuse_campaign(1, ["edited.h5: /points/range_true[5] is not a finite range >= 0"], scan=self.edited(self.chain.scan, change(value)))
+            self.refuse_run(1, ["edited.h5: /points/range_true[5] is not a finite range >= 0"], scan=self.edited(self.chain.scan, change(value)))
 
 
 class EditedParts(FaultsTest):
@@ -117,7 +117,7 @@ class EditedParts(FaultsTest):
         self.refuse(1, "monte-carlo", "merge", part, self.parts[1], "-o", self.path("out.h5"), words=["its columns or its grid are not those of"])
 
 
-class OldCampaigns(FaultsTest):
+class OldDraws(FaultsTest):
     WORDS = ["version 0.2.0", "other random numbers"]
 
     def test_read_and_compared(self):

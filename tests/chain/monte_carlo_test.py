@@ -12,7 +12,7 @@ import h5py
 import numpy as np
 
 from harness import EVAL, HAZARD, SCAN, columns, config_of, read_bytes, run, with_values
-from harness.draws import DISPERSED, FRACTAL, LAYERS, REQUIREMENTS, DrawsTest, campaign
+from harness.draws import DISPERSED, FRACTAL, LAYERS, REQUIREMENTS, DrawsTest, draws_config
 
 NORMAL = {"type": "normal", "mean": 0}
 
@@ -52,25 +52,25 @@ class Seeds(DrawsTest):
     def test_seeds_share_no_random_number(self):
         """Nor do the draws of one campaign; the number of a draw, not its place, decides."""
         vary = {**VARY, "scan.noise.range_bias_m": {"type": "uniform", "low": -0.01, "high": 0.01}}
-        rows = [self.draws(campaign(draws=12, scan={**ERRORS, "seed": seed}, vary=vary), output=f"{seed}.h5") for seed in (1, 2)]
+        rows = [self.draws(draws_config(draws=12, scan={**ERRORS, "seed": seed}, vary=vary), output=f"{seed}.h5") for seed in (1, 2)]
         for name in [*vary, "accuracy.absolute.z.mean_m", "accuracy.relative.z.max_m"]:
             self.assertEqual(len({*rows[0][name], *rows[1][name]}), 24, name)
 
     def test_the_draw_of_a_scan_has_no_effect(self):
         """Nor has that of the configuration, with a warning."""
-        rows = self.draws(campaign(draws=3, scan=ERRORS))
+        rows = self.draws(draws_config(draws=3, scan=ERRORS))
         self.succeed("scan-sim", *self.chain.inputs("scan-sim"), "--set", "draw=5", "-o", self.path("fifth.h5"))
-        again = self.draws(campaign(draws=3, scan=ERRORS), scan=self.path("fifth.h5"), output="again.h5")
+        again = self.draws(draws_config(draws=3, scan=ERRORS), scan=self.path("fifth.h5"), output="again.h5")
         for name, column in rows.items():
             np.testing.assert_array_equal(again[name], column, name)
-        result = run("monte-carlo", *self.arguments(campaign(draws=1, scan={"draw": 7}), "warned.h5"))
+        result = run("monte-carlo", *self.arguments(draws_config(draws=1, scan={"draw": 7}), "warned.h5"))
         self.assertEqual(result.returncode, 0)
         self.assertIn("mc.json: /scan/draw has no effect", result.stderr)
 
     def test_list_and_samples(self):
         """A list and a column of a table, CSV or HDF5, with the same values give the same draws."""
         values = {"scan.noise.range_sigma_m": [0.01, 0.1, 0.02], "scan.navigation_error.velocity_mps.1": [0.1, -0.7, 1 / 3]}
-        listed = campaign(draws=3, vary={key: {"type": "list", "values": each} for key, each in values.items()})
+        listed = draws_config(draws=3, vary={key: {"type": "list", "values": each} for key, each in values.items()})
         rows = self.draws(listed)
         for key, each in values.items():
             self.assertEqual(list(rows[key]), each)
@@ -81,23 +81,23 @@ class Seeds(DrawsTest):
             for key, each in values.items():
                 file[key] = each
         for table in (csv, self.path("samples.h5")):
-            again = self.draws(campaign(draws=299), "--samples", table, output="again.h5")
+            again = self.draws(draws_config(draws=299), "--samples", table, output="again.h5")
             for name, column in rows.items():
                 np.testing.assert_array_equal(again[name], column, name)
-        mixed = self.draws(campaign(vary={"scan.noise.dropout_frac": {"type": "uniform", "low": 0, "high": 0.3}}), "--samples", csv)
+        mixed = self.draws(draws_config(vary={"scan.noise.dropout_frac": {"type": "uniform", "low": 0, "high": 0.3}}), "--samples", csv)
         self.assertEqual(len(mixed["seed"]), 3)
-        self.check_draw(campaign(), mixed, 1, scan=self.chain.scan)
+        self.check_draw(draws_config(), mixed, 1, scan=self.chain.scan)
 
 
 class Division(DrawsTest):
     """How a campaign is run does not change its file."""
 
-    CONFIG = campaign(draws=9, scan={"noise": {"dropout_frac": 0.2}}, vary={"scan.navigation_error.velocity_mps.0": {**NORMAL, "sigma": 0.1}})
+    CONFIG = draws_config(draws=9, scan={"noise": {"dropout_frac": 0.2}}, vary={"scan.navigation_error.velocity_mps.0": {**NORMAL, "sigma": 0.1}})
 
     CAMPAIGNS = {"maps": CONFIG, "no maps": {**CONFIG, "layers": False},
-                 "hazards": campaign(draws=4, hazard={**HAZARD, "requirements": [{"name": "missed", "metric": "missed_hazard_frac", "max": 0.1}]},
+                 "hazards": draws_config(draws=4, hazard={**HAZARD, "requirements": [{"name": "missed", "metric": "missed_hazard_frac", "max": 0.1}]},
                                      metrics="verdict", vary={"scan.noise.range_sigma_m": {"type": "uniform", "low": 0, "high": 0.1}}),
-                 **{f"traced, {seed} ground": campaign(draws=5, scan=SCAN, vary=vary, metrics="verdict", terrain=FRACTAL, terrain_seed=seed)
+                 **{f"traced, {seed} ground": draws_config(draws=5, scan=SCAN, vary=vary, metrics="verdict", terrain=FRACTAL, terrain_seed=seed)
                     for seed, vary in (("fixed", DISPERSED), ("each", {**DISPERSED, "terrain.base.0.slope_x": {**NORMAL, "sigma": 0.05}}))}}
 
     def whole(self, *options, config=None):
@@ -155,7 +155,7 @@ class Results(DrawsTest):
 
     def test_maps(self):
         """Against numpy over the chain's DEMs. Errors are rounded to 2^-30 m."""
-        config = campaign(draws=12, scan={"noise": {"dropout_frac": 0.2}},
+        config = draws_config(draws=12, scan={"noise": {"dropout_frac": 0.2}},
                           eval=with_values(EVAL, limits__relative_horizontal_m=0.025, limits__absolute_horizontal_m=0.1),
                           vary={"scan.navigation_error.velocity_mps.0": {**NORMAL, "sigma": 2},
                                 "scan.noise.range_bias_m": {**NORMAL, "sigma": 0.05}})
@@ -194,7 +194,7 @@ class Results(DrawsTest):
             self.assertEqual(file["draws"].attrs["first_draw"], 0)
 
     # A draw passes if its share of empty bins, which is random, is below a random limit.
-    HALF = campaign(draws=40, eval={**EVAL, "limits": dict.fromkeys(["relative_elevation_m", "relative_horizontal_m", "absolute_horizontal_m",
+    HALF = draws_config(draws=40, eval={**EVAL, "limits": dict.fromkeys(["relative_elevation_m", "relative_horizontal_m", "absolute_horizontal_m",
                                                                       "distance_bins", "hole_bins"], 1000)},
                     scan={"noise": {"dropout_frac": 0.2}}, metrics="verdict", layers=False,
                     vary={"eval.limits.invalid_frac": {"type": "uniform", "low": 0, "high": 0.05}})
@@ -267,7 +267,7 @@ class Refusals(DrawsTest):
     """Each message names file, key and value; nothing is written."""
 
     def refuse_draws(self, code, words, *options, scan=None, **values):
-        self.refuse(code, "monte-carlo", *self.arguments(campaign(**values), "draws.h5", *options, scan=scan), words=words,
+        self.refuse(code, "monte-carlo", *self.arguments(draws_config(**values), "draws.h5", *options, scan=scan), words=words,
                     output=self.path("draws.h5"))
         self.assertEqual([entry for entry in self.entries() if "draws.h5" in entry], [])
 
@@ -299,7 +299,7 @@ class Refusals(DrawsTest):
             self.refuse(2, "monte-carlo", "--check", "--set", assignment, words=[word])
         shown = json.loads(self.succeed("scan-sim", "--print-config", "--set", "navigation_error.velocity_mps.0=0.1").stdout)
         self.assertEqual(shown["navigation_error"]["velocity_mps"], [0.1, 0, 0])
-        config = {**campaign(draws=1), "scan": {}}
+        config = {**draws_config(draws=1), "scan": {}}
         self.draws(config, "--set", "scan.navigation_error.velocity_mps.1=0.5")
         velocity = SCAN["navigation_error"]["velocity_mps"]
         self.assertEqual(config_of(self.path("draws.h5"))["scan"]["navigation_error"]["velocity_mps"], [velocity[0], 0.5, velocity[2]])

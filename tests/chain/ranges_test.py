@@ -9,7 +9,7 @@ import h5py
 from errors_test import SCAN as ALL_ERRORS
 from errors_test import scan_config
 from harness import SCAN, ChainTest, columns, read_bytes, set_text, with_values
-from mesh_test import off_text, rolling_ground_with_a_roof
+from mesh_test import off_text, rolling_terrain_with_a_roof
 
 NO_LOSSES = ["--set", "noise.dead_pixel_frac=0", "--set", "noise.dropout_frac=0"]
 OTHER = ["--seed", "11", "--set", "noise.range_sigma_m=0.02", "--set", "noise.dropout_frac=0.2",
@@ -54,7 +54,7 @@ class RangesFrom(ChainTest):
         self.assertEqual(read_bytes(self.path("replayed.h5")), read_bytes(self.path("traced.h5")), f"{what} {arguments}")
 
     def test_each_equals_a_traced_scan_byte_for_byte(self):
-        self.succeed("terrain-gen", "--from", self.config(off_text(*rolling_ground_with_a_roof()), "mesh.off"), "-o", self.path("mesh.h5"))
+        self.succeed("terrain-gen", "--from", self.config(off_text(*rolling_terrain_with_a_roof()), "mesh.off"), "-o", self.path("mesh.h5"))
         for name, (config, sources, redraws) in REDRAWS.items():
             terrain = ["--terrain", self.path("mesh.h5") if name == "mesh" else self.chain.terrain]
             for source in sources:

@@ -14,7 +14,7 @@ SCANNERS = {"gimbal": {"pattern": PATTERN}, "palmer": {"rate_hz": 40}, "polygon"
             "risley": {"wedge_deg": [2, 2], "encoder_sigma_rad": 1e-4}, "flash": {},
             "table": {"path": "sweep.csv", "mechanism": "fsm", "incidence_deg": 20}}
 HEIGHT = {"terrain.features.0.height_m": {"type": "uniform", "low": 0.5, "high": 2}}
-GROUND = {**HEIGHT, "terrain.base.slope_x": {"type": "normal", "sigma": 0.05}}
+TERRAIN_KEYS = {**HEIGHT, "terrain.base.slope_x": {"type": "normal", "sigma": 0.05}}
 AIM = with_values(SCAN, scanner__pattern=dict(PATTERN, aim="estimate"), navigation_error={
     "gauss_markov": {"velocity_sigma_mps": [0.2, 0.2, 0.1]}, "random_walk": {"rpy_rad_per_sqrt_s": [1e-3] * 3}})
 LIGHT = {"beam": {"divergence_rad": 0.01}, "surface": {"albedo": "terrain"}, "link": {"reference_pe": 150, "reference_range_m": 50},
@@ -33,7 +33,7 @@ def listed(*values):
 CAMPAIGNS = {
     "everything": ({"scan": AIM, "terrain": FRACTAL, "terrain_seed": "each", "vary": {**DISPERSED, **HEIGHT}, "hazard": HAZARD}, (0, 2)),
     "one ground": ({"vary": DISPERSED}, (1,)),
-    **{f"scanner {name}": ({"scan": {**SCAN, "scanner": {"type": name, **values}}, "draws": 2, "vary": {**GROUND, **DISPERSED}}, (1,))
+    **{f"scanner {name}": ({"scan": {**SCAN, "scanner": {"type": name, **values}}, "draws": 2, "vary": {**TERRAIN_KEYS, **DISPERSED}}, (1,))
        for name, values in SCANNERS.items()},
     # Echoes of which several are reported, and a geiger mode, which no scan can be redrawn with.
     **{f"receiver {receiver['type']}": ({"scan": {**SCAN, **LIGHT, "receiver": receiver}, "terrain": PATCHES, "draws": 2,
@@ -44,7 +44,7 @@ CAMPAIGNS = {
        for regrid in ({"method": "median"}, {"method": "bilinear4"}, {"truth_at": "centroid"})},
     # Hazards have p_safe, and metrics.json judges the sigmas.
     "1-sigma maps": ({"draws": 2, "uncertainty": True, "hazard": {**HAZARD, "region_radius_m": 2},
-                      "vary": {**GROUND, "scan.trajectory_dispersion.position_m.0": {"type": "normal", "sigma": 0.2}},
+                      "vary": {**TERRAIN_KEYS, "scan.trajectory_dispersion.position_m.0": {"type": "normal", "sigma": 0.2}},
                       "regrid": {**REGRID, "uncertainty": {"range_sigma_m": 0.01, "navigation_sigma": NONE}}}, (1,)),
     # The drift at the start of the divert varies, so that draws have other sites; also in the landing.
     "reach": ({"hazard": with_values({**HAZARD, "region_radius_m": 3}, sites__reach={**REACH, "position_m": [-1, 0]}), "landing": {"yaw_deg": 10},
@@ -54,7 +54,7 @@ CAMPAIGNS = {
 }
 
 
-def campaign(**values):
+def draws_config(**values):
     return {"draws": 3, "scan": SCAN, "regrid": REGRID, "eval": EVAL, "terrain": TERRAIN, "vary": {}, **values}
 
 
@@ -66,7 +66,7 @@ class Equality(DrawsTest):
         self.assertEqual({*SCANNERS, "fsm"}, scanner_types())
         for name, (values, draws) in CAMPAIGNS.items():
             with self.subTest(name):
-                config = campaign(**values)
+                config = draws_config(**values)
                 if name == "scanner table":
                     config = with_values(config, scan__scanner__path=self.path("sweep.csv"))
                 rows = self.draws(config)
@@ -111,11 +111,11 @@ class Equality(DrawsTest):
         self.assertEqual(config["scan"]["seed"], 9)
         self.assertEqual(config["hazard"]["region_radius_m"], 3)
         self.assertEqual(config["hazard"]["lander"]["legs"], 4)
-        rows = self.draws(campaign(draws=1), "--set", "scan.navigation_error.velocity_mps.1=0.5", "--seed", 11)
+        rows = self.draws(draws_config(draws=1), "--set", "scan.navigation_error.velocity_mps.1=0.5", "--seed", 11)
         self.assertEqual(list(rows["seed"]), [11])
 
     def test_sequential(self):
-        config = campaign(draws=100, metrics="verdict", layers=False, eval={**EVAL, "limits": dict.fromkeys(EVAL["limits"], 1000)},
+        config = draws_config(draws=100, metrics="verdict", layers=False, eval={**EVAL, "limits": dict.fromkeys(EVAL["limits"], 1000)},
                           stop={"type": "sprt", "p0": 0.9, "p1": 0.5})
         config["eval"]["limits"].update(invalid_frac=1, absolute_horizontal_frac=0)
         rows = self.draws(config)
@@ -131,14 +131,14 @@ class Refusals(DrawsTest):
         uniform = {"type": "uniform", "low": 1, "high": 2}
         for key, words in {"scan.draw": "number of the draw", "terrain.draw": "/terrain_seed", "hazard.region_radius_m": "bins",
                            "terrain.grid.resolution_m": "grid of the ground", "landing.drift_time_s": "the same in all draws", "other.key": "first part"}.items():
-            self.refused(campaign(vary={key: uniform}), words=[key, words])
+            self.refused(draws_config(vary={key: uniform}), words=[key, words])
 
     def test_a_preset_that_is_not_there(self):
-        self.refused(campaign(terrain="preset:nowhere"), words=["/terrain", "no such preset"])
+        self.refused(draws_config(terrain="preset:nowhere"), words=["/terrain", "no such preset"])
 
     def test_aim_from_an_estimate(self):
         pattern = dict(PATTERN, aim="estimate")
-        self.refused(campaign(scan=with_values(SCAN, scanner__pattern=dict(pattern, compensated=False))), words=["/scanner/pattern/aim", "compensated"])
+        self.refused(draws_config(scan=with_values(SCAN, scanner__pattern=dict(pattern, compensated=False))), words=["/scanner/pattern/aim", "compensated"])
         scan = self.path("aimed.h5")
         self.succeed("scan-sim", "-c", self.config(with_values(SCAN, scanner__pattern=pattern, noise={})), "--terrain", self.chain.terrain, "-o", scan)
         over = [scan, "--terrain", self.chain.terrain, "-o", self.path("draws.h5"), "-c"]

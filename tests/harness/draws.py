@@ -6,7 +6,7 @@ import math
 import h5py
 import numpy as np
 
-from . import EVAL, REGRID, TERRAIN, CampaignTest, columns, config_of, read_bytes
+from . import EVAL, REGRID, TERRAIN, MonteCarloTest, columns, config_of, read_bytes
 
 TOOL_OF = {"terrain": "terrain-gen", "scan": "scan-sim", "regrid": "regrid", "eval": "dem-eval", "hazard": "hazard-map"}
 OWN = (*TOOL_OF, "seed", "draw", "pass", "landing", "blind")  # columns that begin so are not in the files of the chain
@@ -22,7 +22,7 @@ DISPERSED = {**{f"scan.trajectory_dispersion.{key}.{i}": {"type": "normal", "sig
 FRACTAL = {**TERRAIN, "base": [{"type": "plane", "slope_x": 0.03}, {"type": "fractal", "hurst_exponent": 0.7, "rms_deviation_m": 0.05, "reference_length_m": 1}]}
 
 
-def campaign(**values):
+def draws_config(**values):
     return {"draws": 6, "scan": {}, "regrid": REGRID, "eval": EVAL, "vary": {}, **values}
 
 
@@ -43,7 +43,7 @@ def flat(value, path=""):
     return {path: math.nan if value is None else float(value)}
 
 
-class DrawsTest(CampaignTest):
+class DrawsTest(MonteCarloTest):
     """Draws over the chain's scan or over another one; those of a campaign with the section terrain, or with scan=False, trace."""
 
     def arguments(self, config, output, *options, scan=None):

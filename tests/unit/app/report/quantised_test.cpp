@@ -93,10 +93,10 @@ TEST(Quantise, KeepsASingleValueExactly) {
 }
 
 TEST(Quantise, StandsExtremeNumbers) {
-  const double most = std::numeric_limits<double>::max();
-  const Quantised wide = quantise(std::array<double, 3>{-most, 0, most}, 1000);
+  const double maximum = std::numeric_limits<double>::max();
+  const Quantised wide = quantise(std::array<double, 3>{-maximum, 0, maximum}, 1000);
   EXPECT_TRUE(std::isfinite(wide.step));
-  EXPECT_NEAR(value_of(wide, 1) / most, 0, 0.002);
+  EXPECT_NEAR(value_of(wide, 1) / maximum, 0, 0.002);
   const Quantised narrow = quantise(std::array<double, 2>{0, 5e-324}, 1000);
   EXPECT_EQ(narrow.step, 0);
   // Steps below the resolution of the numbers themselves.

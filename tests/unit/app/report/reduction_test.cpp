@@ -38,7 +38,7 @@ TEST(Reduce, FollowsItsRule) {
   EXPECT_THAT(reduce(grid, 2, Rule::mean).cells, ElementsAre(0.5, 5));
   EXPECT_THAT(reduce(grid, 2, Rule::extreme).cells, ElementsAre(-4, 5));
   EXPECT_THAT(reduce(grid, 2, Rule::largest).cells, ElementsAre(3, 5));
-  EXPECT_THAT(reduce(grid, 2, Rule::least).cells, ElementsAre(-4, 5));
+  EXPECT_THAT(reduce(grid, 2, Rule::smallest).cells, ElementsAre(-4, 5));
   const ReducedMap map = reduce(grid, 2, Rule::mean);
   EXPECT_EQ(map.rows, 1);
   EXPECT_EQ(map.cols, 2);

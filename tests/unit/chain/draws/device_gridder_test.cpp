@@ -46,10 +46,10 @@ class DeviceGridding : public ::testing::Test {
   std::int64_t expect_same_bits(DrawGridder& device, const RangeErrorParameters& errors, Method method,
                                 TruthAt truth_at, std::uint64_t seed, const GridSpec& grid) {
     DrawGridder cpu({ranges_}, grid);
-    const Simulation simulation(device_scan(errors, seed, columns_), nullptr, &ground_);
-    const DrawnDem& expected = cpu.draw(simulation, method, truth_at, ground_);
+    const Simulation simulation(device_scan(errors, seed, columns_), nullptr, &terrain_);
+    const DrawnDem& expected = cpu.draw(simulation, method, truth_at, terrain_);
     const std::uint64_t before = use_->draws();
-    const DrawnDem& found = device.draw(simulation, method, truth_at, ground_);
+    const DrawnDem& found = device.draw(simulation, method, truth_at, terrain_);
     EXPECT_EQ(use_->draws(), before + 1);
     EXPECT_FALSE(use_->failure());
     EXPECT_EQ(different(found.layers.z_est.values(), expected.layers.z_est.values()), 0);
@@ -65,7 +65,7 @@ class DeviceGridding : public ::testing::Test {
     return returns;
   }
 
-  Ground ground_;
+  PlaneTerrain terrain_;
   GridSpec grid_{0.05, -140, -140, 281, 201};
   int columns_ = 2;
   std::vector<double> ranges_;
@@ -137,25 +137,25 @@ TEST_F(DeviceGridding, NothingReturns) {
 
 TEST_F(DeviceGridding, RefusesWhatADeviceCannotDo) {
   DrawGridder device({ranges_}, grid_, options());
-  const Simulation simulation(device_scan({}, 1), nullptr, &ground_);
+  const Simulation simulation(device_scan({}, 1), nullptr, &terrain_);
   EXPECT_THAT(
-      [&] { static_cast<void>(device.draw(simulation, Method::median, TruthAt::bin_center, ground_)); },
+      [&] { static_cast<void>(device.draw(simulation, Method::median, TruthAt::bin_center, terrain_)); },
       testing::ThrowsMessage<UsageError>(HasSubstr("/regrid/method: a device bins by bilinear_nearest, "
                                                    "bilinear4 or mean; opencl-or-cpu uses the CPU")));
   ScanModel timed = device_scan({}, 1);
   timed.lidar.range_timer = RangeTimer({.timer_step_s = 1e-9}, 6, 1);
-  EXPECT_THAT([&] { device.device()->check(Simulation(std::move(timed), nullptr, &ground_), Method::mean); },
+  EXPECT_THAT([&] { device.device()->check(Simulation(std::move(timed), nullptr, &terrain_), Method::mean); },
               testing::ThrowsMessage<UsageError>(HasSubstr("/scan/receiver: a device draws no jitter")));
 }
 
 TEST_F(DeviceGridding, FallsBackForADraw) {
   DrawGridder device({ranges_}, grid_, OpenClOptions{.on_failure = DeviceFailure::falls_back, .use = use_});
-  const Simulation simulation(device_scan({}, 1), nullptr, &ground_);
-  const DrawnDem& median = device.draw(simulation, Method::median, TruthAt::bin_center, ground_);
+  const Simulation simulation(device_scan({}, 1), nullptr, &terrain_);
+  const DrawnDem& median = device.draw(simulation, Method::median, TruthAt::bin_center, terrain_);
   EXPECT_GT(median.count.at({140, 100}), 0);
   EXPECT_EQ(use_->draws(), 0U);
   EXPECT_EQ(use_->failure(), "/regrid/method: a device bins by bilinear_nearest, bilinear4 or mean");
-  static_cast<void>(device.draw(simulation, Method::mean, TruthAt::bin_center, ground_));
+  static_cast<void>(device.draw(simulation, Method::mean, TruthAt::bin_center, terrain_));
   EXPECT_EQ(use_->draws(), 1U);
 }
 

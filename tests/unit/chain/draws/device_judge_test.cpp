@@ -39,7 +39,7 @@ struct Draw {
 };
 
 /// Rough ground about kPlane with holes.
-TriangulatedGrid rough_ground() {
+TriangulatedGrid rough_terrain() {
   Grid<double> nodes({0.13, -70, -60, 141, 125});
   std::mt19937_64 random(3);
   std::normal_distribution<double> normal(0, 0.02);
@@ -62,8 +62,8 @@ class DeviceJudging : public ::testing::Test {
 
   void start(bool with_maps) {
     const BinMask region = circular_region(kGrid, 4);
-    cpu_ = std::make_unique<DrawRunner>(CampaignScene{{ranges_}, &ground_, kGrid, region}, with_maps);
-    device_ = std::make_unique<DrawRunner>(CampaignScene{{ranges_}, &ground_, kGrid, region}, with_maps,
+    cpu_ = std::make_unique<DrawRunner>(DrawsScene{{ranges_}, &terrain_, kGrid, region}, with_maps);
+    device_ = std::make_unique<DrawRunner>(DrawsScene{{ranges_}, &terrain_, kGrid, region}, with_maps,
                                            OpenClOptions{.use = use_});
     expected_ = with_maps ? std::optional(DrawMaps(kGrid)) : std::nullopt;
     found_ = expected_;
@@ -72,9 +72,9 @@ class DeviceJudging : public ::testing::Test {
   /// Runs a draw on both. Returns whether the device judged it, and keeps it for the maps.
   bool expect_same_metrics(const Draw& draw) {
     const DrawResult expected =
-        cpu_->run(draw.setup(), {ground_}, MetricsKind::verdict, expected_ ? &*expected_ : nullptr);
+        cpu_->run(draw.setup(), {terrain_}, MetricsKind::verdict, expected_ ? &*expected_ : nullptr);
     const DrawResult found =
-        device_->run(draw.setup(), {ground_}, MetricsKind::verdict, found_ ? &*found_ : nullptr);
+        device_->run(draw.setup(), {terrain_}, MetricsKind::verdict, found_ ? &*found_ : nullptr);
     const auto& a = std::get<DecisiveMetrics>(expected.metrics);
     const auto& b = std::get<DecisiveMetrics>(found.metrics);
     EXPECT_EQ(b.pass, a.pass);
@@ -108,7 +108,7 @@ class DeviceJudging : public ::testing::Test {
   }
 
   static constexpr GridSpec kGrid{0.1, -60, -60, 121, 101};
-  TriangulatedGrid ground_ = rough_ground();
+  TriangulatedGrid terrain_ = rough_terrain();
   std::vector<double> ranges_;
   std::shared_ptr<DeviceUse> use_ = std::make_shared<DeviceUse>();
   std::unique_ptr<DrawRunner> cpu_, device_;
@@ -150,8 +150,8 @@ TEST_F(DeviceJudging, NothingReturns) {
 TEST_F(DeviceJudging, AnErrorAtItsLimitIsForTheCpu) {
   Draw draw{.evaluation = rule({}, kGrid.resolution_m)};
   DrawGridder gridder({ranges_}, kGrid);
-  const Simulation simulation(device_scan({}, 1), nullptr, &ground_);
-  const DrawnDem& dem = gridder.draw(simulation, draw.method, draw.truth_at, ground_);
+  const Simulation simulation(device_scan({}, 1), nullptr, &terrain_);
+  const DrawnDem& dem = gridder.draw(simulation, draw.method, draw.truth_at, terrain_);
   const BinIndex bin{60, 60};
   ASSERT_GT(dem.count.at(bin), 0);
   const double error_m =

@@ -21,7 +21,7 @@ using testing::HasSubstr;
 
 const PhaseRunner kAtOnce = [](const std::string& /*name*/, const auto& part) { part({}); };
 
-HazardInput level_ground(double half_width_m, double resolution_m) {
+HazardInput level_terrain(double half_width_m, double resolution_m) {
   const GridSpec spec = GridSpec::centered(half_width_m, resolution_m);
   return {Grid<double>(spec), std::nullopt, BinMask(spec), std::nullopt};
 }
@@ -58,7 +58,7 @@ TEST(HazardParameters, DefaultsAreThoseOfTheDocumentation) {
 
 // 21 x 21 bins; the lander reaches 3 bins.
 TEST(MapHazards, LevelGroundIsSafeWhereTheLanderFits) {
-  HazardInput input = level_ground(1, 0.1);
+  HazardInput input = level_terrain(1, 0.1);
   const HazardMap map = map_hazards(input, small_lander(), kAtOnce);
   const PlaceCounts counts = count_places(map.safe, map.region);
   EXPECT_EQ(counts.safe, 15 * 15);
@@ -81,7 +81,7 @@ TEST(MapHazards, LevelGroundIsSafeWhereTheLanderFits) {
 TEST(MapHazards, OnlyTheRegionIsJudged) {
   HazardParameters parameters = small_lander();
   parameters.region_radius_m = 0.2;  // i^2 + j^2 < 4
-  HazardInput input = level_ground(1, 0.1);
+  HazardInput input = level_terrain(1, 0.1);
   const HazardMap map = map_hazards(input, parameters, kAtOnce);
   EXPECT_EQ(count_places(map.safe, map.region).safe, 9);
   EXPECT_EQ(count_places(map.safe, map.region).all(), 9);
@@ -92,7 +92,7 @@ TEST(MapHazards, OnlyTheRegionIsJudged) {
 }
 
 TEST(MapHazards, TruthIsJudgedByTheSameLimits) {
-  HazardInput input = level_ground(1, 0.1);
+  HazardInput input = level_terrain(1, 0.1);
   input.z_true = input.z;
   input.z_true->at({10, 10}) = 0.31;  // a hazard wherever it lies under the body or a pad
   input.filled_truth.at({10, 10}) = 1;
@@ -106,7 +106,7 @@ TEST(MapHazards, TruthIsJudgedByTheSameLimits) {
 }
 
 TEST(MapHazards, FilledTruthCountsInTheRegionOnly) {
-  HazardInput input = level_ground(1, 0.1);
+  HazardInput input = level_terrain(1, 0.1);
   input.z_true = input.z;
   input.filled_truth.at({10, 10}) = input.filled_truth.at({0, 0}) = 1;
   HazardParameters parameters = small_lander();
@@ -119,25 +119,25 @@ TEST(MapHazards, FilledTruthCountsInTheRegionOnly) {
 TEST(MapHazards, ALanderThatTheMapCannotHoldIsRefused) {
   HazardParameters parameters = small_lander();
   parameters.lander.body_radius_m = 1;  // 21 bins, all of the map
-  EXPECT_EQ(refusal(level_ground(1, 0.1), parameters), "accepted");
+  EXPECT_EQ(refusal(level_terrain(1, 0.1), parameters), "accepted");
   parameters.lander.body_radius_m = 1.1;
-  EXPECT_EQ(refusal(level_ground(1, 0.1), parameters),
+  EXPECT_EQ(refusal(level_terrain(1, 0.1), parameters),
             "usage: lander/body_radius_m: a lander of 23 bins across is larger than the map of 21 x 21 bins "
             "of 0.1 m");
   parameters = small_lander();
   parameters.lander.leg_radius_m = 1;
-  EXPECT_EQ(refusal(level_ground(1, 0.1), parameters), "accepted");  // pads of one bin
-  parameters.lander.leg_radius_m = 1.05 - 0.5e-10;                   // stand 11 bins away
-  EXPECT_THAT(refusal(level_ground(1, 0.1), parameters),
+  EXPECT_EQ(refusal(level_terrain(1, 0.1), parameters), "accepted");  // pads of one bin
+  parameters.lander.leg_radius_m = 1.05 - 0.5e-10;                    // stand 11 bins away
+  EXPECT_THAT(refusal(level_terrain(1, 0.1), parameters),
               HasSubstr("usage: lander/leg_radius_m: a lander of 23"));
   parameters.lander.leg_radius_m = 1;
   parameters.lander.pad_diameter_m = 0.2;
-  EXPECT_THAT(refusal(level_ground(1, 0.1), parameters),
+  EXPECT_THAT(refusal(level_terrain(1, 0.1), parameters),
               HasSubstr("usage: lander/leg_radius_m: a lander of 23"));
   parameters.method = HazardMethod::plane;  // has no legs
-  EXPECT_EQ(refusal(level_ground(1, 0.1), parameters), "accepted");
+  EXPECT_EQ(refusal(level_terrain(1, 0.1), parameters), "accepted");
   parameters.lander.body_radius_m = 1.1;
-  EXPECT_THAT(refusal(level_ground(1, 0.1), parameters),
+  EXPECT_THAT(refusal(level_terrain(1, 0.1), parameters),
               HasSubstr("usage: lander/body_radius_m: a lander of 23"));
 }
 
@@ -152,61 +152,61 @@ TEST(MapHazards, TheShorterSideOfTheMapHoldsTheLander) {
 TEST(MapHazards, TheBodyIsNamedIfOthersReachAsFar) {
   HazardParameters parameters = small_lander();
   parameters.lander.leg_radius_m = parameters.lander.body_radius_m = 1.1;
-  EXPECT_THAT(refusal(level_ground(1, 0.1), parameters), HasSubstr("usage: lander/body_radius_m"));
+  EXPECT_THAT(refusal(level_terrain(1, 0.1), parameters), HasSubstr("usage: lander/body_radius_m"));
   parameters.method = HazardMethod::range_difference;
   parameters.lander.body_radius_m = parameters.limits.roughness_m = 0.5;
-  EXPECT_THAT(refusal(level_ground(1, 0.1), parameters), HasSubstr("usage: lander/body_radius_m"));
+  EXPECT_THAT(refusal(level_terrain(1, 0.1), parameters), HasSubstr("usage: lander/body_radius_m"));
 }
 
 TEST(MapHazards, ALanderThatTheMapCannotResolveIsRefused) {
   HazardParameters parameters = small_lander();
   parameters.lander.leg_radius_m = 0.19;
-  EXPECT_THAT(refusal(level_ground(1, 0.1), parameters),
+  EXPECT_THAT(refusal(level_terrain(1, 0.1), parameters),
               HasSubstr("usage: lander/leg_radius_m: 0.19 is less"));
   parameters.method = HazardMethod::plane;
-  EXPECT_EQ(refusal(level_ground(1, 0.1), parameters), "accepted");
+  EXPECT_EQ(refusal(level_terrain(1, 0.1), parameters), "accepted");
   parameters.lander.body_radius_m = 0.099;
   EXPECT_THAT(
-      refusal(level_ground(1, 0.1), parameters),
+      refusal(level_terrain(1, 0.1), parameters),
       HasSubstr("usage: lander/body_radius_m: 0.099 is less than 1 bin of 0.1 m, and the method is plane"));
   parameters.method = HazardMethod::range_difference;
-  EXPECT_THAT(refusal(level_ground(1, 0.1), parameters), HasSubstr("and the method is range_difference"));
+  EXPECT_THAT(refusal(level_terrain(1, 0.1), parameters), HasSubstr("and the method is range_difference"));
   parameters.method = HazardMethod::plane;
   parameters.lander.body_radius_m = 0.1;
-  EXPECT_EQ(refusal(level_ground(1, 0.1), parameters), "accepted");
+  EXPECT_EQ(refusal(level_terrain(1, 0.1), parameters), "accepted");
   parameters.method = HazardMethod::lmeds;
-  EXPECT_THAT(refusal(level_ground(1, 0.1), parameters),
+  EXPECT_THAT(refusal(level_terrain(1, 0.1), parameters),
               HasSubstr("usage: lander/body_radius_m: 0.1 is less than 2 bins"));
   parameters.lander.body_radius_m = 0.2;
-  EXPECT_EQ(refusal(level_ground(1, 0.1), parameters), "accepted");
+  EXPECT_EQ(refusal(level_terrain(1, 0.1), parameters), "accepted");
 }
 
 TEST(MapHazards, WindowsThatTheMapCannotHoldOrResolveAreRefused) {
   HazardParameters parameters = small_lander();
   parameters.method = HazardMethod::range_difference;
-  EXPECT_EQ(refusal(level_ground(1, 0.1), parameters), "accepted");
+  EXPECT_EQ(refusal(level_terrain(1, 0.1), parameters), "accepted");
   parameters.limits.roughness_m = 0.6;  // 3 + 6 + 1 bins to each side
-  EXPECT_EQ(refusal(level_ground(1, 0.1), parameters), "accepted");
+  EXPECT_EQ(refusal(level_terrain(1, 0.1), parameters), "accepted");
   parameters.limits.roughness_m = 0.7;
-  EXPECT_EQ(refusal(level_ground(1, 0.1), parameters),
+  EXPECT_EQ(refusal(level_terrain(1, 0.1), parameters),
             "usage: limits/roughness_m: a window of 23 bins across is larger than the map of 21 x 21 bins of "
             "0.1 m");
   parameters.limits.roughness_m = 0.1;
-  EXPECT_EQ(refusal(level_ground(1, 0.1), parameters), "accepted");
+  EXPECT_EQ(refusal(level_terrain(1, 0.1), parameters), "accepted");
   parameters.limits.roughness_m = 0.09;
-  EXPECT_THAT(refusal(level_ground(1, 0.1), parameters),
+  EXPECT_THAT(refusal(level_terrain(1, 0.1), parameters),
               HasSubstr("usage: limits/roughness_m: 0.09 is less than 1 bin of 0.1 m"));
   parameters.method = HazardMethod::contact;  // has no windows
-  EXPECT_EQ(refusal(level_ground(1, 0.1), parameters), "accepted");
+  EXPECT_EQ(refusal(level_terrain(1, 0.1), parameters), "accepted");
   parameters.method = HazardMethod::range_difference;
   parameters.limits.roughness_m = 0.3;
   parameters.lander.body_radius_m = 0.8;
-  EXPECT_THAT(refusal(level_ground(1, 0.1), parameters),
+  EXPECT_THAT(refusal(level_terrain(1, 0.1), parameters),
               HasSubstr("usage: lander/body_radius_m: a window of 25 bins"));
 }
 
 TEST(MapHazards, EachMethodHasItsProbability) {
-  HazardInput input = level_ground(3, 0.1);
+  HazardInput input = level_terrain(3, 0.1);
   input.z.at({35, 35}) = input.z.at({35, 36}) = input.z.at({36, 35}) = input.z.at({36, 36}) = 0.5;
   input.z.at({34, 35}) = 0.5;
   for (const HazardMethod method :
@@ -223,7 +223,7 @@ TEST(MapHazards, EachMethodHasItsProbability) {
 
 // 8 sigma of noise are 9 deg or more with each method.
 TEST(MapHazards, HalfADegreeFromTheLimitIsNotCertain) {
-  HazardInput input = level_ground(1, 0.1);
+  HazardInput input = level_terrain(1, 0.1);
   HazardParameters parameters = small_lander();
   for (std::int64_t row = 0; row < 21; ++row)
     for (std::int64_t col = 0; col < 21; ++col)
@@ -241,7 +241,7 @@ TEST(MapHazards, HalfADegreeFromTheLimitIsNotCertain) {
 }
 
 TEST(MapHazards, ARegionWithoutAKnownPlaceSaysWhy) {
-  HazardInput input = level_ground(1, 0.1);
+  HazardInput input = level_terrain(1, 0.1);
   HazardParameters parameters = small_lander();
   input.z.at({10, 10}) = kNan;
   parameters.region_radius_m = 0.3;
@@ -256,14 +256,14 @@ TEST(MapHazards, ARegionWithoutAKnownPlaceSaysWhy) {
 
 // The only elevation lies in the first bin of the map.
 TEST(MapHazards, ALoneElevationIsNamed) {
-  HazardInput input = level_ground(1, 0.1);
+  HazardInput input = level_terrain(1, 0.1);
   for (double& z : input.z.values()) z = kNan;
   input.z.at({0, 0}) = 0;
   EXPECT_THAT(refusal(input, small_lander()), HasSubstr("nothing to judge: at each place within"));
 }
 
 TEST(MapHazards, ASiteHasTheValuesOfItsPlace) {
-  HazardInput input = level_ground(2, 0.1);
+  HazardInput input = level_terrain(2, 0.1);
   for (std::int64_t row = 0; row < 41; ++row)
     for (std::int64_t col = 0; col < 41; ++col)
       input.z.at({row, col}) = 0.01 * static_cast<double>(row + (row * col) % 3);
@@ -380,7 +380,7 @@ TEST(FillMap, CountsBinsWithoutSigma) {
 
 // Its elevation does not count: the place is known, and its probability that of a map without the bin.
 TEST(MapHazards, ABinWithoutSigmaIsNotMeasured) {
-  HazardInput input = level_ground(2, 0.1);
+  HazardInput input = level_terrain(2, 0.1);
   input.z_sigma = Grid<double>(input.z.spec(), 0.001);
   const BinIndex bare{20, 22};
   input.z.at(bare) = 1;
@@ -397,7 +397,7 @@ TEST(MapHazards, ABinWithoutSigmaIsNotMeasured) {
 
 // An unknown place has a probability, counts nothing for a touchdown, and is left out of the score.
 TEST(MapHazards, AnUnknownPlaceHasAProbability) {
-  HazardInput input = level_ground(2, 0.1);
+  HazardInput input = level_terrain(2, 0.1);
   input.z_true = input.z;
   input.z_sigma = Grid<double>(input.z.spec(), 0.001);
   input.z.at({20, 20}) = input.z_sigma->at({20, 20}) = kNan;
@@ -432,7 +432,7 @@ TEST(FillTruth, ARingWithoutTruthLeavesTheBinEmpty) {
 }
 
 TEST(MapHazards, ASiteHasThePosesOfItsMeasures) {
-  HazardInput input = level_ground(1, 0.1);
+  HazardInput input = level_terrain(1, 0.1);
   input.z.at({11, 9}) = 0.05;
   HazardParameters parameters = small_lander();
   for (const HazardMethod method : {HazardMethod::contact, HazardMethod::plane}) {

@@ -46,9 +46,9 @@ void expect_equal_scanner(const Scanner& a, const Scanner& b) {
   EXPECT_EQ(x.mirror_normal, y.mirror_normal);
   EXPECT_EQ(x.blanked, y.blanked);
   EXPECT_EQ(a.is_known(), b.is_known());
-  EXPECT_EQ(a.believed_state(pulse, x).angle_1_rad, b.believed_state(pulse, y).angle_1_rad);
-  EXPECT_EQ(a.believed_state(pulse, x).angle_2_rad, b.believed_state(pulse, y).angle_2_rad);
-  EXPECT_EQ(a.believed_state(pulse, x).mirror_normal, b.believed_state(pulse, y).mirror_normal);
+  EXPECT_EQ(a.estimated_state(pulse, x).angle_1_rad, b.estimated_state(pulse, y).angle_1_rad);
+  EXPECT_EQ(a.estimated_state(pulse, x).angle_2_rad, b.estimated_state(pulse, y).angle_2_rad);
+  EXPECT_EQ(a.estimated_state(pulse, x).mirror_normal, b.estimated_state(pulse, y).mirror_normal);
 }
 
 const std::vector<EncoderHarmonic> kHarmonics = {

@@ -70,8 +70,8 @@ TEST(StepStare, VisitsEveryTileOnce) {
 TEST(StepStare, StopsOnRequest) {
   const StepStare pattern({.rows = 2, .columns = 3, .pulses_per_step = 4, .at_end = stop});
   EXPECT_EQ(pattern.pulse_limit(), 24);
-  EXPECT_TRUE(pattern.ground_aim({23, 0}).has_value());
-  EXPECT_FALSE(pattern.ground_aim({24, 0}).has_value());
+  EXPECT_TRUE(pattern.aim_point({23, 0}).has_value());
+  EXPECT_FALSE(pattern.aim_point({24, 0}).has_value());
   EXPECT_FALSE(StepStare({}).pulse_limit().has_value());
 }
 

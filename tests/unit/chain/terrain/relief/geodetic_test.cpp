@@ -13,10 +13,10 @@ namespace {
 /// Helmert's formulas, the inverse of geodetic_of().
 Eigen::Vector3d body_fixed(const Ellipsoid& body, const Geodetic& at) {
   const double e2 = body.flattening * (2 - body.flattening);
-  const double s = std::sin(at.ground.lat_rad);
+  const double s = std::sin(at.lon_lat.lat_rad);
   const double normal_m = body.semi_major_m / std::sqrt(1 - e2 * s * s);
-  const double axis_m = (normal_m + at.height_m) * std::cos(at.ground.lat_rad);
-  return {axis_m * std::cos(at.ground.lon_rad), axis_m * std::sin(at.ground.lon_rad),
+  const double axis_m = (normal_m + at.height_m) * std::cos(at.lon_lat.lat_rad);
+  return {axis_m * std::cos(at.lon_lat.lon_rad), axis_m * std::sin(at.lon_lat.lon_rad),
           (normal_m * (1 - e2) + at.height_m) * s};
 }
 
@@ -29,9 +29,9 @@ TEST(Geodetic, UndoesHelmertsFormulas) {
           const double height_m = height * body.semi_major_m;
           const Geodetic found = geodetic_of(body, body_fixed(body, {{lon, lat}, height_m}));
           EXPECT_NEAR(found.height_m, height_m, 1e-15 * body.semi_major_m + 4e-9);
-          EXPECT_NEAR(found.ground.lat_rad, lat, 3e-15) << body.flattening << ' ' << height;
+          EXPECT_NEAR(found.lon_lat.lat_rad, lat, 3e-15) << body.flattening << ' ' << height;
           if (std::abs(lat) < 1.57) {
-            EXPECT_NEAR(found.ground.lon_rad, lon, 1e-15);
+            EXPECT_NEAR(found.lon_lat.lon_rad, lon, 1e-15);
           }
         }
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "app/report/page.h"
+#include "app/report/evaluation_page.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

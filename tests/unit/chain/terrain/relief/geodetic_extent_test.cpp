@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "chain/terrain/relief/ground_extent.h"
+#include "chain/terrain/relief/geodetic_extent.h"
 
 #include <gtest/gtest.h>
 
@@ -12,7 +12,7 @@ namespace {
 
 /// The longitudes from low to high across the seam, degrees; empty: none lie across it.
 std::vector<double> across(const std::vector<double>& longitudes_deg) {
-  GroundExtentSearch search;
+  GeodeticExtentSearch search;
   for (const double lon : longitudes_deg) search.add({lon * kDegree, 0.1});
   const auto extent = search.across_seam();
   if (!extent) return {};
@@ -27,14 +27,14 @@ void expect_across(const std::vector<double>& longitudes_deg, double low, double
   EXPECT_NEAR(found[1], high, 1e-12);
 }
 
-TEST(GroundExtent, LiesAcrossTheSeamWhereTheWidestGapIsAnother) {
+TEST(GeodeticExtent, LiesAcrossTheSeamWhereTheWidestGapIsAnother) {
   expect_across({179.9999, -179.9998, 180, 179.99995}, 179.9999, 180.0002);
   expect_across({359.9, 0.2, 0, 360}, 359.9, 360.2);
   expect_across({-100, 100}, 100, 260);
   expect_across({10, 120, -150}, 10, 210);
 }
 
-TEST(GroundExtent, LiesOnOneSideOtherwise) {
+TEST(GeodeticExtent, LiesOnOneSideOtherwise) {
   for (const std::vector<double>& longitudes : {std::vector{12.0, 13.0},
                                                 {-0.1, 0.1},
                                                 {0.0, 120.0},
