@@ -9,7 +9,7 @@ import unittest
 import h5py
 import numpy as np
 
-from harness import SCAN, ToolTest, read_bytes, returns_of, run, with_values
+from harness import SCAN, ToolTest, returns_of, run, with_values
 
 GRID = ["--half-width", "10", "--resolution", "0.5"]
 ICE_AND_DUST = {"ground": {"type": "patches", "albedo": 0.9, "albedo_between": 0.2, "cover_frac": 0.4, "longest_wavelength_m": 4}}
@@ -56,13 +56,6 @@ class Layer(AlbedoTest):
         z = self.terrain(ICE_AND_DUST, *fractal)[2]
         with h5py.File(self.path("plain.h5")) as file:
             self.assertTrue(np.array_equal(file["z"][()], z))
-
-    def test_threads_and_runs_give_the_same_bytes(self):
-        files = []
-        for threads in ("1", "2"):
-            self.terrain(ICE_AND_DUST, "-t", threads)
-            files.append(read_bytes(self.path("terrain.h5")))
-        self.assertEqual(files[0], files[1])
 
     def test_a_gradient_and_a_rock(self):
         """The rock's footprint is a disc of 2 m radius, its border excluded: there it is not above the ground."""
@@ -144,29 +137,6 @@ class Raster(AlbedoTest):
             for name, values in (("z", whole[2]), ("albedo", whole[3])):
                 self.assertTrue(np.array_equal(file[name][()], values[12:25, 18:31]), name)
 
-    def test_what_is_refused(self):
-        self.raster(hole=True)
-        output = self.path("out.h5")
-
-        def refuse(code, albedo, *words):
-            self.refuse(code, "terrain-gen", "-o", output, *GRID, "--set", "albedo=" + json.dumps(albedo), words=words, output=output)
-
-        refuse(1, self.ground(), "map.tif: the albedo at (", ") m is missing; give another center")
-        refuse(1, self.ground(band=1, scale=1, center=[500030, 4000030]), "map.tif: the albedo at (", ", not in [0, 1]; give /albedo/ground/scale")
-        refuse(1, self.ground(center=[500005, 4000030]), "map.tif", "half_width_m")
-        refuse(2, self.ground(center=[500030, 4000030], center_pixel=[3, 3]), "/albedo/ground: give center or center_pixel")
-        refuse(2, self.ground(band=3), "map.tif", "band")
-        refuse(2, self.ground(interpolation="bicubic"), "/albedo/ground/interpolation", '"nearest", "bilinear"')
-        before = read_bytes(self.path("map.tif"))
-        self.refuse(2, "terrain-gen", "-O", "-o", self.path("map.tif"), *GRID, "--set", "albedo=" + json.dumps(self.ground()),
-                    words=["map.tif"])
-        self.assertEqual(read_bytes(self.path("map.tif")), before)
-
-    def test_a_mesh_has_none(self):
-        self.succeed("terrain-gen", "-o", self.path("mesh.obj"), *GRID)
-        self.refuse(2, "terrain-gen", "--from", self.path("mesh.obj"), "-o", self.path("mesh.h5"), "--set", "albedo=0.3",
-                    words=["/albedo: is mutually exclusive with /mesh"], output=self.path("mesh.h5"))
-
 
 class Scan(AlbedoTest):
     def intensity(self, albedo, name):
@@ -185,12 +155,6 @@ class Scan(AlbedoTest):
         np.testing.assert_allclose(real["intensity"] / white["intensity"], near, rtol=1e-6)
         self.assertEqual((x[0], y[0]), (-10, -10))
 
-    def test_a_terrain_without_the_layer_is_refused(self):
-        self.succeed("terrain-gen", "-o", self.path("terrain.h5"), *GRID)
-        config = self.config({**SCAN, **EXACT, "surface": {"albedo": "terrain"}})
-        self.refuse(1, "scan-sim", "-c", config, "--terrain", self.path("terrain.h5"), "-o", self.path("scan.h5"),
-                    words=["has no layer /albedo, which /surface/albedo \"terrain\" asks for"], output=self.path("scan.h5"))
-
     def test_a_large_terrain_is_loaded_in_part(self):
         """The nodes of a terrain above 2^24 nodes have the albedo of a small one."""
         gradient = {"ground": {"type": "gradient", "from": 0.1, "to": 0.9, "length_m": 9, "azimuth_deg": 20}}
@@ -202,14 +166,6 @@ class Scan(AlbedoTest):
         os.remove(self.path("terrain.h5"))
         self.assertTrue(np.array_equal(small["pixel"], large["pixel"]))
         np.testing.assert_allclose(large["intensity"], small["intensity"], rtol=1e-6)
-
-    def test_an_albedo_out_of_bounds_is_refused(self):
-        self.terrain(0.5)
-        with h5py.File(self.path("terrain.h5"), "r+") as file:
-            file["albedo"][20, 20] = 1.5
-        config = self.config({**SCAN, **EXACT, "surface": {"albedo": "terrain"}})
-        self.refuse(1, "scan-sim", "-c", config, "--terrain", self.path("terrain.h5"), "-o", self.path("scan.h5"),
-                    words=["terrain.h5: /albedo[20, 20] = 1.5 is not in [0, 1]"], output=self.path("scan.h5"))
 
 
 if __name__ == "__main__":

@@ -14,7 +14,7 @@ import unittest
 import netCDF4
 import numpy as np
 
-from harness import ChainTest, run
+from harness import ChainTest, ToolTest, run
 
 RASTERS = os.path.join(os.environ["LANDFALL_ROOT"], "testdata", "rasters")
 NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]*\Z")
@@ -264,16 +264,8 @@ class Rules(ChainTest):
 
 
 @unittest.skipUnless(shutil.which("gdal_translate"), "gdal-bin is not installed")
-class GridMappings(ChainTest):
+class GridMappings(ToolTest):
     """The parameters of /crs give the projection that its WKT gives, by PROJ."""
-
-    @classmethod
-    def setUpClass(cls):
-        pass
-
-    @classmethod
-    def tearDownClass(cls):
-        pass
 
     def test_parameters_and_wkt_give_the_same_coordinates(self):
         try:

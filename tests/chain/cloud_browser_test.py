@@ -5,29 +5,9 @@ import unittest
 import h5py
 import numpy as np
 
-from harness import browser, read_bytes, returns_of, run
-from harness.page import CONTRAST, PageTest
+from harness import browser, read_bytes, returns_of
+from harness.page import PageTest
 
-# The fraction of the canvas that shows points, and the number of its colours.
-DRAWN = """
-const canvas = document.getElementById("points"), flat = document.createElement("canvas");
-const {width, height} = Object.assign(flat, {width: canvas.width, height: canvas.height});
-const context = flat.getContext("2d", {willReadFrequently: true});
-context.drawImage(canvas, 0, 0);
-const data = new Uint32Array(context.getImageData(0, 0, width, height).data.buffer);
-return [data.filter((pixel) => pixel !== data[0]).length / data.length, new Set(data).size];
-"""
-# Counts the pixels of a colour [r, g, b].
-COLORED = """
-const canvas = document.getElementById("points"), flat = document.createElement("canvas");
-const {width, height} = Object.assign(flat, {width: canvas.width, height: canvas.height});
-const context = flat.getContext("2d", {willReadFrequently: true});
-context.drawImage(canvas, 0, 0);
-const data = context.getImageData(0, 0, width, height).data;
-let found = 0;
-for (let i = 0; i < data.length; i += 4) found += arguments[0].every((c, k) => c === data[i + k]) ? 1 : 0;
-return found;
-"""
 # A click, or a drag, from and to a fraction of the canvas.
 POINTER = """
 const [from, to, shift] = arguments, canvas = document.getElementById("points"), box = canvas.getBoundingClientRect();
@@ -41,7 +21,7 @@ event("pointerup", to, 0);
 SET = "const field = document.querySelector(arguments[0]); field.value = arguments[1]; field.dispatchEvent(new Event('change'));"
 COLORS = "return [...document.querySelectorAll('#color option')].map((o) => o.value)"
 TRUTH = ["e_z", "e_horizontal", "e_range"]
-MAGENTA = [255, 0, 255]
+MAGENTA = (255, 0, 255)
 
 
 @unittest.skipIf(browser.missing(), browser.missing())
@@ -52,9 +32,10 @@ class CloudTest(PageTest):
         self.open("scan.html")
         self.clicks = 0
 
-    def drawn(self):
+    def drawn(self, selector="#points"):
+        """The fraction of the canvas that shows points."""
         self.settle()
-        return self.window.run(DRAWN)
+        return super().drawn(selector)[0]
 
     def color(self, name):
         self.window.run(SET, "#color", name)
@@ -89,15 +70,14 @@ class CloudTest(PageTest):
 
     def test_points_are_drawn_in_the_colours_of_every_column(self):
         self.cloud()
-        share, colors = self.drawn()
-        self.assertGreater(share, 0.1)
-        self.assertGreater(colors, 20)
+        self.assertGreater(self.drawn(), 0.1)
+        self.assertGreater(self.canvas("#points")["colors"], 20)
         self.assertEqual(self.window.run(COLORS), ["z_est", *TRUTH, "range_measured", "t", "status", "pulse", "pixel"])
         seen = {}
         for name in self.window.run(COLORS):
             self.color(name)
             seen.setdefault(self.canvas("#points")["sum"], name)
-            self.assertGreater(self.drawn()[0], 0.1, name)
+            self.assertGreater(self.drawn(), 0.1, name)
         self.assertEqual(len(seen), 8, seen)  # time and pulse grow alike
         count = len(returns_of(self.chain.scan)["x_est"])
         self.assertEqual(self.text("#thinning"), f"All {count:,} returns of the scan are shown.")
@@ -120,15 +100,15 @@ class CloudTest(PageTest):
         self.assertEqual(shown["status"], "return")
         others = int((points["pulse"] == int(shown["pulse"])).sum()) - 1
         self.assertTrue(self.text("#siblings").startswith(f"{others} other returns of its pulse are"), self.text("#siblings"))
-        self.assertGreater(self.window.run(COLORED, MAGENTA), 5 * others)
+        self.assertGreater(self.share("#points", MAGENTA) * self.pixels("#points")[..., 0].size, 5 * others)
         self.click(0.01, 0.01)
         self.assertIn("No point there.", self.text("#choice"))
-        self.assertEqual(self.window.run(COLORED, MAGENTA), 0)
+        self.assertEqual(self.share("#points", MAGENTA), 0)
         self.check_log_and_requests()
 
     def test_a_box_cuts_the_cloud(self):
         self.cloud()
-        whole = self.drawn()[0]
+        whole = self.drawn()
         points = returns_of(self.chain.scan)
         self.window.run(SET, "#box tbody tr:nth-child(1) td:nth-child(2) input", "0.5")
         self.window.run(SET, "#box tbody tr:nth-child(2) td:nth-child(3) input", "-0.25")
@@ -136,9 +116,9 @@ class CloudTest(PageTest):
         inside = [int(((points["x_est"] >= 0.5 + d) & (points["y_est"] <= -0.25 - d)).sum()) for d in (step, -step)]
         shown = int(self.text("#inside").split()[0].replace(",", ""))
         self.assertTrue(inside[0] <= shown <= inside[1], f"{shown} {inside}")
-        self.assertLess(self.drawn()[0], 0.5 * whole)
+        self.assertLess(self.drawn(), 0.5 * whole)
         self.window.run("document.getElementById('whole').click()")
-        self.assertAlmostEqual(self.drawn()[0], whole, delta=0.001)
+        self.assertAlmostEqual(self.drawn(), whole, delta=0.001)
         self.click()
         self.window.run("[...document.querySelectorAll('#choice button')].at(-1).click()")
         around = int(self.text("#inside").split()[0].replace(",", ""))
@@ -152,7 +132,7 @@ class CloudTest(PageTest):
         self.cloud()
         self.settle()
         seen = {self.canvas("#points")["sum"]}
-        share = self.drawn()[0]
+        share = self.drawn()
         for act in (lambda: self.window.run(POINTER, [0.5, 0.5], [0.6, 0.5], False), lambda: self.window.run(POINTER, [0.5, 0.5], [0.6, 0.6], True)):
             act()
             self.settle()
@@ -161,29 +141,19 @@ class CloudTest(PageTest):
         key = "document.getElementById('points').dispatchEvent(new KeyboardEvent('keydown', {key: arguments[0]}))"
         for _ in range(20):
             self.window.run(key, "-")
-        self.assertLess(self.drawn()[0], 0.5 * share)
+        self.assertLess(self.drawn(), 0.5 * share)
         self.window.run("[...document.querySelectorAll('#cloud button')].find((b) => b.textContent === 'reset the view').click()")
-        self.assertAlmostEqual(self.drawn()[0], share, delta=1e-9)
+        self.assertAlmostEqual(self.drawn(), share, delta=1e-9)
         self.assertIsNone(self.text("#chosen"), "a drag is not a click")
         self.check_log_and_requests()
 
     def test_both_schemes(self):
         self.cloud()
-        background = "const c = document.createElement('canvas'); Object.assign(c, {width: 1, height: 1}); const x = c.getContext('2d');" \
-                     "x.drawImage(document.getElementById('points'), 0, 0); return [...x.getImageData(0, 0, 1, 1).data].slice(0, 3)"
-        self.click()
-        texts = ["h1", "h2", ".note", "#thinning", "#inside", "#siblings", "#chosen td", "#chosen th", "#box th", "label", "nav a"]
-        found = []
-        for scheme in ("light", "dark"):
-            self.window.driver.execute_cdp_cmd("Emulation.setEmulatedMedia", {"features": [{"name": "prefers-color-scheme", "value": scheme}]})
-            self.addCleanup(self.window.driver.execute_cdp_cmd, "Emulation.setEmulatedMedia", {"features": []})
-            self.settle()
-            found.append(self.window.run(background))
-            self.assertGreater(self.drawn()[0], 0.1, scheme)
-            for text, contrast in zip(texts, self.window.run(CONTRAST, texts)):
-                self.assertGreater(contrast, 4.5, f"{scheme} {text}")
-        self.assertGreater(min(found[0]), 200)
-        self.assertLess(max(found[1]), 60)
+        for scheme, low, high in (("light", 200, 255), ("dark", 0, 60)):
+            self.scheme(scheme)
+            background = self.pixels("#points")[0, 0]
+            self.assertTrue(low < background.min() and background.max() < high + 1, f"{scheme} {background}")
+            self.assertGreater(self.drawn(), 0.1, scheme)
 
     def test_a_thinned_cloud_says_so(self):
         self.cloud(None, "--max-points", "500")
@@ -191,7 +161,7 @@ class CloudTest(PageTest):
         shown = self.window.run("return report.count")
         self.assertTrue(300 < shown <= 500, shown)
         self.assertRegex(self.text("#thinning"), rf"^{shown} of the scan's {count:,} returns are shown: of each square of [\d.]+ c?m, seen from above, one at random\.")
-        self.assertGreater(self.drawn()[0], 0.001)
+        self.assertGreater(self.drawn(), 0.001)
         self.check_log_and_requests()
 
     def test_an_imported_scan(self):
@@ -202,7 +172,7 @@ class CloudTest(PageTest):
             del file["pulses"]
         self.cloud(self.changed("imported.h5", change))
         self.assertEqual(self.window.run(COLORS), ["z_est"])
-        self.assertGreater(self.drawn()[0], 0.1)
+        self.assertGreater(self.drawn(), 0.1)
         self.click()
         self.assertEqual(list(self.chosen()), ["x_est", "y_est", "z_est"])
         self.assertEqual(self.text("#siblings"), "The file has no pulse numbers.")
@@ -229,20 +199,6 @@ class CloudTest(PageTest):
         self.assertEqual(float(shown["intensity"]), rows["intensity"][row])
         self.check_log_and_requests()
         self.check_layout()
-
-    def test_the_same_bytes_at_any_number_of_threads(self):
-        pages = set()
-        for threads in (1, 3):
-            self.succeed("landfall-export", self.chain.scan, "-o", self.path("scan.html"), "-O", "--max-points", 2000, "-t", threads)
-            pages.add(read_bytes(self.path("scan.html")))
-        self.assertEqual(len(pages), 1)
-
-    def test_an_existing_page_is_kept(self):
-        page = self.path("kept.html")
-        with open(page, "w", encoding="utf-8") as file:
-            file.write("mine")
-        self.assertEqual(run("landfall-export", self.chain.scan, "-o", page).returncode, 2)
-        self.assertEqual(read_bytes(page), b"mine")
 
 
 if __name__ == "__main__":

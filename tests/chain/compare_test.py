@@ -9,7 +9,7 @@ import h5py
 import numpy as np
 from scipy import stats
 
-from harness import DRAWS, ChainTest, MonteCarloTest, columns, returns_of, run
+from harness import DRAWS, ChainTest, MonteCarloTest, columns, read_bytes, returns_of
 
 LAYERS = ["z_est", "count", "weight_sum", "x_true", "y_true", "z_true", "z_spread"]
 
@@ -83,8 +83,7 @@ class Compare(ChainTest):
         found = self.compare(self.chain.eval, self.path("e2.h5"))
         with open(self.chain.metrics, encoding="utf-8") as file:
             a = json.load(file)
-        with open(self.path("m2.json"), encoding="utf-8") as file:
-            b = json.load(file)
+        b = json.loads(read_bytes(self.path("m2.json")))
         self.assertEqual({r["name"]: (r["a"], r["b"]) for r in found["requirements"]},
                          {name: (a["requirements"][name], b["requirements"][name]) for name in a["requirements"]})
         violations = next(m for m in found["metrics"] if m["metric"] == "accuracy.relative.z.violation_count")
@@ -112,12 +111,6 @@ class Compare(ChainTest):
         self.assertFalse(found["same_grid"])
         self.assertNotIn("layers", found)
         self.assertIn("have another size", self.succeed("landfall-info", "--compare", self.chain.dem, self.path("d.h5")).stdout)
-
-    def test_refusals(self):
-        self.refuse(2, "landfall-info", "--compare", self.chain.dem, self.chain.eval, words=["two files of one kind", ": dem, ", ": evaluation"])
-        self.refuse(2, "landfall-info", "--compare", self.chain.dem, words=["needs two files"])
-        self.refuse(2, "landfall-info", "--compare", self.chain.dem, self.chain.dem, "--config", words=["takes only --json"])
-        self.refuse(1, "landfall-info", "--compare", self.chain.dem, self.path("nowhere.h5"), words=["nowhere.h5"])
 
 
 class At(ChainTest):
@@ -161,14 +154,6 @@ class At(ChainTest):
         self.assertIn("the bin at x 0 m, y 0 m (row 50, column 50; 0.1 m wide)", text)
         self.assertIn("z_est", text)
         self.assertIn("returns in it; ranges and z_est in metres", text)
-
-    def test_refusals(self):
-        self.refuse(2, "landfall-info", self.chain.dem, "--at", "5.06,0", words=["is off the map", "x from -5 to 5 m"])
-        self.refuse(2, "landfall-info", self.chain.dem, "--at", "5", words=["expected X,Y"])
-        self.refuse(2, "landfall-info", self.chain.dem, "--at", "nan,1", words=["expected X,Y"])
-        self.refuse(1, "landfall-info", self.chain.scan, "--at", "1,1", words=["expected landfall.dem"])
-        self.refuse(1, "landfall-info", self.chain.dem, "--at", "1,1", "--scan", self.chain.source, words=["is not a scan that"])
-        self.assertEqual(run("landfall-info", self.chain.dem, "--scan", self.chain.scan).returncode, 2)
 
 
 class Draws(MonteCarloTest):

@@ -1,6 +1,7 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""monte-carlo on other scenes: draws far apart equal the chain's, `verdict` decides as `full`, and P(invalid) is that of dropouts."""
+"""Each draw over a scan is the chain's, bit for bit (traced_draws_test.py has draws that trace, opencl_draws_test.py those of a device); `verdict`
+decides as `full`; P(invalid) is that of dropouts."""
 import itertools
 import json
 import math
@@ -10,8 +11,9 @@ import unittest
 import h5py
 import numpy as np
 
-from harness import SCAN, ToolTest, columns, config_of, with_values
-from monte_carlo_test import ERRORS, REQUIREMENTS, VARY, DrawsTest, draws_config, merged
+from harness import REGRID, SCAN, ToolTest, columns, config_of, with_values
+from harness.draws import REQUIREMENTS, DrawsTest, draws_config, merged
+from monte_carlo_test import ERRORS, VARY
 
 STUDIES = os.path.join(os.environ["LANDFALL_ROOT"], "studies")
 SCENES = 24
@@ -19,6 +21,21 @@ PASSES = [f"requirements.{name}.pass" for name in REQUIREMENTS]
 # The numbers of a scan's configuration that --ranges-from redraws; the rest of these sections moves the rays.
 REDRAWN = ("noise", "pointing_error", "navigation_error")
 RAYS = tuple(f"pointing_error.{key}" for key in ("jitter_", "mirror_time_", "misalignment_rpy_rad"))
+COMMANDED = with_values(ERRORS, navigation_error__attitude="commanded")
+LIGHT = {"detector": {"subpixels": 2}, "beam": {"divergence_rad": 0.01}, "surface": {"albedo": 0.5},
+         "link": {"reference_pe": 150, "reference_range_m": 50, "background_pe": 3}}
+LOSSES = {"noise": {"dropout_frac": 0.1, "dead_pixel_frac": 0.1}, "scanner": {"pattern": {"half_width_m": 6}}}
+TIMING = {f"scan.receiver.{key}": {"type": "uniform", "low": 0, "high": high} for key, high in [
+    ("jitter_sigma_s", 1e-10), ("pixel_offset_sigma_m", 0.02), ("clock_scale_ppm", 20), ("timer_step_s", 5e-10)]}
+# {name: (changes of the scan that is redrawn, which then has its misses and echoes; the run; what varies beside every key of the errors,
+# or None if nothing varies; the draws that are compared)}.
+REDRAWS = {
+    "every error": ({}, {"draws": 299, "scan": COMMANDED, "layers": False}, {}, (0, 7, 298)),
+    **{kind: ({**LIGHT, "receiver": {"type": kind, "threshold_pe": 40, "jitter_sigma_s": 1e-11}}, {"draws": 9, "scan": COMMANDED, "layers": False},
+              TIMING, (0, 8)) for kind in ("leading_edge", "constant_fraction", "peak", "centroid")},
+    **{str(regrid): (LOSSES, {"draws": 2, "scan": {"noise": {"dropout_frac": 0.02}, "seed": 90}, "regrid": {**REGRID, **regrid}}, None, (1,))
+       for regrid in ({"method": "bilinear4"}, {"method": "mean"}, {"method": "median"}, {"truth_at": "centroid"})},
+}
 
 
 def leaves(value, path):
@@ -32,7 +49,7 @@ def leaves(value, path):
     return [leaf for key, each in inner for leaf in leaves(each, f"{path}.{key}")]
 
 
-class FarDraws(DrawsTest):
+class Redraws(DrawsTest):
     def every_key(self):
         """VARY, and a uniform distribution for each other number that can be redrawn."""
         config = config_of(self.chain.scan)
@@ -44,43 +61,32 @@ class FarDraws(DrawsTest):
         self.assertLessEqual({key for key in VARY if key.startswith("scan.")}, set(vary))
         return {**vary, **VARY, "scan.noise.false_range_m.1": {"type": "uniform", "low": 50, "high": 60}}
 
-    def test_draws_0_7_and_298_with_every_key_varied(self):
-        config = draws_config(draws=299, scan=with_values(ERRORS, navigation_error__attitude="commanded"), vary=self.every_key(), layers=False)
-        rows = self.draws(config)
-        self.assertEqual(len(rows["seed"]), 299)
-        for key in config["vary"]:
-            self.assertEqual(len(set(rows[key])), 299, key)
-        for draw in (0, 7, 298):
-            with self.subTest(draw):
-                self.check_draw(rows, config, draw)
+    def source(self, changes):
+        echoes = ["--keep-echoes"] if "receiver" in changes else []
+        self.succeed("scan-sim", *self.chain.inputs("scan-sim"), "-c", self.config(changes, "changes.json"), "--keep-misses", *echoes, "-O",
+                     "-o", self.path("source.h5"))
+        return self.path("source.h5")
 
-    def test_draws_of_a_receiver_with_every_key_varied(self):
-        """The errors of a receiver as well, redrawn from the echoes of the scan."""
-        scan = self.path("echoes.h5")
-        self.succeed("scan-sim", "-c", self.config({
-            **SCAN, "detector": {**SCAN["detector"], "subpixels": 2}, "beam": {"divergence_rad": 0.01}, "surface": {"albedo": 0.5},
-            "link": {"reference_pe": 150, "reference_range_m": 50}, "receiver": {"type": "constant_fraction", "threshold_pe": 30}}),
-            "--terrain", self.chain.terrain, "--keep-misses", "--keep-echoes", "-o", scan)
-        receiver = {f"scan.receiver.{key}": {"type": "uniform", "low": 0, "high": high} for key, high in [
-            ("jitter_sigma_s", 1e-10), ("pixel_offset_sigma_m", 0.02), ("clock_scale_ppm", 20), ("timer_step_s", 5e-10)]}
-        config = draws_config(draws=299, scan=with_values(ERRORS, navigation_error__attitude="commanded"), layers=False,
-                          vary={**self.every_key(), **receiver})
-        rows = self.draws(config, scan=scan)
-        for key in receiver:
-            self.assertEqual(len(set(rows[key])), 299, key)
-        for draw in (0, 7, 298):
-            with self.subTest(draw):
-                self.check_draw(rows, config, draw, scan=scan)
+    def test_each_draw_is_that_of_the_chain(self):
+        for name, (changes, values, varied, draws) in REDRAWS.items():
+            with self.subTest(name):
+                scan = self.source(changes) if changes else self.chain.scan
+                config = draws_config(**values, vary={} if varied is None else {**self.every_key(), **varied})
+                rows = self.draws(config, scan=scan)
+                self.assertEqual((set(rows["seed"]), list(rows["draw"])), ({values["scan"].get("seed", SCAN["seed"])}, list(range(values["draws"]))))
+                self.assertEqual({key for key in rows if key.split(".")[0] in ("scan", "regrid", "eval")}, set(config["vary"]))
+                self.assertEqual([key for key in config["vary"] if len(set(rows[key])) < values["draws"]], [])
+                for draw in draws:
+                    self.check_draw(config, rows, draw, scan=scan)
 
 
 class Verdicts(ToolTest):
     """`verdict` and `full` have the same seeds, values, verdicts and counts; `full` has more columns."""
 
     def scene(self, terrain, scan):
-        """Makes terrain.h5 and scan.h5. A configuration is an object or a file."""
-        names = [each if isinstance(each, str) else self.config(each, name) for each, name in [(terrain, "terrain.json"), (scan, "scan.json")]]
-        self.succeed("terrain-gen", "-c", names[0], "-o", self.path("terrain.h5"), "-O")
-        self.succeed("scan-sim", "-c", names[1], "--terrain", self.path("terrain.h5"), "-o", self.path("scan.h5"), "-O")
+        """Makes terrain.h5 and scan.h5."""
+        self.succeed("terrain-gen", "-c", self.config(terrain, "terrain.json"), "-o", self.path("terrain.h5"), "-O")
+        self.succeed("scan-sim", "-c", self.config(scan, "scan.json"), "--terrain", self.path("terrain.h5"), "-o", self.path("scan.h5"), "-O")
 
     def check_verdicts(self, config):
         """Returns the columns of `full`."""
@@ -96,17 +102,6 @@ class Verdicts(ToolTest):
         for name, values in rows["verdict"].items():
             np.testing.assert_array_equal(values, rows["full"][name], f"{name}, {config}")
         return rows["full"]
-
-
-    def test_example_2(self):
-        """The paper's, in real size, with and without an error that fails the relative horizontal requirement."""
-        self.scene(os.path.join(STUDIES, "presets", "paper.terrain.json"), os.path.join(STUDIES, "presets", "paper.scan.json"))
-        with open(os.path.join(STUDIES, "example-2.draws.json"), encoding="utf-8") as file:
-            shipped = json.load(file)
-        velocity = {"scan.navigation_error.velocity_mps.0": {"type": "list", "values": [0.01, 0.2]}}
-        rows = self.check_verdicts({"draws": 2, "scan": shipped["scan"], "vary": {**shipped["vary"], **velocity}})
-        self.assertEqual(list(rows["requirements.relative_horizontal.pass"]), [1, 0])
-        self.assertEqual(list(rows["requirements.relative_elevation.pass"]), [0, 0])
 
     def site_scan(self):
         """A map of 24 m in bins of 5 cm."""

@@ -9,7 +9,7 @@ import h5py
 import numpy as np
 
 from harness import BIN, EVAL, LONGEST_S, REGRID, SCAN, TERRAIN, browser, read_bytes, with_values
-from harness.page import CONTRAST, PageTest
+from harness.page import PageTest
 
 SECTIONS = ["requirements", "distributions", "causes", "failures", "maps", "provenance-chain"]
 PROBABILITIES = ["p_invalid", "p_fail_rel_z", "p_fail_rel_x", "p_fail_rel_y", "p_fail_absolute"]
@@ -20,12 +20,6 @@ DRAWS_CONFIG = {"draws": 8, "metrics": "full", "sigma": True, "regrid": {**REGRI
             "eval": with_values(EVAL, limits__relative_elevation_m=0.12, limits__invalid_frac=0.04),
             "vary": {VELOCITY: {"type": "normal", "sigma": 0.3}, NOISE: {"type": "uniform", "low": 0.005, "high": 0.08},
                      "scan.navigation_error.rpy_rate_radps.2": {"type": "normal", "sigma": 1e-5}}}
-VALUES = """
-return rasterOf(layerNamed(arguments[0]), report.grid).then((raster) => Array.from(raster.codes, (_, i) => {
-  const value = raster.value(i);
-  return Number.isNaN(value) ? null : value;
-}));
-"""
 # The least brightness of a probability above 0, over that of its colour in the colour bar.
 BRIGHTNESS = """
 const panel = panels.find((one) => one.raster.layer.name === arguments[0]);
@@ -56,25 +50,17 @@ class DrawsReportTest(PageTest):
         draws, layers = self.run_draws()
         passed = int(np.count_nonzero(draws["pass"]))
         self.assertTrue(0 < passed < 8, "the case must have both")
-        self.assertEqual(self.window.run("return [...document.querySelectorAll('main > section')].map((s) => s.id)"), SECTIONS)
+        self.check_parts(SECTIONS, MAPS)
         rows = self.cells("#rates")
         self.assertEqual([row[1] for row in rows], [f"{rate['passed']} of 8" for rate in self.verdict["rates"]])
         self.assertEqual([row[3:] for row in rows], [[f"{rate['wilson_low']:.4f} \u2026 {rate['wilson_high']:.4f}",
                                                       f"{rate['exact_lower_bound']:.4f}"] for rate in self.verdict["rates"]])
         self.assertIn(f"{passed} of 8 draws pass all requirements", self.text("#verdict"))
-        self.assertEqual(self.window.run("return [...document.querySelectorAll('#maps canvas')].map((c) => c.dataset.layer)"), MAPS)
         for name in MAPS:
-            step = self.window.run(f"return layerNamed('{name}').step")
-            shown = np.array(self.window.run(VALUES, name), float).reshape(layers[name].shape)
-            np.testing.assert_allclose(shown, layers[name], rtol=0, atol=0.501 * step + 1e-7, err_msg=name)
-        self.assertEqual(len(self.window.run("return [...document.querySelectorAll('#distributions figure')].map(() => 0)")), 6)
+            np.testing.assert_allclose(self.values(name, layers[name].shape), layers[name], rtol=0, atol=0.501 * self.step(name) + 1e-7, err_msg=name)
+        self.assertEqual(len(self.texts("#distributions figure")), 6)
         for name in PROBABILITIES:
             self.assertTrue(0.849 < self.window.run(BRIGHTNESS, name) <= 1, name)
-        self.check_log_and_requests()
-        self.check_layout()
-        for theme in ("light", "dark"):
-            self.assertGreater(min(self.window.run(CONTRAST, ["#verdict", "#rates td", "#commands", ".note", "#failed-draws td"])), 4.5, theme)
-            self.window.run("document.getElementById('theme').click()")
 
     def test_failed_draws_and_the_points_of_the_diagrams(self):
         draws, _ = self.run_draws()
@@ -93,16 +79,15 @@ class DrawsReportTest(PageTest):
     def test_the_requirement_that_decides_comes_first_as_a_length_against_its_limit(self):
         draws, _ = self.run_draws()
         failures = {name: np.count_nonzero(draws[f"requirements.{name}.pass"] == 0) for name in (rate["requirement"] for rate in self.verdict["rates"][:-1])}
-        shown = self.window.run("return [...document.querySelectorAll('#distributions figcaption')].map((c) => c.textContent)")
-        self.assertEqual([failures[name] for name in shown], sorted(failures.values(), reverse=True))
+        self.assertEqual([failures[name] for name in self.texts("#distributions figcaption")], sorted(failures.values(), reverse=True))
         elevation = "return report.requirements.find((r) => r.name === 'relative_elevation').deciding"
         found = self.window.run(elevation)
         np.testing.assert_array_equal(found["values"], draws["accuracy.relative.z.max_m"])
         self.assertEqual((found["limit"], found["metrics"]), (0.12, ["accuracy.relative.z.max_m"]))
-        figure = self.window.run("return [...document.querySelectorAll('#distributions figure')].find((f) => f.textContent.startsWith('relative_elevation')).textContent")
+        figure = next(text for text in self.texts("#distributions figure") if text.startswith("relative_elevation"))
         self.assertIn("worst footprint (cm)", figure)
         self.assertIn("limit: at most 12 cm", figure)
-        options = self.window.run("return [...document.querySelectorAll('#metric option')].map((o) => o.textContent)")
+        options = self.texts("#metric option")
         self.assertIn(options[0], failures)
         self.assertNotIn("region.half_width_m", options)  # it is null in each draw
         self.assertIn("accuracy.relative.z.max_m", options)
@@ -159,8 +144,7 @@ class DrawsReportTest(PageTest):
                   "vary": {"terrain.features.0.x_m": {"type": "uniform", "low": -3, "high": 3}}}
         self.succeed("monte-carlo", "-c", self.config(config), "-o", self.path("draws.h5"), "--report", self.path("draws.html"))
         self.open("draws.html")
-        self.assertEqual(self.window.run("return [...document.querySelectorAll('#maps canvas')].map((c) => c.dataset.layer)"),
-                         [*PROBABILITIES, "e_z_mean", "e_z_std"])
+        self.assertEqual(self.maps(), [*PROBABILITIES, "e_z_mean", "e_z_std"])
         self.check_log_and_requests()
 
     def test_what_is_refused(self):

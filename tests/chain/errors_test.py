@@ -76,12 +76,6 @@ class Errors(ChainTest):
     def without(self, *off):
         return Scan(self.scan("some.h5", scan_config(off), "--keep-misses"))
 
-    def test_all_errors_at_once_give_the_same_bytes(self):
-        for options in ([], ["--keep-misses"]):
-            files = {read_bytes(self.scan("s.h5", SCAN, *options, "-t", threads, "--batch-points", points))
-                     for threads, points in ((1, 16384), (2, 16384), (7, 16384), (7, 1), (2, 100), (1, 1 << 24))}
-            self.assertEqual(len(files), 1, options)
-
     def test_every_status_occurs_and_is_counted(self):
         path = self.scan("all.h5", SCAN, "--keep-misses")
         status = columns(path, "points")["status"]
@@ -149,13 +143,6 @@ class Errors(ChainTest):
             self.assertTrue(same(every.pulses, some.pulses, set(every.pulses) - set(ESTIMATE)), key)
             self.assertFalse(same(every.pulses, some.pulses, POSITION), key)
 
-    def test_the_encoder_moves_only_estimated_points(self):
-        every, some = self.without(), self.without("scanner.encoder_sigma_rad")
-        self.assertTrue(same(every.points, some.points, [*TRUTH, "status", "range_measured", "pulse", "pixel"]))
-        self.assertTrue(same(every.pulses, some.pulses, every.pulses))
-        reported = np.isin(every.status, [0, 6])
-        self.assertTrue((every.points["x_est"] != some.points["x_est"])[reported].all())
-
     def test_random_walk_and_gauss_markov_errors_add_up(self):
         stamps = "pointing_error.time_stamp_sigma_s"
         walk, markov = "navigation_error.random_walk", "navigation_error.gauss_markov"
@@ -164,53 +151,13 @@ class Errors(ChainTest):
         np.testing.assert_allclose(both - no_walk, no_markov - neither, atol=1e-12)
         self.assertGreater(np.abs(both - no_walk).max(), 1e-3)
 
-    def test_a_redraw_equals_a_traced_run(self):
-        self.scan("source.h5", SCAN, "--keep-misses")
-        others = [[], ["--keep-misses"], ["--set", "noise.false_return_frac=0.3", "--keep-misses"],
-                  ["--set", "noise.false_return_frac=0", "--keep-misses"],
-                  ["--set", "pointing_error.time_stamp_bias_s=0", "--set", "navigation_error.random_walk={}"]]
-        for options in others:
-            traced = read_bytes(self.scan("traced.h5", SCAN, *options))
-            self.scan("replayed.h5", SCAN, *options, "--ranges-from", self.path("source.h5"))
-            self.assertEqual(traced, read_bytes(self.path("replayed.h5")), options)
-
-    def test_a_redraw_that_adds_or_removes_false_returns_equals_a_traced_run(self):
-        plain = scan_config(["pointing_error.jitter_sigma_rad", "pointing_error.mirror_time_sigma_s", "noise.dropout_frac",
-                             "noise.dead_pixel_frac"])
-        silent = copy.deepcopy(plain)
-        silent["noise"]["false_return_frac"] = 0
-        for source, wanted in ((plain, silent), (silent, plain)):
-            for options in ([], ["--keep-misses"]):
-                self.scan("source.h5", source, *options)
-                traced = read_bytes(self.scan("traced.h5", wanted, *options, "--seed", 12))
-                self.scan("replayed.h5", wanted, *options, "--seed", 12, "--ranges-from", self.path("source.h5"))
-                self.assertEqual(traced, read_bytes(self.path("replayed.h5")))
-
-    def redraw_arguments(self, *options):
-        return ["scan-sim", "-c", self.config(SCAN), "--ranges-from", self.path("source.h5"), "-O", "-o",
-                self.path("out.h5"), *options]
-
-    def test_a_redraw_that_does_not_match_its_source_is_refused(self):
-        self.scan("source.h5", SCAN, "--keep-misses")
-        terrain = ["--terrain", self.chain.terrain]
-        for options, words in (
-                ([], ["--terrain", "/noise/incidence_sigma_rad"]),
-                ([*terrain, "--seed", 4], ["/seed", "jitter_sigma_rad"]),
-                ([*terrain, "--set", "pointing_error.misalignment_rpy_rad=[0,0,0]"], ["misalignment_rpy_rad"]),
-                ([*terrain, "--set", "pointing_error.jitter_sigma_rad=0"], ["jitter_sigma_rad"]),
-                ([*terrain, "--set", "pointing_error.jitter_time_s=0.1"], ["jitter_time_s"]),
-                ([*terrain, "--set", "pointing_error.mirror_time_bias_s=1e-5"], ["mirror_time_bias_s"]),
-                ([*terrain, "--set", "pointing_error.mirror_time_sigma_s=2e-5"], ["mirror_time_sigma_s"])):
-            self.refuse(2, *self.redraw_arguments(*options), words=words, output=self.path("out.h5"))
-
     def test_estimated_poses_from_a_table(self):
         """A table of estimated poses, here the true ones, is accepted; one that is too short is refused."""
         config = scan_config(OFF)
         config["noise"], config["pointing_error"] = {}, {}
         rows = [f"{t},{0.5 + 0.4 * t},{-0.3 + 0.2 * t},{50 - 5 * t},1,0,0,0" for t in (0, 0.1, 0.2)]
         for name, count in (("nav.csv", 3), ("short.csv", 2)):
-            with open(self.path(name), "w", encoding="utf-8") as file:
-                file.write("\n".join(["t_s,x_m,y_m,z_m,qw,qx,qy,qz", *rows[:count]]) + "\n")
+            self.write(name, "\n".join(["t_s,x_m,y_m,z_m,qw,qx,qy,qz", *rows[:count]]) + "\n")
         config["navigation_error"] = {"table": self.path("nav.csv")}
         with_table = Scan(self.scan("table.h5", config, "--keep-misses"))
         self.assertEqual(config_of(self.path("table.h5"))["navigation_error"]["table"], "nav.csv")

@@ -33,11 +33,6 @@ def read_las(path):
 
 
 class ExportOnAMap(ToolTest):
-    def write(self, name, content):
-        with open(self.path(name), "wb") as file:
-            file.write(content if isinstance(content, bytes) else content.encode())
-        return self.path(name)
-
     def imported(self, source, *arguments, name="scan.h5"):
         self.succeed("landfall-import", "-q", source, "-o", self.path(name), "-O", "--keep-noise", *arguments)
         return self.path(name)

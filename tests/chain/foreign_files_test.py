@@ -34,12 +34,6 @@ class Trajectories(ToolTest):
         self.succeed("terrain-gen", "-o", self.ground, "--set", "grid.half_width_m=60", "--set", "grid.resolution_m=1",
                      "--set", 'base={"type":"plane","slope_x":0.1,"slope_y":0.05}')
 
-    def write(self, name, content):
-        path = self.path(name)
-        with open(path, "wb") as file:
-            file.write(content if isinstance(content, bytes) else content.encode())
-        return path
-
     def scan(self, table, name="scan.h5", **keys):
         scan = self.path(name)
         config = {"detector": {"rows": 4, "columns": 4}, "laser": {"pulse_rate_hz": 700, "scan_time_s": 0.5},
@@ -133,22 +127,6 @@ class Trajectories(ToolTest):
                         file[group + name] = values.reshape(shape)
                 self.expect_same_points(self.scan(self.path("t.h5")), plain)
 
-    def test_refusals_say_what_is_there_and_what_is_wanted(self):
-        table = rows()
-        sbet = struct.pack("<17d", *range(17)) * 3
-        for name, content, words in (
-                ("t.csv", "time,x,y,z\n0,0,0,0\n", ["it has time, x, y, z and needs t_s, x_m, y_m, z_m"]),
-                ("t.csv", "0,0,0,0\n", ["begins with the number 0", "t_s, x_m, y_m, z_m"]),
-                ("t.csv", text(table, ";").replace("0.", "0,"), ["with a point, not a comma"]),
-                ("t.csv", text(table).encode("utf-16"), ["UTF-16", "UTF-8"]),
-                ("t.xlsx", b"PK\x03\x04more", [".xlsx", "CSV"]),
-                ("t.trj", '#HEADER: "t", "roll", "pitch", "yaw", "x", "y", "z"\n0,0,0,0,0,0,0\n', ["HELIOS++", "t_s, x_m, y_m, z_m"]),
-                ("t.out", sbet, ["SBET", "t_s, x_m, y_m, z_m"])):
-            with self.subTest(words):
-                path = self.write(name, content)
-                self.refuse(1, "scan-sim", "--terrain", self.ground, "-o", self.path("s.h5"), "-c",
-                            self.config({"trajectory": {"type": "table", "path": path}}), words=[name, *words])
-
     @unittest.skipUnless(os.path.isdir(DATA), "shared/data/strangers is absent")
     def test_shared_tables(self):
         plain = self.scan(os.path.join(DATA, "tr0.csv"), "plain.h5")
@@ -176,8 +154,7 @@ class Meshes(ToolTest):
             self.succeed("terrain-gen", "-O", "--from", path, "-o", self.path("m.h5"))
         ply = ("ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\nelement face 1\n"
                "property list uchar int vertex_indices\nelement camera 1\nproperty float f\nend_header\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n5\n")
-        with open(self.path("m.ply"), "w", encoding="ascii") as file:
-            file.write(ply)
+        self.write("m.ply", ply)
         result = run("terrain-gen", "-O", "--from", self.path("m.ply"), "-o", self.path("m.h5"))
         self.assertEqual(result.returncode, 0)
         self.assertIn("element 'camera' (1) is not read", result.stderr)

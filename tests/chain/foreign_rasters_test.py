@@ -277,17 +277,6 @@ class Fills(ForeignRasters):
         z.ravel()[500:500 + count] = value
         return foreign.geotiff(self.path("fill.tif"), formats.polar_stereographic(MOON_M), (0, 5, 0, 0, 0, -5), z)
 
-    def test_isolated_numbers_are_asked_about(self):
-        for value, kind in ((-9999, "float64"), (-32768, "int16"), (-32767, "float32"), (-99999, "int32"), (9999, "float32"), (1e6, "float64"),
-                            (-3.4e38, "float32"), (-3.4028234663852886e38, "float32"), (3.4e38, "float64"), (32767, "int16"), (-2147483648, "int32")):
-            with self.subTest(value=value, kind=kind):
-                path = self.holed(value, kind, 3)
-                self.refused(path, "3 of 1271 samples", "undeclared fill value", "--nodata")
-                number = repr(float(np.dtype(kind).type(value)))
-                _, _, z = self.load(path, "--nodata", number, "--half-width", "70", "--resolution", "5")
-                self.assertGreater(np.isnan(z).sum(), 0)
-        self.load(self.holed(-9999), "--nodata", "none")
-
     def test_numbers_among_the_rest_are_elevations(self):
         self.load(self.holed(-9999, "float64", 1, 2000))      # the ground reaches below it
         self.load(self.holed(5, "float64", 40))

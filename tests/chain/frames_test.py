@@ -108,8 +108,7 @@ class Horizon(Frames):
         self.raster("dem", 100 + np.arange(25).reshape(5, 5) / 7, crs=f"+proj=ortho +lat_0=0 +lon_0=0 +R={MOON_M}", corner=(0, 0))
         self.succeed("landfall-import", self.path("dem.tif"), "-o", self.path("dem.h5"))
         square = [[170, -1], [175, -1], [175, 1], [170, 1], [170, -1]]
-        with open(self.path("far.csv"), "w", encoding="ascii") as file:
-            file.write('id,WKT\n1,"POLYGON((' + ", ".join(f"{x} {y}" for x, y in square) + '))"\n')
+        self.write("far.csv", 'id,WKT\n1,"POLYGON((' + ", ".join(f"{x} {y}" for x, y in square) + '))"\n')
         subprocess.run(["ogr2ogr", "-q", "-f", "GPKG", "-a_srs", MOON, "-oo", "GEOM_POSSIBLE_NAMES=WKT", self.path("far.gpkg"), self.path("far.csv")], check=True)
         self.refuse(1, "dem-eval", self.path("dem.h5"), "--table", "--set", "region=" + json.dumps({"shape": "polygon", "path": self.path("far.gpkg")}),
                     words=["far.gpkg", "no place in the DEM frame"])
@@ -269,8 +268,7 @@ class Colours(Frames):
     def setUp(self):
         super().setUp()
         header = b"P6\n40 40\n255\n"
-        with open(self.path("picture.ppm"), "wb") as file:
-            file.write(header + (np.arange(40 * 40 * 3) % 251).astype(np.uint8).tobytes())
+        self.write("picture.ppm", header + (np.arange(40 * 40 * 3) % 251).astype(np.uint8).tobytes())
         self.picture = self.path("picture.tif")
         self.translate("-a_srs", "EPSG:32632", "-a_ullr", "500000", "5400040", "500040", "5400000", self.path("picture.ppm"), self.picture)
 
@@ -318,6 +316,8 @@ class Fills(Frames):
     """One value, repeated exactly, at an end and farther from all others than these are from each other."""
 
     VALUES = (-10000, -99999.9, -100000, 1e10, -88888, -9999.9, -9998, 99999.99, -3276.8, -12345, -32000, 8888, -1e5)
+    SAMPLES = ((-9999, "Float64"), (-32768, "Int16"), (-32767, "Float32"), (-99999, "Int32"), (9999, "Float32"), (1e6, "Float64"), (-3.4e38, "Float32"),
+               (-3.4028234663852886e38, "Float32"), (3.4e38, "Float64"), (32767, "Int16"), (-2147483647, "Int32"), (-99999.9, "Float64"), (-3276.8, "Float64"))
 
     def setUp(self):
         super().setUp()
@@ -330,13 +330,14 @@ class Fills(Frames):
 
     def test_rasters(self):
         site = ["--half-width", "10", "--resolution", "1", "-o", self.path("t.h5"), "-O"]
-        for value in self.VALUES:
-            with self.subTest(value):
-                path = self.raster("dem", self.filled(value))
+        plain = self.raster("plain", self.values)
+        for value, kind in self.SAMPLES:
+            with self.subTest(value, kind=kind):
+                path = self.raster("dem", self.filled(value), kind=kind)
+                value = float(np.dtype(kind.lower()).type(value))
                 words = [f"{self.hole.sum()} of 961 samples are", "(--nodata)"]
                 self.refused(path, *words)
                 self.refuse(1, "terrain-gen", "--from", path, *site, words=words, output=self.path("t.h5"))
-                plain = self.raster("plain", self.values)
                 self.refused(plain, "dem.tif", *words, arguments=["--truth", path])
                 self.succeed("landfall-import", path, "-o", self.path("dem.h5"), "-O", "--nodata", repr(value))
                 np.testing.assert_array_equal(np.isnan(self.bins()[0]), self.hole[::-1])

@@ -7,21 +7,14 @@ import unittest
 import h5py
 import numpy as np
 
-from harness import HAZARD, REGRID, browser, columns, read_bytes, run, with_values
-from harness.page import CONTRAST, POINT, CommonPage, PageTest
+from harness import HAZARD, REGRID, browser, columns, read_bytes, with_values
+from harness.page import CommonPage, PageTest
 
 SECTIONS = ["places", "maps", "sites", "score", "provenance-chain"]
 MAPS = ["safe", "outcome", "p_safe", "p_touchdown", "cost", "distance_to_hazard", "slope", "roughness", "z_est", "slope_true",
         "roughness_true", "z_true"]
 NOISE = with_values(HAZARD, z_sigma_m=0.01)
 
-# All values of a layer; null where there is none.
-VALUES = """
-return rasterOf(layerNamed(arguments[0]), report.grid).then((raster) => Array.from(raster.codes, (_, i) => {
-  const value = raster.value(i);
-  return Number.isNaN(value) ? null : value;
-}));
-"""
 # The parts of a site's pose figure: pads and deciding bin on the map, in metres; the plane and the pads from the side, as (along, z).
 POSE = """
 return [...document.querySelectorAll(`.site[data-rank="${arguments[0]}"]`)].map((site) => {
@@ -74,12 +67,6 @@ class HazardReport(PageTest):
     def data(self, path="report"):
         return self.window.run(f"return {path}")
 
-    def shown_maps(self):
-        return self.window.run("return [...document.querySelectorAll('#maps canvas')].map((c) => c.dataset.layer)")
-
-    def values(self, name, shape):
-        return np.array(self.window.run(VALUES, name), float).reshape(shape)
-
     def check_page(self):
         self.check_log_and_requests()
         self.check_layout()
@@ -89,14 +76,11 @@ class HazardReport(PageTest):
 class CommonReport(CommonPage, HazardReport):
     def test_layers_are_those_of_the_file(self):
         layers, _ = self.report()
-        self.assertEqual(self.window.run("return [...document.querySelectorAll('main > section')].map((s) => s.id)"), SECTIONS)
-        self.assertEqual(self.shown_maps(), MAPS)
-        for name in MAPS:
-            self.assertGreater(self.canvas(f"#maps canvas[data-layer={name}]")["colors"], 2, name)
+        self.check_parts(SECTIONS, MAPS, 2)
         dem = columns(self.chain.dem)
         region = ~np.isnan(layers["p_touchdown"])
         for name in MAPS:
-            step = self.data(f"layerNamed('{name}').step")
+            step = self.step(name)
             if name in ("safe", "outcome"):
                 expected = np.where(region, 1 << layers[name].astype(int), 0)
             else:
@@ -129,18 +113,13 @@ class CommonReport(CommonPage, HazardReport):
 
     def test_wrong_places_are_painted_on_the_outcome(self):
         layers, _ = self.report()
+        pixels = self.pixels("#maps canvas[data-layer=outcome]")
         wrong = {value: np.argwhere(layers["outcome"] == value) for value in (2, 3)}
         for value, color in ((2, [255, 0, 255]), (3, [0, 114, 178])):
             self.assertGreater(len(wrong[value]), 0)
             for row, col in wrong[value]:
-                found = self.window.run("""
-                    const panel = panels.find((p) => p.raster.layer.name === "outcome"), {canvas, raster} = panel;
-                    const flat = Object.assign(document.createElement("canvas"), {width: canvas.width, height: canvas.height});
-                    const context = flat.getContext("2d");
-                    context.drawImage(canvas, 0, 0);
-                    const x = (arguments[0] + 0.5) / raster.cols * canvas.width, y = (1 - (arguments[1] + 0.5) / raster.rows) * canvas.height;
-                    return [...context.getImageData(Math.floor(x), Math.floor(y), 1, 1).data].slice(0, 3);""", int(col), int(row))
-                self.assertEqual(found, color)
+                at = (1 - (row + 0.5) / layers["outcome"].shape[0]) * len(pixels), (col + 0.5) / layers["outcome"].shape[1] * pixels.shape[1]
+                self.assertEqual(list(pixels[int(at[0]), int(at[1])]), color)
 
     def test_the_sites_are_those_of_sites_json(self):
         _, sites = self.report()
@@ -158,18 +137,11 @@ class CommonReport(CommonPage, HazardReport):
 
     def test_the_cursor_is_on_all_maps_with_all_values(self):
         layers, sites = self.report()
-        self.window.run(POINT, "cost", [layers["x"][40], layers["y"][57]])
-        self.settle()
-        shown = self.window.run("return Object.fromEntries([...document.querySelectorAll('#values [data-value-of]')].map("
-                                "(e) => [e.dataset.valueOf, e.querySelector('output').textContent]))")
-        self.assertEqual(set(shown), set(MAPS))
+        shown = self.values_under_cursor("cost", [layers["x"][40], layers["y"][57]])
         self.assertEqual(shown["safe"], ["hazard", "safe", "unknown"][layers["safe"][57, 40]])
         self.assertAlmostEqual(float(shown["p_touchdown"]), layers["p_touchdown"][57, 40], delta=1e-4)
         self.assertAlmostEqual(float(shown["slope"].split()[0]), layers["slope"][57, 40], delta=0.05)
-        drawn = self.window.run("return panels.filter((p) => p.options.region && p.svg.querySelector('.cursor')).map((p) => p.raster.layer.name)")
-        self.assertEqual(drawn, MAPS)
-        self.window.run(POINT, "slope", [sites[0]["x_m"], sites[0]["y_m"]])
-        self.settle()
+        self.point("slope", [sites[0]["x_m"], sites[0]["y_m"]])
         crops = self.window.run("return panels.filter((p) => p.options.footprint && p.svg.querySelector('.cursor')).length")
         self.assertGreater(crops, 0)
 
@@ -185,19 +157,6 @@ class CommonReport(CommonPage, HazardReport):
         self.assertEqual(scales["p_safe"][1:3], [0, 1])
         self.assertEqual(scales["slope"][1:3], scales["slope_true"][1:3])
         self.assertIn("limit 14 deg", self.text("#maps"))
-
-    def test_light_and_dark_mode(self):
-        self.report()
-        texts = ["body", ".note", "#verdict", "#outcomes td", "nav.contents a", "#theme", "figcaption code"]
-        paper = "return getComputedStyle(document.querySelector('main > section')).backgroundColor"
-        before = self.window.run(paper)
-        self.assertGreater(min(self.window.run(CONTRAST, texts)), 4.5)
-        self.window.run("document.getElementById('theme').click()")
-        self.assertNotEqual(self.window.run(paper), before)
-        self.assertGreater(min(self.window.run(CONTRAST, texts)), 4.5)
-        self.check_page()
-        self.window.run("document.getElementById('theme').click()")
-        self.assertEqual(self.window.run(paper), before)
 
     def test_the_score_is_drawn(self):
         self.report()
@@ -249,14 +208,14 @@ class OtherReports(HazardReport):
                 _, sites = self.report(None, config)
                 self.assertGreater(len(sites), 2)
                 self.check_poses(sites, legs)
-                titles = self.window.run("return [...document.querySelectorAll('.site h3')].map((h) => h.textContent.split(': ')[1])")
+                titles = [title.split(": ")[1] for title in self.texts(".site h3")]
                 self.assertEqual(set(titles) <= ({"fitted plane"} if legs == 0 else
                                                  {"steepest pose", "roughest pose", "steepest and roughest pose"}), True, titles)
                 self.check_page()
 
     def test_without_truth_and_p_safe(self):
         _, sites = self.report(None, HAZARD, "--no-truth")
-        self.assertEqual(self.shown_maps(), ["safe", "p_touchdown", "cost", "distance_to_hazard", "slope", "roughness", "z_est"])
+        self.assertEqual(self.maps(), ["safe", "p_touchdown", "cost", "distance_to_hazard", "slope", "roughness", "z_est"])
         self.assertIsNone(self.text("#score"))
         self.assertIsNone(self.text("#outcomes"))
         self.assertEqual([len(row) for row in self.cells("#landing-sites")], [7] * len(sites))
@@ -264,13 +223,12 @@ class OtherReports(HazardReport):
 
     def test_truth_without_p_safe(self):
         self.report(None, HAZARD)
-        charts = self.window.run("return [...document.querySelectorAll('#score figcaption')].map((f) => f.textContent)")
-        self.assertEqual(charts, ["Other roughness limits of the map"])
+        self.assertEqual(self.texts("#score figcaption"), ["Other roughness limits of the map"])
         self.check_log_and_requests()
 
     def test_a_terrain(self):
         self.report(self.chain.terrain, HAZARD)
-        self.assertEqual(self.shown_maps()[-1], "z")
+        self.assertEqual(self.maps()[-1], "z")
         self.assertIn("of terrain", self.text("header .note"))
         self.check_page()
 
@@ -298,8 +256,7 @@ class OtherReports(HazardReport):
         data = json.loads(page[begin:end])
         for site in data["sites"]:
             site["poses"] = None
-        with open(self.path("bare.html"), "w", encoding="utf-8") as file:
-            file.write(page[:begin] + json.dumps(data) + page[end:])
+        self.write("bare.html", page[:begin] + json.dumps(data) + page[end:])
         self.open("bare.html")
         self.assertIn("without a pose", self.text("#no-poses"))
         self.assertEqual(self.window.run("return document.querySelectorAll('.site').length"), 0)
@@ -313,27 +270,6 @@ class OtherReports(HazardReport):
         self.report(dem, HAZARD)
         self.assertIn("No diagram", self.text("#score"))
         self.check_page()
-
-    def test_a_title_with_characters_of_html(self):
-        self.report(None, HAZARD, "--title", "Ice & <b>rocks</b> \"@style@\"")
-        self.assertEqual(self.text("h1"), "Ice & <b>rocks</b> \"@style@\"")
-        self.assertEqual(self.data("document.title"), "Ice & <b>rocks</b> \"@style@\"")
-        self.check_log_and_requests()
-
-    def test_the_same_bytes_at_any_number_of_threads(self):
-        pages = set()
-        for threads in (1, 3):
-            self.make(None, NOISE, "-t", threads)
-            pages.add(read_bytes(self.path("hazards.html")))
-        self.assertEqual(len(pages), 1)
-
-    def test_an_existing_report_is_kept(self):
-        page = self.path("kept.html")
-        with open(page, "w", encoding="utf-8") as file:
-            file.write("mine")
-        result = run("hazard-map", self.chain.dem, "-c", self.config(HAZARD), "-o", self.path("h.h5"), "--report", page)
-        self.assertEqual(result.returncode, 2)
-        self.assertEqual(read_bytes(page), b"mine")
 
 
 if __name__ == "__main__":

@@ -213,17 +213,6 @@ class Maps(ChainTest):
         self.assertEqual(score["filled_truth_bins"], 0)
         self.assertGreater(self.hazards(self.path("d.h5"), config)[2]["filled_truth_bins"], 0)
 
-    def test_equal_bytes_for_any_number_of_threads(self):
-        for method in METHODS:
-            made = []
-            for threads in (1, 2, 7):
-                out = [self.path(f"{threads}.{end}") for end in ("h5", "sites", "score")]
-                self.succeed("hazard-map", self.chain.dem, "-c", self.config(with_values(CONFIG, z_sigma_m=0.02, method=method, limits__roughness_m=0.1)),
-                             "-t", threads, "-o", out[0], "--sites", out[1], "--score", out[2], "-O")
-                made.append([read_bytes(path) for path in out])
-            self.assertEqual(made[0], made[1], method)
-            self.assertEqual(made[0], made[2], method)
-
 
 class Strips(ChainTest):
     """--layers: the same values as in one piece, from strips of the map."""
@@ -343,29 +332,11 @@ class Interface(ChainTest):
     def test_inputs_that_cannot_be_judged(self):
         self.succeed("regrid", *self.chain.inputs("regrid"), "--layers", "count", "-o", self.path("count.h5"))
         self.refuse_map(1, self.path("count.h5"), "-o", self.path("h.h5"), words=["count.h5", "z_est"])
-        self.refuse_map(1, self.chain.scan, "-o", self.path("h.h5"), words=[self.chain.scan])
-        self.succeed("regrid", self.chain.scan, "-c", self.chain.config("regrid"), "-o", self.path("blind.h5"))
-        self.refuse_map(1, self.path("blind.h5"), "-o", self.path("h.h5"), "--score", self.path("s"), words=["blind.h5", "z_true"])
         self.succeed("regrid", *self.chain.inputs("regrid"), "--layers", "z_est,z_true", "-o", self.path("few.h5"))
         self.refuse_map(1, self.path("few.h5"), "-o", self.path("h.h5"), "--terrain", self.chain.terrain, words=["few.h5", "x_true"])
 
-    def test_landers_that_the_map_cannot_hold(self):
-        self.refuse_map(2, *self.arguments(lander__body_radius_m=5.2), words=["config.json: /lander/body_radius_m", "101 x 101", self.chain.dem])
-        self.refuse_map(2, *self.arguments(lander__leg_radius_m=0.15), words=["/lander/leg_radius_m: 0.15 is less than 2 bins"])
-        for roughness, word in ((0.08, "0.08 is less than 1 bin"), (5, "a window of 113 bins across is larger than the map of 101 x 101")):
-            self.refuse_map(2, *self.arguments(method="range_difference", limits__roughness_m=roughness),
-                            words=["config.json: /limits/roughness_m: " + word, self.chain.dem])
-        for method in METHODS[1:]:
-            self.refuse_map(2, *self.arguments(method=method, lander__body_radius_m=0.09), words=["/lander/body_radius_m: 0.09 is less than", "bin"])
-        for key, value in [("lander__pad_diameter_m", 0), ("limits__slope_deg", 0), ("limits__roughness_m", -0.1), ("lander__legs", 5)]:
-            self.refuse_map(2, *self.arguments(**{key: value}), words=["config.json: /" + key.replace("__", "/"), str(value)])
-
-    def test_diverts_that_cannot_be_flown_or_reach_nothing(self):
+    def test_a_divert_that_reaches_nothing(self):
         reach = {"height_m": 20, "descent_mps": 4, "velocity_mps": [9, 0], "tilt_deg": 2, "thrust_accel_mps2": 3, "gravity_mps2": 1.3}
-        for change, words in [({"thrust_accel_mps2": 1.6}, ["config.json: /sites/reach/thrust_accel_mps2: 1.6", "1.7 m/s2"]),
-                              ({"tilt_deg": 90}, ["/sites/reach/tilt_deg: 90 is not in [0, 90)"]), ({"height": 3}, ["/sites/reach/height: unknown key"])]:
-            self.refuse_map(2, *self.arguments(sites__reach={**reach, **change}), words=words)
-        self.refuse_map(2, *self.arguments(sites__reach=[[0, 0], [1, 1]]), words=["/sites/reach", "expected"])
         result = self.succeed("hazard-map", *self.arguments("--table", sites__reach=reach))  # it does not stop within T
         self.assertIn("no site: no safe place within reach", result.stdout)
         self.assertTrue(np.isnan(columns(self.path("h.h5"))["cost"]).all())
@@ -404,19 +375,12 @@ class Interface(ChainTest):
         self.succeed("hazard-map", *self.arguments("-O", "--require-safe", *enough))
         self.assertEqual(run("hazard-map", *self.arguments("-O", "--require-safe", *more)).returncode, 3 if best < 1 else 2)
 
-    def test_options_that_contradict_each_other(self):
-        for options, word in [(["--no-truth", "--score", self.path("s")], "--no-truth"),
-                              (["--no-truth", "--terrain", self.chain.terrain], "--no-truth"),
-                              (["--table", "--json"], "--json"), (["--sites", "-"], "--sites"),
-                              (["--sites", self.path("a"), "--score", self.path("a")], "same file")]:
-            self.refuse_map(2, *self.arguments(*options), words=[word])
-        self.refuse(2, "hazard-map", self.chain.dem, words=["-o"])
-        self.refuse(2, "hazard-map", "-o", self.path("h.h5"), words=["DEM"])
-
     def test_outputs_are_refused_before_the_map_is_read(self):
         with open(self.path("s.json"), "w", encoding="utf-8"):
             pass
-        self.refuse_map(2, "/nowhere/dem.h5", "-o", self.path("h.h5"), "--sites", self.path("s.json"), words=["s.json", "-O"])
+        for option in ("--sites", "--report"):
+            self.refuse_map(2, "/nowhere/dem.h5", "-o", self.path("h.h5"), option, self.path("s.json"), words=["s.json", "-O"])
+        self.refuse_map(2, *self.arguments("--sites", self.path("a"), "--score", self.path("a")), words=["same file"])
 
     def test_warnings(self):
         self.succeed("terrain-gen", "-o", self.path("other.h5"), "-c", self.chain.config("terrain-gen"), "--set", "features=[]")
@@ -480,10 +444,6 @@ class Interface(ChainTest):
         for line, site in zip(lines, listed):
             for key, value in zip(header, line):
                 self.assertEqual(np.float32(value) if key in ("cost", "p_touchdown", "distance_to_hazard_m") else float(value), site[key], key)
-        for options, word in [(["--sites", "--layers", "safe"], "--layers"), (["--sites", "--every", "2"], "--every")]:
-            self.refuse(2, "landfall-export", self.path("h.h5"), "-o", self.path("s.csv"), *options, words=[word])
-        self.refuse(2, "landfall-export", self.chain.dem, "-o", self.path("s.csv"), "--sites", words=["not a hazard map"])
-        self.refuse(2, "landfall-export", self.path("h.h5"), "-o", self.path("s.tif"), "--sites", words=["--sites does not apply"])
 
     def points(self, path):
         """Frame, geometries and attributes of the layer `sites` of a GeoPackage, by OGR."""
@@ -532,13 +492,6 @@ print(json.dumps([layer.GetName(), layer.GetSpatialRef().ExportToWkt(["FORMAT=WK
         self.succeed("hazard-map", *self.arguments("--set", "limits.slope_deg=0.001"))
         self.succeed("landfall-export", self.path("h.h5"), "-o", self.path("s.gpkg"), "--sites")
         self.assertEqual(self.points(self.path("s.gpkg"))[2], [])
-
-    def test_geopackages_that_are_refused(self):
-        self.succeed("hazard-map", *self.arguments())
-        for source, options, words in [(self.path("h.h5"), [], ["--sites"]), (self.chain.dem, ["--sites"], ["landfall.dem", "not .gpkg"]),
-                                       (self.path("h.h5"), ["--sites", "--layers", "safe"], ["--layers"])]:
-            self.refuse(2, "landfall-export", source, "-o", self.path("s.gpkg"), *options, words=words, output=self.path("s.gpkg"))
-        self.refuse(2, "landfall-export", self.path("h.h5"), "-o", self.path("s.geojson"), "--sites", words=["WGS 84", ".gpkg"])
 
 
 class Calibration(ToolTest):

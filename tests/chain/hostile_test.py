@@ -194,8 +194,7 @@ class Hostile(MonteCarloTest):
             if damaged == sound:
                 continue
             with self.subTest(at=at, size=len(new)):
-                with open(self.path("damaged.h5"), "wb") as file:
-                    file.write(damaged)
+                self.write("damaged.h5", damaged)
                 self.refuse(1, "landfall-export", self.path("damaged.h5"), "--layers", "slope", "-o", self.path("x.csv"), words=["damaged.h5", "slope"])
                 with h5py.File(self.path("damaged.h5")) as file, self.assertRaises(OSError):
                     file["slope"][()]

@@ -8,14 +8,14 @@ import unittest
 
 import numpy as np
 
+from compare_test import newcombe
 from harness import EVAL, HAZARD, REGRID, SCAN, columns, read_bytes, run, with_values
+from harness.draws import DISPERSED, FRACTAL, DrawsTest
 from oracle import hazards
-from traced_draws_test import DISPERSED, FRACTAL, TracedTest
 
 FLAT = {"grid": {"half_width_m": 6, "resolution_m": 0.1}, "base": {"type": "plane", "elevation_m": 0}}
 STILL = with_values(SCAN, noise={}, navigation_error={}, trajectory__rpy_deg=[0, 0, 0], trajectory__rpy_rate_degps=[0, 0, 0])
 ARMS = ("landing", "blind")
-Z95 = 1.959963984540054
 
 
 def draws_config(**values):
@@ -28,12 +28,11 @@ def normal_probability(low, high, mean, sigma):
     return upto(high) - upto(low)
 
 
-class LandingTest(TracedTest):
+class LandingTest(DrawsTest):
     def landings(self, config, *options):
-        """The rows of the draws, and the verdict on their landings."""
+        """The rows of draws that trace, and the verdict on their landings."""
         self.succeed("monte-carlo", *self.arguments(config, "draws.h5", "-O", "--verdict", self.path("v.json"), *options))
-        self.verdict = json.loads(read_bytes(self.path("v.json")))
-        return columns(self.path("draws.h5"), "draws"), self.verdict.get("landing")
+        return columns(self.path("draws.h5"), "draws"), json.loads(read_bytes(self.path("v.json"))).get("landing")
 
 
 class Judgement(LandingTest):
@@ -85,8 +84,7 @@ class Judgement(LandingTest):
         """Landings of redrawn errors."""
         config = {key: value for key, value in draws_config(scan={}, vary={"scan.navigation_error.position_m.0": {"type": "normal", "sigma": 0.5}}).items()
                   if key != "terrain"}
-        self.succeed("monte-carlo", self.chain.source, "--terrain", self.chain.terrain, *self.arguments(config, "draws.h5"))
-        rows, ground = columns(self.path("draws.h5"), "draws"), columns(self.chain.terrain)
+        rows, ground = self.draws(config), columns(self.chain.terrain)
         self.check_landings(config, rows, ground["z"], ground["x"], ground["y"], 0.1)
 
 
@@ -134,25 +132,13 @@ class ClosedForms(LandingTest):
         self.check_pairs(rows, verdict)
 
     def check_pairs(self, rows, verdict):
-        """The paired table, McNemar's p by enumeration, the interval by its formula."""
+        """The paired table, McNemar's p by enumeration, the interval of compare_test.py."""
         with_lidar, blind = (rows[f"{arm}.safe"] == 1 for arm in ARMS)
         a, b, c, d = (int((x & y).sum()) for x, y in ((with_lidar, blind), (with_lidar, ~blind), (~with_lidar, blind), (~with_lidar, ~blind)))
         self.assertEqual([verdict[key] for key in ("both", "only_lidar", "only_blind", "neither")], [a, b, c, d])
         exact = min(1, 2 * sum(math.comb(b + c, k) for k in range(min(b, c) + 1)) / 2**(b + c)) if b + c else 1
         self.assertAlmostEqual(verdict["mcnemar_p"], exact, places=12)
-        n = a + b + c + d
-
-        def wilson(k):
-            centre, half = k + Z95**2 / 2, Z95 * math.sqrt(k * (n - k) / n + Z95**2 / 4)
-            return (centre - half) / (n + Z95**2), (centre + half) / (n + Z95**2)
-        p1, p2 = (a + b) / n, (a + c) / n
-        (l1, u1), (l2, u2) = wilson(a + b), wilson(a + c)
-        margins = (a + b) * (c + d) * (a + c) * (b + d)
-        numerator = a * d - b * c
-        phi = (max(numerator - n / 2, 0) if numerator > 0 else numerator) / math.sqrt(margins) if margins else 0
-        low = p1 - p2 - math.sqrt((p1 - l1)**2 - 2 * phi * (p1 - l1) * (u2 - p2) + (u2 - p2)**2)
-        high = p1 - p2 + math.sqrt((u1 - p1)**2 - 2 * phi * (u1 - p1) * (p2 - l2) + (p2 - l2)**2)
-        for key, value in (("value", p1 - p2), ("low", low), ("high", high)):
+        for key, value in zip(("value", "low", "high"), newcombe(a, b, c, d)):
             self.assertAlmostEqual(verdict["difference"][key], value, places=9)
 
     def test_beyond_the_terrain(self):
@@ -173,18 +159,9 @@ class ClosedForms(LandingTest):
         rows, verdict = self.landings(config)
         self.assertLess(len(rows["seed"]), 20)
         self.assertEqual(rows["pass"].sum(), 0)  # the requirements fail, and are not what is tested
-        self.assertEqual(self.verdict["sprt"], "accepted")
+        self.assertEqual(self.verdict()["sprt"], "accepted")
         self.assertIn("not valid after stopping", verdict["note"])
         self.assertEqual(run("monte-carlo", *self.arguments(config, "draws.h5", "-O", "--require-pass")).returncode, 0)
-
-
-class Refusals(LandingTest):
-    def test_refusals(self):
-        for changes, words in (({"hazard": None}, ["/landing", "hazard"]), ({"landing": None, "stop": {"type": "sprt", "of": "landing"}}, ["/stop/of", "landing"]),
-                               ({"landing": {"drift_time_s": -1}}, ["/landing/drift_time_s"]), ({"landing": {"yaw": 3}}, ["/landing/yaw"]),
-                               ({"hazard": {**HAZARD, "method": "plane", "lander": {"leg_radius_m": 0.15}}}, ["/hazard/lander/leg_radius_m", "2 bins"])):
-            with self.subTest(changes):
-                self.refuse(2, "monte-carlo", *self.arguments(draws_config(**changes), "draws.h5"), words=words, output=self.path("draws.h5"))
 
 
 if __name__ == "__main__":

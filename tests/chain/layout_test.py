@@ -2,8 +2,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The layout of the four files, dataset by dataset, and how other programs open them."""
 import json
-import os
-import re
 import shutil
 import subprocess
 import unittest
@@ -201,23 +199,6 @@ class Readers(ChainTest):
                               str(x), str(y))
         with h5py.File(self.chain.terrain) as file:
             self.assertAlmostEqual(float(text), file["z"][60 + 5, 60 + 15], places=6)
-
-    def test_gmt_grdinfo(self):
-        for layer in DEM:
-            fields = self.output_of("gmt", "grdinfo", "-C", f"{self.chain.dem}?{layer}").split("\t")
-            np.testing.assert_allclose([float(v) for v in fields[1:5]], [-5, 5, -5, 5], atol=1e-9)
-            np.testing.assert_allclose([float(v) for v in fields[7:11]], [0.1, 0.1, 101, 101], atol=1e-9)
-
-    def test_ncdump(self):
-        for name in TOOLS:
-            text = self.output_of("ncdump", "-h", self.chain.output(name))
-            self.assertIn('Conventions = "CF-1.8"', text)
-            if name != "scan-sim":
-                self.assertRegex(text, r"double x\(x\)")
-        text = self.output_of("ncdump", "-h", self.chain.dem)
-        for layer, kind in DEM.items():
-            word = {FLOAT64: "double", FLOAT32: "float", INT32: "int"}[kind]
-            self.assertTrue(re.search(rf"{word} {layer}\(y, x\)", text), layer)
 
     def test_uncompressed_files_open_too(self):
         """Their chunks are zlib streams, for the checksum."""

@@ -8,6 +8,7 @@ import h5py
 import numpy as np
 
 from harness import EVAL, REGRID, SCAN, ToolTest, attributes, read_bytes, with_values
+from oracle import surface
 from raster_readers import obj_facets
 
 DATA = os.environ.get("LANDFALL_DATA", os.path.join(os.environ["LANDFALL_ROOT"], "..", "shared", "data"))
@@ -69,20 +70,6 @@ def ranges_from(origin, directions, corners):
     return ranges
 
 
-def highest(x, y, corners):
-    """The highest elevation of triangles (F, 3, 3) at points (N,); NaN off the mesh."""
-    result = np.full(len(x), -np.inf)
-    for a, b, c in corners:
-        u = (b[0] - x) * (c[1] - y) - (b[1] - y) * (c[0] - x)
-        v = (c[0] - x) * (a[1] - y) - (c[1] - y) * (a[0] - x)
-        w = (a[0] - x) * (b[1] - y) - (a[1] - y) * (b[0] - x)
-        hit = (((u >= 0) & (v >= 0) & (w >= 0)) | ((u <= 0) & (v <= 0) & (w <= 0))) & (u + v + w != 0)
-        with np.errstate(all="ignore"):
-            z = (u * a[2] + v * b[2] + w * c[2]) / (u + v + w)
-        result = np.where(hit, np.maximum(result, z), result)
-    return np.where(np.isinf(result), np.nan, result)
-
-
 def flash(rows, pitch, position, **values):
     return {"detector": {"rows": rows, "columns": rows, "ifov_rad": pitch},
             "laser": {"pulse_rate_hz": 1, "scan_time_s": 1}, "scanner": {"type": "flash"},
@@ -124,11 +111,6 @@ def grid_facets(x, y, z):
 
 
 class MeshTest(ToolTest):
-    def write(self, name, text):
-        with open(self.path(name), "w", encoding="utf-8") as file:
-            file.write(text)
-        return self.path(name)
-
     def terrain(self, vertices, faces, **placement):
         mesh = self.write("mesh.off", off_text(vertices, faces))
         config = self.config({"mesh": {"path": mesh, **placement}}, "terrain.json")
@@ -143,12 +125,12 @@ class MeshTest(ToolTest):
     def test_chain(self):
         vertices, faces = rolling_terrain_with_a_roof()
         terrain, summary = self.terrain(vertices, faces, **PLACEMENT)
-        corners = placed(vertices)[fans(faces)]
+        ground = surface.Mesh(placed(vertices), fans(faces))
         self.assertEqual([summary[k] for k in ["vertex_count", "triangle_count", "welded_vertex_count"]],
                          [1689, 3212, 0])
         with h5py.File(terrain) as file:
             np.testing.assert_allclose(file["mesh/vertices"][:], placed(vertices), atol=1e-15)
-            self.assertEqual(file["mesh/triangles"].shape, (3212, 3))
+            np.testing.assert_array_equal(file["mesh/triangles"][:], fans(faces))
             self.assertEqual(file["mesh/triangles"].dtype, np.int32)
             self.assertEqual(attributes(file["mesh/vertices"])["units"], "m")
             self.assertIn("DEM frame", attributes(file["mesh/vertices"])["long_name"])
@@ -165,7 +147,7 @@ class MeshTest(ToolTest):
             x, y, z = (scan["points/" + k][:][hit][::40] for k in ["x_true", "y_true", "z_true"])
             self.assertGreater(len(x), 400)
             # Seen from above, most first hits are on the highest surface, and none is above it.
-            H = highest(x, y, corners)
+            H = ground.elevation(x, y)
             self.assertLess(np.max(z - H), 1e-9)
             self.assertGreater(np.mean(np.abs(z - H) < 1e-9), 0.9)
             rows, cols = np.nonzero(dem["count"][:])
@@ -173,35 +155,11 @@ class MeshTest(ToolTest):
             X = dem["x"][:][cols] + dem["x_true"][:][rows, cols] - dem["x_est_mean"][:][rows, cols]
             Y = dem["y"][:][rows] + dem["y_true"][:][rows, cols] - dem["y_est_mean"][:][rows, cols]
             z_true = dem["z_true"][:][rows, cols]
-            H = highest(X, Y, corners)
+            H = ground.elevation(X, Y)
             near = np.abs(z_true - H) < 1e-5  # x_est_mean is float32, and the slab's walls are steps
             self.assertGreater(np.mean(near), 0.98)
         with h5py.File(self.path("scan_eval.h5")) as evaluation:
             self.assertLess(np.nanmedian(np.abs(evaluation["e_z"][:])), 0.05)
-
-    def test_the_same_bytes_at_any_thread_count(self):
-        vertices, faces = rolling_terrain_with_a_roof()
-        self.terrain(vertices, faces, **PLACEMENT)
-        config = with_values(SCAN, noise__incidence_sigma_rad=1e-4)
-        scan, grid = self.config(config, "scan.json"), self.config(REGRID, "regrid.json")
-        made = {}
-        for threads in [1, 2, 7]:
-            t = ["-O", "-t", threads]
-            self.succeed("terrain-gen", "-c", self.path("terrain.json"), "-o", self.path("t.h5"), *t)
-            self.succeed("scan-sim", "-c", scan, "--terrain", self.path("t.h5"), "-o", self.path("s.h5"), *t)
-            self.succeed("regrid", self.path("s.h5"), "-c", grid, "--terrain", self.path("t.h5"), "-o",
-                         self.path("d.h5"), *t)
-            for name in ["t.h5", "s.h5", "d.h5"]:
-                self.assertEqual(made.setdefault(name, read_bytes(self.path(name))), read_bytes(self.path(name)))
-
-    def test_ranges_from(self):
-        terrain, _ = self.terrain(*rolling_terrain_with_a_roof(), **PLACEMENT)
-        clean = with_values(SCAN, noise={})
-        self.scan(terrain, clean, "clean.h5").close()
-        self.scan(terrain, with_values(SCAN, noise={"range_sigma_m": 0.02, "incidence_sigma_rad": 1e-3}), "noisy.h5").close()
-        self.succeed("scan-sim", "-c", self.path("scan.json"), "--terrain", terrain, "--ranges-from",
-                     self.path("clean.h5"), "-o", self.path("redrawn.h5"))
-        self.assertEqual(read_bytes(self.path("redrawn.h5")), read_bytes(self.path("noisy.h5")))
 
     def test_lidar_in_a_closed_mesh_sees_it_from_inside(self):
         cube = np.array([[i & 1, i >> 1 & 1, i >> 2] for i in range(8)]) * 2.0 - 1
@@ -211,21 +169,11 @@ class MeshTest(ToolTest):
             np.testing.assert_allclose(scan["points/z_true"][:], -1, atol=1e-12)
             self.assertEqual(len(scan["points/z_true"]), 256)
 
-    def test_refusals(self):
-        vertices, faces = rolling_terrain_with_a_roof()
-        terrain, _ = self.terrain(vertices, faces)
-        scan, out = self.config(SCAN, "scan.json"), self.path("out.h5")
-        self.refuse(2, "scan-sim", "-c", scan, "--terrain", terrain, "-o", out, "--engine", "heightfield",
-                    words=["heightfield", "mesh"], output=out)
+    def test_keys_of_a_grid_are_refused(self):
+        out = self.path("out.h5")
         for key, value in [("grid", {}), ("base", {"type": "plane"}), ("features", []), ("patterns", [])]:
             both = self.config({"mesh": {"path": self.path("mesh.off")}, key: value}, "both.json")
             self.refuse(2, "terrain-gen", "-c", both, "-o", out, words=["both.json", "/" + key, "/mesh"], output=out)
-        bad = self.config({"mesh": {"path": self.path("mesh.off"), "scale_m": 0}}, "bad.json")
-        self.refuse(2, "terrain-gen", "-c", bad, "-o", out, words=["/mesh/scale_m"], output=out)
-        text = self.write("bad.obj", "v 0 0 0\nv 1 0 0\nf 1 2 7\n")
-        for path, words in [(text, ["bad.obj", "vertex 7 of 2"]), (self.path("none.ply"), ["none.ply", "no such file"])]:
-            config = self.config({"mesh": {"path": path}}, "c.json")
-            self.refuse(1, "terrain-gen", "-c", config, "-o", out, words=words, output=out)
 
     def test_resolved_configuration_can_be_given_again(self):
         config = self.config({"mesh": {"path": "m.obj"}, "seed": 3})
@@ -303,24 +251,6 @@ class MeshTest(ToolTest):
             expected = grid_facets(file["x"][()], file["y"][()], z)
         self.succeed("terrain-gen", "--from", terrain, "-o", self.path("holes.ply"))
         np.testing.assert_array_equal(facets_of(self.path("holes.ply")), expected)
-
-    def test_damaged_terrain_files(self):
-        vertices, faces = rolling_terrain_with_a_roof()
-        terrain, _ = self.terrain(vertices, faces)
-        scan, out = self.config(SCAN, "scan.json"), self.path("out.h5")
-        whole = read_bytes(terrain)
-        changes = [("vertices", (3, 1), np.nan, "vertex 3"), ("triangles", (5, 2), 1689, "triangle 5"),
-                   ("triangles", (5, 2), -1, "negative"), ("vertices", (0, 0), 1e13, "vertex 0")]
-        for name, where, value, word in changes:
-            with open(terrain, "wb") as file:
-                file.write(whole)
-            with h5py.File(terrain, "r+") as file:
-                file["mesh"][name][where] = value
-            self.refuse(1, "scan-sim", "-c", scan, "--terrain", terrain, "-o", out, words=["terrain.h5", word], output=out)
-        with h5py.File(terrain, "r+") as file:
-            del file["mesh/vertices"]
-            file["mesh"].create_dataset("vertices", shape=(2 * 10**9, 3), dtype="f8", chunks=(65536, 3))
-        self.refuse(1, "scan-sim", "-c", scan, "--terrain", terrain, "-o", out, words=["declares more"], output=out)
 
     def check_body(self, path, scale, height, pitch):
         """Checks the counts of a body's OBJ, and a flash scan from `height` above it against numpy over all facets."""

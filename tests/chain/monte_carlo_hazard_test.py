@@ -1,14 +1,14 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: GPL-3.0-or-later
 """monte-carlo with hazards, and over several scans: each draw is the chain's, and the verdicts are those of its columns."""
-import json
 import os
 import unittest
 
 import numpy as np
 
-import monte_carlo_test as base
-from harness import HAZARD, Chain, columns, read_bytes, with_values
+from harness import HAZARD, Chain, columns, read_bytes, run, with_values
+from harness import draws as base
+from harness.draws import DrawsTest
 
 VARY = {"scan.noise.range_sigma_m": {"type": "uniform", "low": 0, "high": 0.1}}
 OUTCOMES = {"known": (0, 1, 2, 3), "judged_safe": (1, 2), "missed": (2,)}
@@ -18,28 +18,15 @@ def draws_config(**values):
     return base.draws_config(draws=4, vary=VARY, hazard=HAZARD, metrics="verdict", **values)
 
 
-class Hazards(base.DrawsTest):
-    def hazards_of_draw(self, config, rows, draw):
-        """Score and sites of hazard-map on the DEM of the draw, and its layer outcome."""
-        self.chain_draw(config, draw, {key: rows[key][draw] for key in VARY})
-        out = {name: self.path(name) for name in ("score.json", "sites.json", "h.h5")}
-        self.succeed("hazard-map", self.path("d.h5"), "--terrain", self.chain.terrain, "-c", self.config(config["hazard"], "h.json"), "-O",
-                     "--score", out["score.json"], "--sites", out["sites.json"], "-o", out["h.h5"])
-        score, sites = (json.loads(read_bytes(out[name])) for name in ("score.json", "sites.json"))
-        return score, sites["sites"], columns(out["h.h5"])["outcome"]
-
+class Hazards(DrawsTest):
     def test_each_draw_is_that_of_the_chain(self):
         """Small holes are filled with the terrain's elevations, in some draws in the judged region."""
-        config = draws_config(scan={"noise": {"dropout_frac": 0.3}})
+        config = {**draws_config(scan={"noise": {"dropout_frac": 0.3}}), "metrics": "full"}
         rows = self.draws(config)
         counts = {name: 0 for name in OUTCOMES}
         for draw in range(4):
-            score, sites, outcome = self.hazards_of_draw(config, rows, draw)
-            expected = {**base.flat(score, "score"), **base.flat({key: value for key, value in sites[0].items() if key != "rank"}, "site")}
-            expected.pop("score.version")
-            self.assertEqual({name for name in rows if name.split(".")[0] in ("score", "site")}, set(expected))
-            for name, value in expected.items():
-                np.testing.assert_array_equal(rows[name][draw], value, name)
+            self.check_draw(config, rows, draw, scan=self.chain.scan)
+            outcome = columns(self.path("h.h5"))["outcome"]
             for name, values in OUTCOMES.items():
                 counts[name] = counts[name] + np.isin(outcome, values)
         self.assertGreater(len(set(rows["score.missed_hazard_frac"])), 1)
@@ -59,16 +46,6 @@ class Hazards(base.DrawsTest):
             without = self.draws({**draws_config(), "metrics": metrics, "hazard": None})
             for name, values in without.items():
                 np.testing.assert_array_equal(rows[name], values, name)
-
-    def test_threads_and_parts(self):
-        self.draws(draws_config(), "-t", 1, output="whole.h5")
-        whole = read_bytes(self.path("whole.h5"))
-        self.draws(draws_config(), "-t", 7)
-        self.assertEqual(read_bytes(self.path("draws.h5")), whole)
-        for part in ("0:1", "1:4"):
-            self.draws(draws_config(), "--draws", part, output=f"{part[0]}.h5")
-        self.succeed("monte-carlo", "merge", self.path("0.h5"), self.path("1.h5"), "-o", self.path("merged.h5"))
-        self.assertEqual(read_bytes(self.path("merged.h5")), whole)
 
     def test_no_safe_place(self):
         rows = self.draws({**draws_config(), "hazard": with_values(HAZARD, limits__slope_deg=1e-3)})
@@ -91,23 +68,15 @@ class Hazards(base.DrawsTest):
         self.assertEqual(self.verdict()["hazard"]["draws_with_site"], int(np.isfinite(rows["site.p_touchdown"]).sum()))
 
     def test_table_and_report(self):
-        result = base.run("monte-carlo", *self.arguments(draws_config(), "draws.h5", "--table", "--report", self.path("draws.html")))
+        result = run("monte-carlo", *self.arguments(draws_config(), "draws.h5", "--table", "--report", self.path("draws.html")))
         self.assertEqual(result.returncode, 0, result.stderr)
         self.assertRegex(result.stdout, r"chosen_place_safe +\d of 4")
         page = read_bytes(self.path("draws.html")).decode()
         self.assertIn("chosen place truly safe", page)
         self.assertIn("p_missed_hazard", page)
 
-    def test_bad_hazards(self):
-        def refuse(hazard, *words):
-            self.refuse(2, "monte-carlo", *self.arguments({**draws_config(), "hazard": hazard}, "no.h5"), words=["mc.json: /hazard", *words])
-        refuse({"lander": {"legs": 5}}, "/lander/legs")
-        refuse({"landers": 1}, "landers")
-        refuse(with_values(HAZARD, lander__body_radius_m=5.2), "/lander/body_radius_m", "101 x 101")
-        refuse(3)
 
-
-class Pairs(base.DrawsTest):
+class Pairs(DrawsTest):
     CONFIG = base.draws_config(draws=3, vary=VARY, metrics="verdict")
 
     @classmethod
@@ -158,26 +127,16 @@ class Pairs(base.DrawsTest):
         self.assertEqual(read_bytes(self.path("merged.h5")), whole)
         self.over_pairs(self.CONFIG, "begin.h5", "--draws", "0:4")
         os.replace(self.path("begin.h5"), self.path(".again.h5.state"))
-        result = base.run("monte-carlo", *self.pairs(), "-c", self.path("mc.json"), "-o", self.path("again.h5"), "-v")
+        result = run("monte-carlo", *self.pairs(), "-c", self.path("mc.json"), "-o", self.path("again.h5"), "-v")
         self.assertIn("resumes after 4 draws", result.stderr)
         self.assertEqual(read_bytes(self.path("again.h5")), whole)
-        self.refuse(2, "monte-carlo", *self.pairs(), "-c", self.path("mc.json"), "-o", self.path("no.h5"), "--draws", "0:7", words=["6 draws"])
 
     def test_table_and_report(self):
-        result = base.run("monte-carlo", *self.pairs(), "-c", self.config(self.CONFIG, "mc.json"), "-o", self.path("both.h5"), "--table",
+        result = run("monte-carlo", *self.pairs(), "-c", self.config(self.CONFIG, "mc.json"), "-o", self.path("both.h5"), "--table",
                           "--report", self.path("both.html"))
         self.assertEqual(result.returncode, 0, result.stderr)
         self.assertRegex(result.stdout, r"(?s)pair 0\n.*pair 1\n.*all pairs, for these terrains\n.*all +\d of 6")
         self.assertIn("all pairs, for these terrains", read_bytes(self.path("both.html")).decode())
-
-    def test_refusals(self):
-        out = ["-c", self.config(self.CONFIG, "mc.json"), "-o", self.path("no.h5")]
-        self.refuse(2, "monte-carlo", "--pair", self.chain.scan, *out, words=["--pair", "SCAN:TERRAIN"])
-        self.refuse(2, "monte-carlo", self.chain.scan, *self.pairs(), *out, words=["--pair", "omit"])
-        self.refuse(2, "monte-carlo", *self.pairs(), "--terrain", self.chain.terrain, *out, words=["--pair", "omit --terrain"])
-        self.refuse(2, "monte-carlo", *self.pairs(), *out, "--set", 'stop={"type":"sprt"}', words=["mc.json: /stop", "--pair gives 2"])
-        self.refuse(2, "monte-carlo", *self.pairs(), *out, "--set", "sigma=true", words=["/sigma", "/layers"])
-        self.refuse(1, "monte-carlo", *self.pairs()[:2], "--pair", f"{self.other.scan}:{self.path('none.h5')}", *out, words=["none.h5"])
 
 
 if __name__ == "__main__":

@@ -26,6 +26,18 @@ VARY = {
     "scan.navigation_error.velocity_mps.0": {"type": "normal", "sigma": 0.1},
     "scan.navigation_error.rpy_rate_radps.1": {"type": "normal", "sigma": 1e-3},
 }
+# Rules that decide each requirement both ways, some of them varied.
+JUDGED = {**VARY, "eval.quantile": {"type": "list", "values": [0.95, 1, 0.5, 0.9, 0.99]},
+          "eval.limits.relative_elevation_m": {"type": "list", "values": [0.01, 0.02, 0.05, 0.5, 0]}}
+RULES = (EVAL, {**EVAL, "footprint_shape": "disc"}, {**EVAL, "footprint_m": 0.1}, {"region": {"shape": "square", "half_width_m": 3}},
+         {**EVAL, "limits": {"relative_horizontal_m": 0.001, "absolute_horizontal_m": 0.15, "invalid_frac": 0.2}})
+RUNS = [
+    *({"scan": ERRORS, "vary": VARY, "metrics": metrics} for metrics in ("verdict", "full")),
+    *({"draws": 2, "scan": ERRORS, "regrid": {**REGRID, **regrid}, "metrics": metrics} for metrics in ("verdict", "full")
+      for regrid in ({"method": "bilinear4"}, {"method": "mean"}, {"truth_at": "centroid"}, {"method": "bilinear4", "truth_at": "centroid"})),
+    *({"scan": ERRORS, "vary": JUDGED, "eval": rule, "metrics": "verdict", "layers": layers} for rule in RULES for layers in (True, False)),
+    {"draws": 2, "scan": {"noise": {"dropout_frac": 0.02}}, "hazard": HAZARD, "metrics": "verdict"},
+]
 NO_DEVICE = no_device()
 
 
@@ -52,42 +64,23 @@ class DeviceDraws(MonteCarloTest):
 
 @unittest.skipIf(NO_DEVICE, NO_DEVICE)
 class SameBytes(DeviceDraws):
-    def test_every_error(self):
-        for metrics in ("verdict", "full"):
-            found = self.compare("opencl", draws_config(scan=ERRORS, vary=VARY, metrics=metrics))
-            self.assertEqual(found["device_draw_count"], 5)
-            self.assertNotIn("warnings", {key: value for key, value in found.items() if value})
-
-    def test_methods(self):
-        for regrid in ({"method": "bilinear4"}, {"method": "mean"}, {"truth_at": "centroid"}, {"method": "bilinear4", "truth_at": "centroid"}):
-            for metrics in ("verdict", "full"):
-                with self.subTest(regrid, metrics=metrics):
-                    self.compare("opencl", draws_config(draws=2, scan=ERRORS, regrid={**REGRID, **regrid}, metrics=metrics))
-
-    def test_verdicts(self):
-        """Rules that decide each requirement both ways, some of them varied; with and without maps."""
-        vary = {**VARY, "eval.quantile": {"type": "list", "values": [0.95, 1, 0.5, 0.9, 0.99]},
-                "eval.limits.relative_elevation_m": {"type": "list", "values": [0.01, 0.02, 0.05, 0.5, 0]}}
-        for rule in (EVAL, {**EVAL, "footprint_shape": "disc"}, {**EVAL, "footprint_m": 0.1}, {"region": {"shape": "square", "half_width_m": 3}},
-                     {**EVAL, "limits": {"relative_horizontal_m": 0.001, "absolute_horizontal_m": 0.15, "invalid_frac": 0.2}}):
-            for layers in (True, False):
-                with self.subTest(rule, layers=layers):
-                    found = self.compare("opencl", draws_config(scan=ERRORS, vary=vary, eval=rule, metrics="verdict", layers=layers))
-                    self.assertEqual(found["device_draw_count"], 5)
+    def test_each_run_has_the_bytes_of_the_cpu(self):
+        for values in RUNS:
+            with self.subTest(**values):
+                config = draws_config(**values)
+                found = self.compare("opencl", config)
+                self.assertEqual(found["device_draw_count"], config["draws"])
+                self.assertEqual([text for text in found.get("warnings", []) if "CPU" in text], [])
 
     def test_a_mesh_is_judged_by_the_cpu(self):
         mesh, scan = self.path("mesh.h5"), self.path("mesh_scan.h5")
-        with open(self.path("mesh.obj"), "w", encoding="utf-8") as file:
-            file.write("v -20 -20 0\nv 20 -20 1\nv 20 20 0\nv -20 20 1\nf 1 2 3\nf 1 3 4\n")
+        self.write("mesh.obj", "v -20 -20 0\nv 20 -20 1\nv 20 20 0\nv -20 20 1\nf 1 2 3\nf 1 3 4\n")
         self.succeed("terrain-gen", "--from", self.path("mesh.obj"), "-o", mesh)
         self.succeed("scan-sim", *self.chain.inputs("scan-sim")[2:], "--terrain", mesh, "--keep-misses", "-o", scan)
         arguments = ["monte-carlo", scan, "--terrain", mesh, "-c", self.config(draws_config(draws=2, metrics="verdict"), "mc.json")]
         for engine in ("cpu", "opencl"):
             self.succeed(*arguments, "--engine", engine, "-o", self.path(engine + ".h5"))
         self.assertEqual(read_bytes(self.path("opencl.h5")), read_bytes(self.path("cpu.h5")))
-
-    def test_hazards(self):
-        self.compare("opencl", draws_config(draws=2, scan={"noise": {"dropout_frac": 0.02}}, hazard=HAZARD, metrics="verdict"))
 
     def test_misses_and_threads(self):
         """A scan with misses, dropouts and dead pixels of its own, far beyond the map."""

@@ -106,13 +106,15 @@ class Opens(ChainTest):
         subdatasets = self.output_of("gdalinfo", f"NETCDF:{self.chain.dem}")
         self.assertIn(f'SUBDATASET_1_NAME=NETCDF:"{self.chain.dem}":z_est\n', subdatasets)
 
-    def test_gmt_shows_the_range_of_every_layer(self):
+    def test_gmt_shows_extent_and_range_of_every_layer(self):
         for path in self.grids:
             for layer, values in layers(path).items():
                 with self.subTest(f"{path} {layer}"):
                     fields = self.output_of("gmt", "grdinfo", "-C", "--FORMAT_FLOAT_OUT=%.17g", f"{path}?{layer}").split("\t")
                     found = [float(field) for field in fields[5:7]]
                     np.testing.assert_allclose(found, [values.min(), values.max()] if values.size else [0, 0], rtol=1e-15, atol=0)
+                    if path == self.chain.dem:
+                        np.testing.assert_allclose([float(v) for v in (*fields[1:5], *fields[7:11])], [-5, 5, -5, 5, 0.1, 0.1, 101, 101], atol=1e-9)
 
     def test_a_layer_of_nan_has_no_range(self):
         """CF-1.8 forbids one; GMT then shows 0 to 0."""
@@ -165,8 +167,7 @@ class Opens(ChainTest):
                 self.assertEqual(a.read(), b.read())  # the name changes nothing
 
     def test_a_mesh_may_not(self):
-        with open(self.path("m.obj"), "w", encoding="utf-8") as file:
-            file.write("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n")
+        self.write("m.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n")
         self.refuse(2, "terrain-gen", "--from", self.path("m.obj"), "-o", self.path("m.nc"), words=["grids", ".h5"],
                     output=self.path("m.nc"))
 

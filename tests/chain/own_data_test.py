@@ -10,18 +10,12 @@ import unittest
 import h5py
 import numpy as np
 
-from harness import SCAN, TERRAIN, ToolTest, clouds, columns, run
+from harness import SCAN, TERRAIN, ToolTest, clouds, columns, read_bytes, run
 
 OUTSIDE = os.path.join(os.environ.get("LANDFALL_DATA", os.path.join(os.environ["LANDFALL_ROOT"], "..", "shared", "data")), "outside")
 
 
 class Imports(ToolTest):
-    def write(self, name, content):
-        path = self.path(name)
-        with open(path, "wb") as file:
-            file.write(content if isinstance(content, bytes) else content.encode())
-        return path
-
     def imported(self, name, content, *arguments, silent=True):
         """The columns and attributes of /points."""
         done = self.succeed("landfall-import", self.write(name, content), "-o", self.path("scan.h5"), "-O", *arguments)
@@ -133,7 +127,6 @@ class Las(Imports):
 
     def test_bytes_behind_the_points(self):
         points = clouds.las_points(20)
-        self.refused("a.las", clouds.las(points) + bytes(40), "declares 20 points, but the bytes of 2 more follow", *UTM)
         self.imported("a.las", clouds.las(points) + bytes(41), *UTM, "--keep-noise", silent=False)
         self.assertIn("has 41 bytes that belong to nothing that its header declares", self.said)
 
@@ -152,50 +145,20 @@ class Las(Imports):
         path = self.write("a.las", clouds.las(clouds.las_points(40), offset=OFFSET, records=records))
         self.assertEqual(json.loads(self.succeed("landfall-import", path, "-o", self.path("scan.h5"), "-q", "--json").stdout)["crs"], "ab")
 
-    def test_feet_and_degrees_become_metres(self):
+    def test_feet_become_metres(self):
         foot = 1200 / 3937
         points = [{**p, "xyz": xyz} for p, xyz in zip(clouds.las_points(3), [(0, 0, 0), (100000, 0, 5000), (0, 100000, 0)])]
-        data, attributes = self.imported("a.las", clouds.las(points, offset=(6000000.0, 2100000.0, 0.0)), "--crs", "EPSG:2227", "--center",
-                                         "6000000,2100000", silent=False)
+        data, _ = self.imported("a.las", clouds.las(points, offset=(6000000.0, 2100000.0, 0.0)), "--crs", "EPSG:2227", "--center", "6000000,2100000",
+                                silent=False)
         np.testing.assert_allclose(data["x_est"], [0, 100 * foot, 0], atol=1e-9)
         np.testing.assert_allclose(data["z_est"], [0, 5, 0], atol=1e-9)
         self.assertIn("the unit of its heights is not declared", self.said)
         data, _ = self.imported("a.las", clouds.las(points, offset=(6000000.0, 2100000.0, 0.0)), "--crs", "EPSG:2227", "--vertical-scale", str(foot))
         np.testing.assert_allclose(data["z_est"], [0, 5 * foot, 0], atol=1e-9)
-        data, attributes = self.imported("d.csv", "lon,lat,z\n9.1,48.7,1\n9.10001,48.7,2\n9.1,48.70001,3\n", "--crs", "EPSG:4326", "--center", "9.1,48.7")
-        phi, e2 = math.radians(48.7), (2 - 1 / 298.257223563) / 298.257223563
-        normal = 6378137 / math.sqrt(1 - e2 * math.sin(phi) ** 2)
-        meridian = 6378137 * (1 - e2) / math.sqrt(1 - e2 * math.sin(phi) ** 2) ** 3
-        step = math.radians(1e-5)
-        np.testing.assert_allclose(data["x_est"], [0, normal * math.cos(phi) * step, 0], atol=1e-6)
-        np.testing.assert_allclose(data["y_est"], [0, 0, meridian * step], atol=1e-6)
-        self.assertEqual(attributes["origin_x"], 9.1)
 
     def test_a_map_whose_scale_is_not_one_gives_ground_distances(self):
         data, _ = self.imported("m.csv", "x,y,z\n1000000,8399737.89,1\n1000010,8399737.89,2\n", "--crs", "EPSG:3857")  # 60 degrees north: scale 2
         self.assertAlmostEqual(data["x_est"][1] - data["x_est"][0], 5.0, delta=0.02)
-
-    def test_damaged_files_are_refused(self):
-        """Further ones: tests/unit/formats/points."""
-        good = clouds.las(clouds.las_points(20), 1, offset=OFFSET)
-
-        def patched(at, form, value):
-            return good[:at] + struct.pack(form, value) + good[at + struct.calcsize(form):]
-
-        cases = {"truncated": (good[:-1], "declares 20 points, but has the bytes of 19"), "no points": (clouds.las([], 0), "has no points"),
-                 "records": (patched(100, "<I", 9), "reaches beyond its place"), "laz": (patched(104, "<B", 0x81), "pdal translate")}
-        for name, (content, expected) in cases.items():
-            with self.subTest(name):
-                self.refused("b.las", content, expected)
-        self.refused("b.e57", b"ASTM-E57" + bytes(100), "is an E57 file")
-        self.refused("b.las", good, "--vertical-scale: -1 is not in [1e-6, 1e6]", "--vertical-scale=-1", code=2)
-        self.refused("b.las", good, "--vertical-scale: 1e7 is not in [1e-6, 1e6]", "--vertical-scale", "1e7", code=2)
-        self.refused("b.las", good, "--columns is for text", "--columns", "x=1", code=2)
-        self.refused("b.las", good, "is not a CRS", "--crs", "EPSG:99999999", code=2)
-        self.refused("b.las", good, "lies beyond a pole", "--crs", "EPSG:4326")
-        self.refused("b.las", good, "is not E,N or E,N,H", "--center", "1", code=2)
-        self.refused("b.las", good, "is not a number", "--center", "1,b", code=2)
-        self.refused(self.path("missing.las"), None, "no such file")
 
     def test_real_files(self):
         files = [("riegl_fwf_2535pt_UTM.las", 2535, True), ("laspy_vegetation_1_3.las", 10683, False), ("leeward_points.las", 1325, True)]
@@ -274,15 +237,11 @@ class Times(Imports):
 
     def test_the_unit_is_asked_for_and_keeps_all_digits(self):
         content = "x,y,z,timestamp\n" + "".join(f"{i},0,0,{t}\n" for i, t in enumerate(self.NS))
-        self.refused("a.csv", content, "a.csv: a time of 1770000000100000001 is not in seconds: give its unit with --time-unit")
         data, attributes = self.imported("a.csv", content, "--time-unit", "ns", silent=False)
         np.testing.assert_array_equal(data["t"], [0, 1e-9, 0.1])
         self.assertEqual(attributes["first_t_s"], 0)
         with h5py.File(self.path("scan.h5")) as file:
             self.assertIn("since 1770000000000000001 ns", file["points/t"].attrs["long_name"].decode())
-        self.refused("a.csv", "x,y,z\n1,2,3\n", "a.csv has no times", "--time-unit", "ns", code=2)
-        self.refused("a.las", clouds.las(clouds.las_points(9), 1), "a.las is LAS, whose times are in seconds", "--time-unit", "s", code=2)
-        self.refused("a.csv", content, "--time-unit", "--time-unit", "min", code=2)
 
     def test_more_than_a_day_is_said(self):
         points = np.zeros(9, [("x", "f4"), ("y", "f4"), ("z", "f4"), ("t", "u4")])
@@ -293,11 +252,6 @@ class Times(Imports):
         np.testing.assert_array_equal(data["t"], np.arange(9) / 80)
         self.assertNotIn("a day", self.said)
         self.imported("a.las", clouds.las([{**p, "t": i * 1e6, "class": 2} for i, p in enumerate(clouds.las_points(9))], 1), *UTM)
-
-    def test_times_and_intensities_that_are_not_finite_are_refused(self):
-        for column in ("t", "intensity"):
-            for value in ("nan", "inf"):
-                self.refused("a.csv", f"x,y,z,{column}\n1,2,3,4\n1,2,4,{value}\n", f"a.csv: its column {column} holds {value}, which is not finite")
 
 
 class Precision(Imports):
@@ -376,18 +330,6 @@ class PcdAndPly(Imports):
                     self.check(data, expected)
                     self.assertEqual("3 face" in self.said, faces == 3)
 
-    def test_damaged_files_are_refused(self):
-        packed = clouds.pcd(table(), "binary_compressed")
-        body = packed.index(b"binary_compressed\n") + len(b"binary_compressed\n")
-        flat = table()[["x", "y"]]
-        cases = {"a.pcd": [(packed[:-9], "truncated"), (packed[:body + 8] + b"\xff\xff\xff" + packed[body + 11:], "before their beginning"),
-                           (clouds.pcd(np.repeat(flat, 1), "binary"), "no column is recognised as z")],
-                 "a.ply": [(clouds.ply(table())[:-1], "truncated"), (clouds.ply(np.repeat(flat, 1)), "no column is recognised as z")]}
-        for name, contents in cases.items():
-            for content, expected in contents:
-                with self.subTest(name + ": " + expected):
-                    self.refused(name, content, expected)
-
 
 class Text(Imports):
     POINTS = [(10.5, 20.25, 1.5), (11.5, 21.25, 2.5), (12.5, 22.25, 3.5)]
@@ -429,24 +371,6 @@ class Text(Imports):
         np.testing.assert_array_equal(data["t"], [0.5, 1.5, 2.5])
         self.assertEqual(attributes["first_t_s"], 0.5)
 
-    def test_the_result_does_not_depend_on_threads(self):
-        random = np.random.default_rng(3)
-        lines = "x,y,z\n" + "".join(f"{a:.3f},{b:.3f},{c:.3f}\n" for a, b, c in random.uniform(-50, 50, (30000, 3)))
-        contents = []
-        for threads in (1, 4):
-            self.imported("a.csv", lines, "--threads", threads, silent=False)
-            with open(self.path("scan.h5"), "rb") as file:
-                contents.append(file.read())
-        self.assertEqual(*contents)
-
-    def test_wrong_files_are_refused(self):
-        cases = [("", "is empty"), ("x,y,z\n1,2,3\n4,b,6\n", "line 3: 'b' is not a number"), ("x,y,z\n1,2,nan\n", "has no points: 1 points without a finite position"),
-                 ("x,y,z,pulse\n1,2,3,4.5\n", "a pulse of 4.5 is not an integer")]
-        for content, expected in cases:
-            with self.subTest(expected):
-                self.refused("a.csv", content, expected)
-        self.refused("a.csv", "x,y,z\n1,2,3\n", "has no such column", "--columns", "x=E", code=2)
-
 
 class Chain(Imports):
     """Points sampled on a known terrain, gridded and judged without true positions."""
@@ -471,8 +395,7 @@ class Chain(Imports):
 
     def evaluate(self, *arguments):
         self.succeed("dem-eval", self.dem, "-o", self.path("eval.h5"), "-O", "--metrics", self.path("metrics.json"), "--set", "region_radius_m=8", *arguments)
-        with open(self.path("metrics.json"), encoding="utf-8") as file:
-            return json.load(file)
+        return json.loads(read_bytes(self.path("metrics.json")))
 
     def test_regrid_takes_the_truth_at_the_centre_of_the_bin(self):
         self.regrid("--terrain", self.terrain)
@@ -530,8 +453,6 @@ class Chain(Imports):
         self.assertIn("40000, one per point", shown)
         for extension in ("csv", "ply", "las", "xmf", "png"):
             self.succeed("landfall-export", self.scan, "-o", self.path("points." + extension), *(["--time", "scan"] if extension == "las" else []), "-O")
-        self.refuse(2, "landfall-export", self.scan, "-o", self.path("true.ply"), "--position", "true", words=["no column 'x_true'"])
-        self.refuse(2, "landfall-export", self.scan, "-o", self.path("gps.las"), "--time", "gps", words=["the clock of its times is that of its source"])
         for extension in ("ply", "las", "csv"):
             self.succeed("landfall-import", self.path("points." + extension), "-o", self.path("again.h5"), "--center", "0,0", "-O", "-q")
             with h5py.File(self.scan) as a, h5py.File(self.path("again.h5")) as b:
@@ -551,9 +472,8 @@ class Chain(Imports):
         self.succeed("landfall-info", "--compare", self.scan, self.scan)
 
     def test_what_an_imported_scan_cannot_give_is_refused(self):
-        for arguments, expected in ((("--uncertainty",), "it has no poses"), (("--truth-at", "centroid", "--terrain", self.terrain), "no true positions"),
-                                    (("--layers", "z_est,x_true"), "x_true needs scans with true points")):
-            self.refuse(2, "regrid", self.scan, "-o", self.path("x.h5"), *self.grid, *arguments, words=[expected], output=self.path("x.h5"))
+        self.refuse(2, "regrid", self.scan, "-o", self.path("x.h5"), *self.grid, "--layers", "z_est,x_true",
+                    words=["x_true needs scans with true points"], output=self.path("x.h5"))
 
     def test_points_without_times_give_no_mean_time(self):
         self.succeed("landfall-import", self.write("p.csv", "x,y,z\n-0.5,-0.5,1\n0.5,0,2\n"), "-o", self.path("p.h5"), "-q")
@@ -562,7 +482,6 @@ class Chain(Imports):
         self.succeed("regrid", self.path("p.h5"), "-o", self.dem, "-O", *self.grid)
         with h5py.File(self.dem) as file:
             self.assertNotIn("t_mean", file)
-        self.refuse(2, "landfall-export", self.path("p.h5"), "-o", self.path("p.las"), "--time", "gps", words=["no column 't'"], output=self.path("p.las"))
         self.assertEqual(self.succeed("landfall-export", self.path("p.h5"), "-o", self.path("p.las")).stderr.count("its points have no times"), 1)
         self.succeed("landfall-import", self.path("p.las"), "-o", self.path("again.h5"), "-q", "--center", "0,0")
         self.assertEqual(columns(self.path("again.h5"), "points")["z_est"].tolist(), [1, 2])
@@ -574,15 +493,6 @@ class Chain(Imports):
         said = self.succeed("landfall-export", self.path("p.h5"), "-o", self.path("p.las")).stderr
         self.assertIn("intensities are rounded to integers of 0 to 65535", said)
         self.assertIn("numbers of returns above 5 are written as 5", said)
-
-    def test_a_terrain_of_another_place_is_refused(self):
-        points = self.write("u.csv", "x,y,z\n500000,5400000,1\n500004,5400004,2\n")
-        self.succeed("landfall-import", points, "-o", self.path("a.h5"), *UTM, "--center", "500000,5400000")
-        self.succeed("landfall-import", points, "-o", self.path("b.h5"), *UTM, "--center", "500001,5400000")
-        with h5py.File(self.path("a.h5")) as file:
-            wkt = file["crs"].attrs["crs_wkt"].decode()
-        self.assertIn("landfall site frame", wkt)
-        self.assertNotEqual(wkt, h5py.File(self.path("b.h5"))["crs"].attrs["crs_wkt"].decode())
 
 
 class Rasters(Imports):
@@ -624,13 +534,11 @@ class Rasters(Imports):
         self.succeed("dem-eval", self.out, "--table", "--set", "region_radius_m=5", "--set", "footprint_m=1")
         self.succeed("hazard-map", self.out, "-o", self.path("h.h5"), "--set", "region_radius_m=4", "--set", "lander.leg_radius_m=1", "--set",
                      "lander.body_radius_m=1")
-        self.refuse(2, "dem-eval", self.out, "--table", "--set", "region_radius_m=6", words=["the largest that fits is 5"])
 
     def test_the_center_moves_to_the_nearest_pixel(self):
         self.imported_dem(self.dem, "--center", "500002.2,5400001.6")
         with h5py.File(self.out) as file:
             self.assertEqual((file["x"][0], file["y"][0]), (-2.0, -1.5))
-        self.refuse(2, "landfall-import", self.dem, "-o", self.path("x.h5"), "--center", "499000,5400000", words=["the centre lies outside"], output=self.path("x.h5"))
 
     def test_a_truth_raster_on_another_grid_is_interpolated_bilinearly(self):
         north, east = np.meshgrid(np.arange(60) * 0.3 - 3, np.arange(80) * 0.3 - 3, indexing="ij")
@@ -646,8 +554,7 @@ class Rasters(Imports):
         self.assertIn(repr(float(z_true)), json.dumps(at))
         self.assertIn("\nz_true, m              651        0 ", self.succeed("landfall-info", "--compare", self.out, self.out).stdout)
         self.succeed("dem-eval", self.out, "--metrics", self.path("m.json"), "--set", "region_radius_m=4", "--set", "footprint_m=2.5")
-        with open(self.path("m.json"), encoding="utf-8") as file:
-            metrics = json.load(file)
+        metrics = json.loads(read_bytes(self.path("m.json")))
         self.assertIs(metrics["pass"], False)
         self.assertIsNone(metrics["requirements"]["relative_horizontal"]["pass"])
 
@@ -680,33 +587,15 @@ class Rasters(Imports):
             np.testing.assert_allclose(file["z_true"][()][:, 1:], (10 + x + 2 * y)[:, 1:], atol=1e-6)
         self.imported_dem(self.dem, "--terrain", terrain, "--center", "500008,5400005", "--other-terrain")
 
-    def test_the_truth_of_another_place_is_refused(self):
-        truth = self.grid("truth", self.values, 600000, 5400000, 0.5)
-        self.refuse(1, "landfall-import", self.dem, "-o", self.path("x.h5"), "--truth", truth, words=["is it the truth of another place?"], output=self.path("x.h5"))
-        truth = self.grid("plain", self.values, 500000, 5400000, 0.5, prj=None)
-        self.refuse(1, "landfall-import", self.dem, "-o", self.path("x.h5"), "--truth", truth, words=["has no CRS, but"], output=self.path("x.h5"))
+    def test_a_truth_of_a_part(self):
         part = self.grid("part", self.values[:, :20], 500000, 5400000, 0.5)
         self.assertRegex(self.imported_dem(self.dem, "--truth", part), r"has no value at 231 of 650 bins with an elevation")
-
-    def test_pixels_that_are_not_squares_on_the_ground_are_refused_with_a_command(self):
-        degrees = self.grid("degrees", self.values, 9.0, 48.7, 1e-5, prj=self.DEGREES)
-        self.refuse(2, "landfall-import", degrees, "-o", self.path("x.h5"), words=["gdalwarp -t_srs \"+proj=ortho +lat_0=48.7", "degrees"], output=self.path("x.h5"))
-        wide = self.write("wide.asc", "ncols 3\nnrows 3\nxllcorner 0\nyllcorner 0\ndx 1\ndy 2\n" + "1 2 3\n" * 3)
-        self.refuse(2, "landfall-import", wide, "-o", self.path("x.h5"), words=["its pixels are not square: gdalwarp -tr 1 1"], output=self.path("x.h5"))
 
     def test_a_raster_without_a_crs_is_in_metres(self):
         plain = self.grid("plain", self.values, 100, 200, 2, prj=None)
         self.assertIn("are taken as metres", self.imported_dem(plain))
         with h5py.File(self.out) as file:
             self.assertEqual(file["x"][1] - file["x"][0], 2)
-
-    def test_options_of_points_and_rasters_are_not_mixed(self):
-        for arguments, expected in ((("--columns", "x=E"), "--columns is for points"), (("--center", "1,2,3"), "a raster keeps its heights"),
-                                    (("--up", "y"), "--up is for points"), (("--keep-noise",), "--keep-noise is for points"),
-                                    (("--truth", self.dem, "--terrain", "t.h5"), "mutually exclusive")):
-            self.refuse(2, "landfall-import", self.dem, "-o", self.path("x.h5"), *arguments, words=[expected], output=self.path("x.h5"))
-        self.refused("p.csv", "x,y,z\n1,2,3\n", "are for rasters", "--truth", self.dem, code=2)
-        self.refuse(1, "landfall-import", self.path("none.tif"), "-o", self.path("x.h5"))
 
 
 if __name__ == "__main__":

@@ -7,8 +7,8 @@ import unittest
 import h5py
 import numpy as np
 
-import monte_carlo_test as base
 from harness import EVAL, HAZARD, read_bytes, run
+from harness import draws as base
 from harness.commands import run_command
 
 LE90 = {"name": "vertical LE90", "metric": "statistics.z.le90_m", "max": 0.5}
@@ -102,44 +102,22 @@ class Own(base.DrawsTest):
         self.assertIn("2 of 3 custom requirements missed", read_bytes(self.path("h.html")).decode())
         self.assertIn("FAIL", self.map_hazards(MISSED, options=("--no-truth",)).stdout)  # nothing to compare with
 
-    def test_bad_requirements(self):
-        for change, words in (({"metric": "statistics.z.le9_m"}, ['/requirements/0/metric: "statistics.z.le9_m"', 'did you mean "statistics.z.le90_m"?']),
-                              ({"metric": "statistics.z"}, ["/requirements/0/metric", "is not a number; name one in it"]),
-                              ({"metric": "region.shape"}, ["/requirements/0/metric", "is not a number"]),
-                              ({"metric": "pass"}, ["/requirements/0/metric", "is not a number"]),
-                              ({"metric": "coverage.hole_size_histogram.count"}, ["/requirements/0/metric", "is not a number"]),
-                              ({"min": 0}, ["/requirements/0: has both of max and min"]),
-                              ({"max": None}, ["/requirements/0/max"]),
-                              ({"name": "a.b"}, ["/requirements/0/name", "letters, digits"]),
-                              ({"name": "coverage"}, ["/requirements/0/name", "is the name of another requirement"])):
-            self.refuse(2, "dem-eval", self.chain.dem, "-c", self.config({"requirements": [{**LE90, **change}]}, "e.json"), "--metrics-only", words=words)
-        both = [LE90, {**VALID, "name": LE90["name"]}]
-        self.refuse(2, "dem-eval", self.chain.dem, "-c", self.config({"requirements": both}, "e.json"), "--metrics-only", words=["/requirements/1/name"])
-        neither = {"name": "a", "metric": "statistics.z.le90_m"}
-        self.refuse(2, "dem-eval", "--check", "-c", self.config({"requirements": [neither]}, "e.json"), words=["has neither max nor min"])
-        self.refuse(2, "hazard-map", "--check", "-c", self.config({"requirements": [{**MISSED, "metric": "missed_frac"}]}, "h.json"),
-                    words=["score.json has no such number"])
-
 
 class Draws(base.DrawsTest):
     def test_each_draw_is_that_of_the_chain(self):
         config = base.draws_config(metrics="full", eval={**EVAL, "requirements": [LE90, VALID]}, vary={"eval.requirements.0.max": {
             "type": "list", "values": 3 * [0.051, 0.053]}})
         rows = self.draws(config)
-        passes = [json.loads(json.dumps(self.chain_metrics(config, rows, draw)["own_requirements"]))["vertical LE90"] for draw in range(6)]
-        for key in ("value", "limit", "pass"):
-            np.testing.assert_array_equal(rows[f"own_requirements.vertical LE90.{key}"], [each[key] for each in passes])
-        self.assertEqual(len(set(rows["own_requirements.vertical LE90.pass"])), 2, rows["own_requirements.vertical LE90.value"])
+        for draw in range(6):
+            self.check_draw(config, rows, draw, scan=self.chain.scan)
+        passes = rows["own_requirements.vertical LE90.pass"]
+        self.assertEqual(len(set(passes)), 2, rows["own_requirements.vertical LE90.value"])
         self.assertFalse(rows["pass"].any())  # valid is missed
         rates = {rate["requirement"]: rate["passed"] for rate in self.verdict()["rates"]}
         self.assertEqual(list(rates), [*base.REQUIREMENTS, "all", "vertical LE90", "valid", "all_and_own"])
-        self.assertEqual(rates["vertical LE90"], sum(each["pass"] for each in passes))
+        self.assertEqual(rates["vertical LE90"], sum(passes))
         six = np.all([rows[f"requirements.{name}.pass"] == 1 for name in base.REQUIREMENTS], axis=0)
         self.assertEqual((rates["all"], rates["all_and_own"]), (six.sum(), 0))
-
-    def chain_metrics(self, config, rows, draw):
-        self.chain_draw(config, draw, {key: rows[key][draw] for key in config["vary"]})
-        return json.loads(read_bytes(self.path("m.json")))
 
     def test_verdict_metrics(self):
         """The counts of `verdict` can be required; a percentile cannot."""
@@ -149,19 +127,15 @@ class Draws(base.DrawsTest):
         config["eval"]["requirements"].append({**LE90, "name": "le90"})
         self.refuse(2, "monte-carlo", *self.arguments(config, "d.h5"), words=["/requirements/1/metric", 'set /metrics to "full"'])
 
-    def test_hazards_and_parts(self):
+    def test_hazards(self):
         none = {**MISSED, "name": "none", "max": -1}
         config = base.draws_config(metrics="verdict", draws=3, eval={**EVAL, "limits": WIDE}, hazard={**HAZARD, "requirements": [MISSED, none]})
         rows = self.draws(config)
         self.assertFalse(rows["pass"].any())
         self.assertFalse(rows["score.own_requirements.none.pass"].any())
         self.assertTrue(rows["score.own_requirements.missed.pass"].all())
-        self.assertEqual(run("monte-carlo", *self.arguments(config, "draws.h5", "-O", "--require-pass", "--table")).returncode, 3)
-        whole = read_bytes(self.path("draws.h5"))
-        for part in ("0:1", "1:3"):
-            self.draws(config, "--draws", part, output=f"{part[0]}.h5")
-        self.succeed("monte-carlo", "merge", self.path("0.h5"), self.path("1.h5"), "-o", self.path("draws.h5"), "-O", "--report", self.path("r.html"))
-        self.assertEqual(read_bytes(self.path("draws.h5")), whole)
+        arguments = self.arguments(config, "draws.h5", "-O", "--require-pass", "--table", "--report", self.path("r.html"))
+        self.assertEqual(run("monte-carlo", *arguments).returncode, 3)
         page = read_bytes(self.path("r.html")).decode()
         self.assertIn("all six and own", page)
         self.assertIn('"name":"none"', page)

@@ -11,7 +11,6 @@ import h5py
 import numpy as np
 
 from harness import SCAN, Chain, ToolTest, columns, read_bytes, with_values
-from monte_carlo_test import DrawsTest, draws_config
 
 LIGHT_MPS = 299792458
 FWHM_S = 1e-9
@@ -114,27 +113,6 @@ class ClosedForms(ReceiverTest):
             self.assertLess(abs(n / 20000 - chance), 4.5 * math.sqrt(chance * (1 - chance) / 20000) + 1e-12)
             self.assertEqual(set(points["intensity"]), {1})
 
-    def test_a_pixel_on_a_step_mixes_both_surfaces(self):
-        """A step of 8 cm through the pixel's centre, between two nodes: the peak of the sum of two equal pulses is that of
-        their mean while the step is below 2 sigma = 12.7 cm; the centroid is it always."""
-        for depth in (0.08, 0.14):
-            grid = {"grid": {"half_width_m": 4, "resolution_m": 0.01}}
-            grid["features"] = [{"type": "fracture", "length_m": 7, "width_m": 0, "depth_m": 0, "throw_m": depth, "fade_m": 1,
-                                 "wall_slope_deg": 90, "yaw_deg": 0, "taper_m": 0.1}]
-            terrain = self.terrain(grid)
-            with h5py.File(terrain) as file:
-                z, y = file["z"][:, 400], file["y"][()]
-            edge = y[np.flatnonzero(np.diff(z) > depth / 2)[0]] + 0.005
-            config = stare(trajectory__position_m=[0.003, float(edge), 50], detector__ifov_rad=2e-3, detector__subpixels=16,
-                           receiver__type="centroid", link__reference_range_m=50)
-            centroid = self.scan(config, terrain)["range_measured"][0]
-            self.assertAlmostEqual(centroid, 50 - depth / 2, delta=2e-3)
-            peak = self.scan(with_values(config, receiver__type="peak"), terrain)["range_measured"][0]
-            if depth < 2 * SIGMA_M:
-                self.assertAlmostEqual(peak, 50 - depth / 2, delta=0.01)
-            else:
-                self.assertGreater(abs(peak - (50 - depth / 2)), 0.02)
-
     def test_a_step_agrees_with_its_waveform(self):
         """Level terrain at 0 and, over x > 0, at `height`: a quarter or half of the sub-rays see each of two pulses."""
         x = np.linspace(-0.6, 0.4, 1000001)
@@ -221,14 +199,8 @@ class Draws(ReceiverTest):
         base = stare(receiver__type="none", noise__range_sigma_m=0.01, noise__dropout_frac=0.1, detector__rows=5, detector__columns=6)
         before = self.scan(base, terrain, "--keep-misses")
         offsets_m = np.random.default_rng(1).normal(0, 0.02, (5, 6))
-        rows = [(row, column, offsets_m[row, column]) for column in range(6) for row in range(5)]
-        table = {"path": self.path("offsets.csv")}
-
-        def write(lines):
-            with open(table["path"], "w", encoding="utf-8") as file:
-                file.write("row,column,offset_m\n" + "".join(f"{row},{column},{offset}\n" for row, column, offset in lines))
-
-        write(rows)
+        rows = "".join(f"{row},{column},{offsets_m[row, column]}\n" for column in range(6) for row in range(5))
+        table = {"path": self.write("offsets.csv", "row,column,offset_m\n" + rows)}
         after = self.scan({**base, "receiver": {"pixel_offset_table": table}}, terrain, "--keep-misses")
         for name in set(before) - {"range_measured", "x_est", "y_est", "z_est"}:
             np.testing.assert_array_equal(after[name], before[name], name)
@@ -238,13 +210,6 @@ class Draws(ReceiverTest):
         self.scan({**base, "noise": {}}, terrain, "--keep-misses", output="source.h5")
         self.succeed(*self.replay({**base, "receiver": {"pixel_offset_table": table}}, "--keep-misses"))
         self.assertEqual(read_bytes(self.path("replayed.h5")), read_bytes(self.path("traced.h5")))
-        arguments = ["scan-sim", "--terrain", terrain, "-o", self.path("no.h5"), "-c"]
-        write(rows[1:])
-        self.refuse(1, *arguments, self.config({**base, "receiver": {"pixel_offset_table": table}}, "table.json"),
-                    words=["offsets.csv", "pixel (row 0, column 0) has no row"], output=self.path("no.h5"))
-        both = {"pixel_offset_table": table, "pixel_offset_sigma_m": 0.01}
-        self.refuse(2, *arguments, self.config({**base, "receiver": both}, "both.json"),
-                    words=["/receiver/pixel_offset_table: excludes pixel_offset_sigma_m"], output=self.path("no.h5"))
 
     RICH = with_values(SCAN, detector__subpixels=3, detector__ifov_rad=0.003, noise__dropout_frac=0.1, noise__false_return_frac=0.02,
                        noise__false_range_m=[30, 60])
@@ -335,25 +300,6 @@ class Draws(ReceiverTest):
         for name, values in plain.items():
             np.testing.assert_array_equal(kept[name], values, name)
 
-    def test_replays_that_would_differ_are_refused(self):
-        config = self.rich("leading_edge")
-        self.scan(config, self.chain.terrain, "--keep-misses", "--keep-echoes", output="source.h5")
-        for key, value in (("link.reference_pe", 121), ("link.background_pe", 4), ("beam.divergence_rad", 0.04),
-                           ("surface.albedo", 0.6), ("receiver.type", "peak"), ("receiver.threshold_pe", 11),
-                           ("receiver.pulse_fwhm_s", 4e-10), ("receiver.returns", "last")):
-            self.refuse(2, *self.replay(config, "--set", f"{key}={value}"), output=self.path("replayed.h5"),
-                        words=["source.h5", "/" + key.replace(".", "/") + " differs"])
-        self.scan(config, self.chain.terrain, "--keep-misses", output="source.h5")
-        self.refuse(2, *self.replay(config), words=["--keep-echoes"], output=self.path("replayed.h5"))
-        self.scan(config, self.chain.terrain, "--keep-echoes", output="source.h5")
-        self.refuse(2, *self.replay(config), words=["--keep-misses"], output=self.path("replayed.h5"))
-        for kind, returns, words in (("geiger", "first", "Geiger"), ("peak", "all", "several returns")):
-            config = self.rich(kind, returns=returns)
-            self.scan(config, self.chain.terrain, "--keep-misses", output="source.h5")
-            self.refuse(2, *self.replay(config), words=[words], output=self.path("replayed.h5"))
-            self.refuse(2, "scan-sim", "-c", self.config(config), "--terrain", self.chain.terrain, "-o", self.path("no.h5"),
-                        "--keep-echoes", words=["--keep-echoes"], output=self.path("no.h5"))
-
     def test_regrid_says_which_returns_it_uses(self):
         small = ["--set", "half_width_m=5", "--set", "resolution_m=0.1", "-O", "-o", self.path("dem.h5"), "--json"]
         scans = {"one": {**self.RICH}, "last": self.rich("peak", returns="last"), "all": self.rich("peak", returns="all")}
@@ -436,25 +382,6 @@ class Draws(ReceiverTest):
             if config["receiver"].get("type", "none") != "none":  # one ray of the pixel
                 keys = [*keys, "/detector/subpixels"]
             self.assertEqual(sorted(warned), sorted(keys), config)
-
-
-class ReceiverDraws(DrawsTest):
-    """Draws of monte-carlo with a receiver equal the chain's."""
-
-    def test_draws_equal_the_chain(self):
-        for kind in LINEAR:
-            receiver = {"beam": {"divergence_rad": 0.01}, "surface": {"albedo": 0.5},
-                        "link": {"reference_pe": 150, "reference_range_m": 50, "background_pe": 3},
-                        "receiver": {"type": kind, "threshold_pe": 40, "jitter_sigma_s": 1e-11}}
-            scan = self.path("scan.h5")
-            self.succeed("scan-sim", "-c", self.config({**SCAN, **receiver, "detector": {**SCAN["detector"], "subpixels": 2}}),
-                         "--terrain", self.chain.terrain, "--keep-misses", "--keep-echoes", "-O", "-o", scan)
-            config = draws_config(draws=3, vary={"scan.noise.range_bias_m": {"type": "normal", "mean": 0, "sigma": 0.01},
-                                             "scan.receiver.jitter_sigma_s": {"type": "uniform", "low": 0, "high": 1e-9}})
-            rows = self.draws(config, scan=scan)
-            for draw in (0, 2):
-                with self.subTest(kind=kind, draw=draw):
-                    self.check_draw(rows, config, draw, scan=scan)
 
 
 if __name__ == "__main__":

@@ -13,7 +13,7 @@ from matplotlib.image import imread
 sys.path.insert(0, os.path.join(os.environ["LANDFALL_ROOT"], "python"))
 
 from harness import EVAL, REGRID, browser, read_bytes
-from harness.page import CONTRAST, POINT, WIDTHS, CommonPage, PageTest
+from harness.page import WIDTHS, CommonPage, PageTest
 from landfall import files
 from landfall.plot import plot_profile, reduction, relief, scales
 
@@ -24,40 +24,13 @@ MAPS = ["z_est", "z_true", "count", "e_x", "e_y", "e_z", "abs_x", "abs_y", "abs_
 UNCERTAINTY = ["--uncertainty", "--navigation-sigma", "position_m=0.05", "--navigation-sigma", "velocity_mps=0.1",
                "--navigation-sigma", "rpy_rad=0.0002", "--navigation-sigma", "rpy_rate_radps=0.001"]
 
-# The fraction of a map's pixels with the colour [r, g, b].
-SHARE = """
-const canvas = document.querySelector(`#maps canvas[data-layer=${arguments[0]}]`);
-const flat = document.createElement("canvas");
-Object.assign(flat, {width: canvas.width, height: canvas.height});
-const context = flat.getContext("2d", {willReadFrequently: true});
-context.drawImage(canvas, 0, 0);
-const data = context.getImageData(0, 0, canvas.width, canvas.height).data;
-let found = 0;
-for (let i = 0; i < data.length; i += 4) found += arguments[1].every((c, k) => c === data[i + k]) ? 1 : 0;
-return found / (canvas.width * canvas.height);
-"""
-# The fractions of the 3-D view's pixels, and of its border pixels, that show the DEM.
-VIEW = """
-const canvas = document.getElementById("terrain"), flat = document.createElement("canvas");
-const {width, height} = Object.assign(flat, {width: canvas.width, height: canvas.height});
-const context = flat.getContext("2d", {willReadFrequently: true});
-context.drawImage(canvas, 0, 0);
-const data = new Uint32Array(context.getImageData(0, 0, width, height).data.buffer);
-let all = 0, border = 0;
-data.forEach((pixel, i) => {
-  if (pixel === data[0]) return;
-  const x = i % width, y = Math.floor(i / width);
-  ++all;
-  if (x === 0 || y === 0 || x === width - 1 || y === height - 1) ++border;
-});
-return [all / data.length, border];
-"""
 # Every error map's scale and what its colour bar shows of the limit.
 SCALES = """
 return Object.fromEntries(panels.filter((p) => p.options.region && ["signed", "magnitude"].includes(p.raster.layer.style)).map(
     (p) => [p.raster.layer.name, {low: p.scale.low, high: p.scale.high, marks: p.svg.querySelectorAll("polygon.limit").length,
         limit: p.raster.layer.limit, note: p.noteText.textContent, text: [...p.svg.querySelectorAll("text")].map((t) => t.textContent)}]));
 """
+
 
 class ReportCase(PageTest):
     def expected_rows(self):
@@ -81,7 +54,11 @@ class ReportCase(PageTest):
             return [(evaluation if name in evaluation else dem)[name][()] for name in names]
 
     def choose_scales(self, value):
-        self.window.run("const s = document.querySelector('#scales'); s.value = arguments[0]; s.dispatchEvent(new Event('change'))", value)
+        self.set_field("#scales", value, "change")
+
+    def set_field(self, selector, value, event):
+        script = "const [field, value, event] = arguments; field.value = value; field.dispatchEvent(new Event(event))"
+        self.window.run(script, self.element(selector), value, event)
 
 
 @unittest.skipIf(browser.missing(), browser.missing())
@@ -89,37 +66,26 @@ class CommonReport(CommonPage, ReportCase):
     """The report of the chain's DEM."""
 
     def exaggerate(self, power):
-        self.window.run("const s = document.querySelector('#exaggeration'); s.value = arguments[0]; s.dispatchEvent(new Event('input'))", power)
+        self.set_field("#exaggeration", power, "input")
 
     def color_by(self, layer):
         """Colours the 3-D view by a layer."""
-        self.window.run("const s = document.querySelector('#terrain-layer'); s.value = arguments[0]; s.dispatchEvent(new Event('change'))", layer)
+        self.set_field("#terrain-layer", layer, "change")
         self.window.driver.execute_async_script("setTimeout(arguments[0], 300)")
 
     def test_numbers_are_those_of_metrics_json(self):
         metrics = self.report()
         self.assertEqual(self.cells("#verdicts"), self.expected_rows())
         self.assertEqual(self.text("#verdict").split(":")[0], "pass" if metrics["pass"] else "FAIL")
-        self.assertEqual(self.window.run("return [...document.querySelectorAll('main > section')].map((s) => s.id)"),
-                         [s for s in SECTIONS if s != "uncertainty"])
         self.assertEqual([row[1] for row in self.cells("#provenance")], ["terrain-gen", "scan-sim", "regrid", "dem-eval"])
-        self.check_log_and_requests()
-
-    def test_draws_every_map(self):
-        self.report()
-        names = self.window.run("return [...document.querySelectorAll('#maps canvas')].map((c) => c.dataset.layer)")
-        self.assertEqual(names, MAPS)
-        for name in MAPS:
-            self.assertGreater(self.canvas(f"#maps canvas[data-layer={name}]")["colors"], 1, name)
-        self.assertEqual(self.window.run("return document.querySelectorAll('.crop canvas').length"),
-                         2 * len(self.cells("#worst-footprints")))
-        self.check_log_and_requests()
+        self.check_parts([s for s in SECTIONS if s != "uncertainty"], MAPS)
+        self.assertEqual(len(self.texts(".crop canvas")), 2 * len(self.cells("#worst-footprints")))
 
     def test_values_under_the_pointer_are_those_of_the_file(self):
         self.report()
         with h5py.File(self.path("eval.h5")) as file:
             x, y, error = file["x"][()], file["y"][()], file["e_z"][()]
-        step = self.window.run("return layerNamed('e_z').step")
+        step = self.step("e_z")
         for row, col in [(50, 50), (20, 77), (99, 3)]:
             found = self.window.run("const map = arguments; return rasterOf(layerNamed('e_z'), report.grid)"
                                     ".then((r) => { const v = r.value(r.indexAt(map[0], map[1]));"
@@ -128,25 +94,14 @@ class CommonReport(CommonPage, ReportCase):
                 self.assertIsNone(found)
             else:
                 self.assertAlmostEqual(found, error[row, col], delta=0.501 * step)
-        self.window.run("""
-            const plot = document.querySelector('#maps canvas[data-layer=e_z]').parentElement;
-            const box = plot.querySelector('canvas').getBoundingClientRect();
-            plot.dispatchEvent(new PointerEvent('pointermove', {clientX: box.left + box.width / 2,
-                                                                clientY: box.top + box.height / 2}));""")
+        self.point("e_z", [0, 0])
         readout = "return document.querySelector('#maps canvas[data-layer=e_z]').closest('figure').querySelector('.readout').textContent"
-        self.settle()
         self.assertRegex(self.window.run(readout), r"^x .?0\.0\d m, y .?0\.0\d m: ")
 
     def test_the_cursor_is_on_all_maps_with_all_values(self):
         self.report()
         x, y, z_est, rel_z, count = self.layers("x", "y", "z_est", "rel_z", "count")
-        self.window.run(POINT, "abs_x", [x[40], y[57]])
-        self.settle()
-        drawn = self.window.run("return panels.filter((p) => p.options.region && p.svg.querySelector('.cursor')).map((p) => p.raster.layer.name)")
-        self.assertEqual(drawn, MAPS)
-        shown = self.window.run("return Object.fromEntries([...document.querySelectorAll('#values [data-value-of]')].map("
-                                "(e) => [e.dataset.valueOf, e.querySelector('output').textContent]))")
-        self.assertEqual(set(shown), set(MAPS))
+        shown = self.values_under_cursor("abs_x", [x[40], y[57]])
         self.assertRegex(self.text("#values .place"), rf"^x {x[40]:.2f} m, y {y[57]:.2f} m$".replace("-", "\u2212"))
         self.assertAlmostEqual(float(shown["z_est"].split()[0].replace("\u2212", "-")), z_est[57, 40], delta=1e-3)
         self.assertAlmostEqual(float(shown["rel_z"].split()[0]) / 100, rel_z[57, 40], delta=1e-3)
@@ -157,14 +112,13 @@ class CommonReport(CommonPage, ReportCase):
     def test_a_dragged_line_gives_the_profile_of_the_file(self):
         self.report()
         x, y, z_est, z_true, error = self.layers("x", "y", "z_est", "z_true", "e_z")
-        self.window.run(POINT, "e_z", [x[20], y[33]], [x[80], y[33]])
-        self.settle()
+        self.point("e_z", [x[20], y[33]], [x[80], y[33]])
         lines = self.window.run("return panels.filter((p) => p.options.region && p.svg.querySelector('.profile-line')).length")
         self.assertEqual(lines, len(MAPS))
         for name, values in (("z_est", z_est), ("z_true", z_true), ("e_z", error)):
             found = self.window.run("return rasterOf(layerNamed(arguments[0]), report.grid).then((r) => profileOf(r, pointing.line)"
                                     ".map(([at, v]) => [at, Number.isNaN(v) ? null : v]))", name)
-            step = self.window.run("return layerNamed(arguments[0]).step", name)
+            step = self.step(name)
             self.assertIn(len(found), (60, 61, 62), name)
             for at, value in found[1:-1]:
                 col = round((at + x[20] - x[0]) / 0.1)
@@ -185,7 +139,7 @@ class CommonReport(CommonPage, ReportCase):
     def test_a_click_draws_no_line(self):
         self.report()
         before = self.window.run("return pointing.line")
-        self.window.run(POINT, "e_z", [1, 1], [1, 1])
+        self.point("e_z", [1, 1], [1, 1])
         self.assertEqual(self.window.run("return pointing.line"), before)
 
     def test_blinks_between_estimated_and_true_elevation(self):
@@ -205,29 +159,21 @@ class CommonReport(CommonPage, ReportCase):
         self.assertEqual(*scales)
         self.check_log_and_requests()
 
-    def theme(self, name):
-        self.window.driver.execute_cdp_cmd("Emulation.setEmulatedMedia", {"features": [{"name": "prefers-color-scheme", "value": name}]})
-        self.addCleanup(self.window.driver.execute_cdp_cmd, "Emulation.setEmulatedMedia", {"features": []})
-
     def test_dark_mode_follows_the_system_and_the_button(self):
         paper = "return getComputedStyle(document.querySelector('main > section')).backgroundColor"
-        texts = ["h1", "h2", ".note", "nav a", "#verdict", ".verdict.pass", "figcaption", "#values", "td", "summary"]
         self.report()
         self.assertEqual((self.window.run(paper), self.text("#theme")), ("rgb(255, 255, 255)", "dark mode"))
         maps = self.canvas("#maps canvas[data-layer=e_z]")["sum"]
-        self.theme("dark")
+        self.scheme("dark")
         self.assertEqual((self.window.run(paper), self.text("#theme")), ("rgb(24, 29, 35)", "light mode"))
         self.assertEqual(self.canvas("#maps canvas[data-layer=e_z]")["sum"], maps)
-        self.assertGreater(min(self.window.run(CONTRAST, texts)), 4.5)
         self.window.run("document.getElementById('theme').click()")
         self.assertEqual((self.window.run(paper), self.text("#theme")), ("rgb(255, 255, 255)", "dark mode"))
-        self.assertGreater(min(self.window.run(CONTRAST, texts)), 4.5)
         self.check_log_and_requests()
 
     def test_buttons_name_what_they_enlarge(self):
         self.report()
-        names = self.window.run("return [...document.querySelectorAll('#maps button.enlarge')].map((b) => b.textContent)")
-        self.assertEqual(names, [f"enlarge {name}" for name in MAPS])
+        self.assertEqual(self.texts("#maps button.enlarge"), [f"enlarge {name}" for name in MAPS])
         self.window.run("document.querySelectorAll('#maps button.enlarge')[5].click()")
         self.assertEqual(self.text("#maps figure.wide button.enlarge"), "reduce e_z")
         self.window.run("document.querySelectorAll('#maps button.enlarge')[5].click()")
@@ -237,7 +183,7 @@ class CommonReport(CommonPage, ReportCase):
         self.report()
         with h5py.File(self.chain.dem) as file:
             grid, z = files.read_grid(file), file["z_est"][()]
-        step = self.window.run("return layerNamed('z_est').step")
+        step = self.step("z_est")
         for start, end in (((-3.31, -2.2), (4.9, 3.87)), ((2.2, 4.7), (2.2, -1.1)), ((-5, -5), (5, 5))):
             found = self.window.run("""const [from, to] = [...arguments].map(([x_m, y_m]) => ({x_m, y_m}));
                 return rasterOf(layerNamed("z_est"), report.grid).then((r) => profileOf(r, {from, to}));""", start, end)
@@ -261,7 +207,7 @@ class CommonReport(CommonPage, ReportCase):
             limit_m = {"e_x": 0.05, "e_z": 0.05, "rel_x": 0.05, "rel_z": 0.05, "abs_x": 1}.get(name)
             make = scales.magnitude_scale if name.startswith("rel") else scales.error_scale
             expected, found = make(value, value, limit_m), self.window.run(SCALES)[name]
-            step = self.window.run("return layerNamed(arguments[0]).step", name)
+            step = self.step(name)
             self.assertAlmostEqual(found["low"], expected.low, delta=step)
             self.assertAlmostEqual(found["high"], expected.high, delta=step)
 
@@ -285,7 +231,7 @@ class CommonReport(CommonPage, ReportCase):
         self.report()
         for width in WIDTHS:
             self.window.resize(width)
-            share, border = self.window.run(VIEW)
+            share, border = self.drawn("#terrain")
             self.assertGreater(share, 0.3)
             self.assertEqual(border, 0)
 
@@ -315,7 +261,7 @@ class CommonReport(CommonPage, ReportCase):
         self.addCleanup(self.exaggerate, self.window.run("return document.querySelector('#exaggeration').value"))
         for power in (0, 0.25, 0.5, 0.75, 1):
             self.exaggerate(power)
-            share, border = self.window.run(VIEW)
+            share, border = self.drawn("#terrain")
             self.assertGreater(share, 0.001, power)
             self.assertEqual(border, 0, power)
 
@@ -375,11 +321,16 @@ class CommonReport(CommonPage, ReportCase):
 
 @unittest.skipIf(browser.missing(), browser.missing())
 class OtherReports(ReportCase):
-    def sparse(self, name, valid):
+    def dem(self, *options, grid=REGRID, terrain=True):
+        """A DEM of the chain's scan."""
+        path = self.path("dem.h5")
+        self.succeed("regrid", self.chain.scan, *(["--terrain", self.chain.terrain] if terrain else []), "-c", self.config(grid, "r.json"),
+                     *options, "-O", "-o", path)
+        return path
+
+    def sparse(self, valid):
         """A DEM of 401 x 401 bins of 2 cm, of which the fraction `valid` has an elevation."""
-        dem = self.path(name)
-        self.succeed("regrid", self.chain.scan, "--terrain", self.chain.terrain, "-o", dem,
-                     "-c", self.config({"resolution_m": 0.02, "half_width_m": 4}, "r.json"))
+        dem = self.dem(grid={"resolution_m": 0.02, "half_width_m": 4})
         kept = np.random.default_rng(3).random((401, 401)) < valid
         with h5py.File(dem, "r+") as file:
             for layer, value in (("z_est", 0.5), ("z_true", 0.51), ("x_true", file["x"][()][None, :]),
@@ -388,21 +339,21 @@ class OtherReports(ReportCase):
         return dem
 
     def test_a_sparse_dem_is_not_hidden_by_its_marks(self):
-        self.report(self.sparse("sparse.h5", 0.2))
-        self.assertLess(self.window.run(SHARE, "z_est", list(scales.MARK)), 0.001)
-        self.assertLess(self.window.run(SHARE, "invalid", [0, 114, 178]), 0.7)
-        self.assertGreater(self.window.run(VIEW)[0], 0.05)
+        self.report(self.sparse(0.2))
+        self.assertLess(self.share("#maps canvas[data-layer=z_est]", scales.MARK), 0.001)
+        self.assertLess(self.share("#maps canvas[data-layer=invalid]", (0, 114, 178)), 0.7)
+        self.assertGreater(self.drawn("#terrain")[0], 0.05)
         self.check_log_and_requests()
         self.check_layout()
 
     def test_single_invalid_bins_of_a_full_dem_are_visible(self):
-        self.report(self.sparse("full.h5", 0.9998))
+        self.report(self.sparse(0.9998))
         with h5py.File(self.path("eval.h5")) as file:
             count = int(np.sum(file["invalid"][()]))
         self.assertTrue(5 < count < 60, count)
         width = self.window.run("return document.querySelector('#maps canvas[data-layer=invalid]').width")
-        for layer, color in (("invalid", [0, 114, 178]), ("z_est", list(scales.MARK))):
-            found = self.window.run(SHARE, layer, color) * width ** 2 / count
+        for layer, color in (("invalid", (0, 114, 178)), ("z_est", scales.MARK)):
+            found = self.share(f"#maps canvas[data-layer={layer}]", color) * width ** 2 / count
             self.assertTrue(6 < found <= 9.5, f"{layer}: {found} pixels per bin")
         self.check_log_and_requests()
 
@@ -440,8 +391,7 @@ class OtherReports(ReportCase):
         self.check_layout()
 
     def test_scales_end_at_a_quantile_and_say_so(self):
-        dem = self.path("outlier.h5")
-        self.succeed("regrid", self.chain.scan, "--terrain", self.chain.terrain, "-c", self.config(REGRID, "r.json"), "-o", dem)
+        dem = self.dem()
         with h5py.File(dem, "r+") as file:
             file["z_est"][50, 50:52] = [7, -7]
         self.report(dem)
@@ -449,7 +399,7 @@ class OtherReports(ReportCase):
             magnitudes = np.sort(np.abs(file["e_z"][()][~np.isnan(file["e_z"][()])]))
         scale = self.window.run(SCALES)["e_z"]
         expected = max(1.1 * 0.05, magnitudes[round(0.995 * (len(magnitudes) - 1))])
-        self.assertAlmostEqual(scale["high"], expected, delta=self.window.run("return layerNamed('e_z').step"))
+        self.assertAlmostEqual(scale["high"], expected, delta=self.step("e_z"))
         self.assertIn("colours end at \u00b1", scale["note"])
 
     def test_has_the_title_that_is_given(self):
@@ -473,20 +423,14 @@ class OtherReports(ReportCase):
         self.check_log_and_requests()
 
     def test_a_dem_with_sigma_maps(self):
-        dem = self.path("uncertain.h5")
-        self.succeed("regrid", self.chain.scan, "--terrain", self.chain.terrain, "-c", self.config(REGRID, "r.json"),
-                     *UNCERTAINTY, "-o", dem)
-        self.report(dem)
+        self.report(self.dem(*UNCERTAINTY))
         self.assertEqual(self.window.run("return document.querySelectorAll('#uncertainty svg[role=img]').length"), 4)
         self.check_log_and_requests()
         self.check_layout()
 
     def test_a_dem_of_nine_bins(self):
         """A footprint of one bin has no relative error: it has no distribution, and the worst footprints are those of the absolute error."""
-        dem = self.path("nine.h5")
-        self.succeed("regrid", self.chain.scan, "--terrain", self.chain.terrain, "-o", dem,
-                     "-c", self.config({"resolution_m": 0.1, "half_width_m": 0.1}, "r.json"))
-        self.report(dem, "--set", "region_radius_m=0.15", "--set", "footprint_m=0.1")
+        self.report(self.dem(grid={"resolution_m": 0.1, "half_width_m": 0.1}), "--set", "region_radius_m=0.15", "--set", "footprint_m=0.1")
         self.assertIn("2 of 6 not judged: the footprint has fewer than 5 x 5 bins", self.text("#verdict"))
         self.assertIn("footprint of 1 x 1 bins; truth nodes every 0.1 m; ", self.text("#assumptions"))
         self.assertEqual(self.window.run("return document.querySelectorAll('#errors figure').length"), 2)
@@ -497,23 +441,17 @@ class OtherReports(ReportCase):
         self.check_layout()
 
     def test_a_dem_with_slope_corrected_elevations(self):
-        dem = self.path("corrected.h5")
-        self.succeed("regrid", self.chain.scan, "--terrain", self.chain.terrain, "-c", self.config(REGRID, "r.json"),
-                     "--corrected", "-o", dem)
-        found = self.report(dem)["statistics"]["z_corrected"]
+        found = self.report(self.dem("--corrected"))["statistics"]["z_corrected"]
         keys = ["mean_m", "std_m", "rmse_m", "median_m", "nmad_m", "le90_m", "p95_m"]
         self.assertEqual([row[4] for row in self.cells("#statistics")],
                          [f"{100 * found[key]:.3f}".replace("-", "\u2212") for key in keys])
         self.check_layout()
 
     def test_a_dem_without_truth(self):
-        dem = self.path("blind.h5")
-        self.succeed("regrid", self.chain.scan, "-c", self.config(REGRID, "r.json"), "-o", dem)
-        metrics = self.report(dem)
+        self.report(self.dem(terrain=False))
         self.assertEqual(self.cells("#verdicts"), self.expected_rows())
-        names = self.window.run("return [...document.querySelectorAll('#maps canvas')].map((c) => c.dataset.layer)")
-        self.assertEqual(names, ["z_est", "count", "invalid", "fail"])
-        legend = self.window.run("return [...document.querySelectorAll('#maps .flags > span')].map((s) => s.textContent)")
+        self.assertEqual(self.maps(), ["z_est", "count", "invalid", "fail"])
+        legend = self.texts("#maps .flags > span")
         self.assertEqual([entry.split(": ")[1] == "not judged" for entry in legend], [True] * 4 + [False] * 2)
         self.assertNotIn("numbered", self.text("#maps"))
         self.assertIsNone(self.text("#worst"))
@@ -521,9 +459,7 @@ class OtherReports(ReportCase):
         self.check_layout()
 
     def test_a_dem_without_any_elevation(self):
-        dem = self.path("empty.h5")
-        self.succeed("regrid", self.chain.scan, "--terrain", self.chain.terrain, "-c", self.config(REGRID, "r.json"),
-                     *UNCERTAINTY, "-o", dem)
+        dem = self.dem(*UNCERTAINTY)
         with h5py.File(dem, "r+") as file:
             for name in ("z_est", "x_true", "y_true", "z_true"):
                 file[name][...] = np.nan

@@ -23,9 +23,23 @@ STUDY = {"title": "Range noise", "base": {
     "scan": {"laser": {"scan_time_s": 0.02}, "scanner": {"pattern": {"type": "line_search", "rows": 20, "columns": 20, "half_width_m": 4}}},
     "regrid": {"half_width_m": 5, "resolution_m": 0.1}, "eval": {"region_radius_m": 3.5, "footprint_m": 0.7}},
     "axes": [{"key": "scan.noise.range_sigma_m", "list": [0.01, 0.05]}]}
+CLICK = """
+const canvas = document.getElementById("points"), box = canvas.getBoundingClientRect();
+canvas.setPointerCapture = () => {};
+for (const [type, buttons] of [["pointerdown", 1], ["pointerup", 0]])
+  canvas.dispatchEvent(new PointerEvent(type, {pointerId: 1, button: 0, buttons, bubbles: true, clientX: box.left + box.width / 2,
+                                               clientY: box.top + box.height / 2}));
+"""
 IMAGES = """
 return [...document.querySelectorAll("main img")].map((image) => image.complete && image.naturalWidth > 0);
 """
+# Texts whose contrast with what is behind them is checked.
+TEXTS = {
+    "evaluation": ["h1", "h2", ".note", "nav a", "#verdict", ".verdict.pass", "figcaption", "#values", "td", "summary"],
+    "hazards": ["body", ".note", "#verdict", "#outcomes td", "nav.contents a", "#theme", "figcaption code"],
+    "draws": ["#verdict", "#rates td", "#commands", ".note", "#failed-draws td"],
+    "cloud": ["h1", "h2", ".note", "#thinning", "#inside", "#siblings", "#chosen td", "#chosen th", "#box th", "label", "nav a"],
+}
 
 
 @unittest.skipIf(browser.missing(), browser.missing())
@@ -36,9 +50,6 @@ class ScreensTest(PageTest):
             os.makedirs(folder, exist_ok=True)
             with open(os.path.join(folder, name), "wb") as file:
                 file.write(content)
-
-    def media(self, kind, scheme="light"):
-        self.window.driver.execute_cdp_cmd("Emulation.setEmulatedMedia", {"media": kind, "features": [{"name": "prefers-color-scheme", "value": scheme}]})
 
     def picture(self, name):
         """Keeps a picture of the whole page; to take one costs more than all checks."""
@@ -55,18 +66,21 @@ class ScreensTest(PageTest):
             self.assertGreater(self.window.run(CANVAS, canvas)["colors"], 1, where)
         self.assertNotIn(False, self.window.run(IMAGES), where)
 
-    def check_page(self, page):
+    def check_page(self, page, prepare=""):
+        """`prepare` is a script that runs on the open page."""
         name = os.path.splitext(os.path.basename(page))[0]
-        self.media("screen")
+        self.scheme("light", "screen")
         self.open(page)
+        self.window.run(prepare)
         self.assertGreater(self.window.run("return document.querySelectorAll('svg, canvas').length"), 0)
         for scheme in ("light", "dark"):
-            self.media("screen", scheme)
+            self.scheme(scheme, "screen")
+            self.check_contrast(TEXTS.get(name, []), f"{name}, {scheme}")
             for width in WIDTHS:
                 self.window.resize(width)
                 self.check_boxes(f"{name}, {scheme}, {width} px")
                 self.picture(f"{name}-{scheme}-{width}.png")
-        self.media("print")
+        self.scheme("light", "print")
         self.window.resize(PRINT_WIDTH)
         self.check_boxes(f"{name}, print")
         self.picture(f"{name}-print.png")
@@ -83,14 +97,18 @@ class ScreensTest(PageTest):
         self.succeed("hazard-map", *self.chain.inputs("hazard-map"), "--report", self.path("hazards.html"))
         self.check_page("hazards.html")
 
+    def test_a_cloud(self):
+        """With the values of a point that was clicked on."""
+        self.succeed("landfall-export", self.chain.scan, "-o", self.path("cloud.html"))
+        self.check_page("cloud.html", CLICK)
+
     def test_draws(self):
         self.succeed("monte-carlo", self.chain.source, "--terrain", self.chain.terrain, "-c", self.config(DRAWS_CONFIG), "-o", self.path("d.h5"),
                      "--report", self.path("draws.html"))
         self.check_page("draws.html")
 
     def test_a_study(self):
-        with open(self.path("noise.json"), "w", encoding="ascii") as file:
-            json.dump(STUDY, file)
+        self.write("noise.json", json.dumps(STUDY))
         environment = {name: value for name, value in os.environ.items() if name not in ("MAKEFLAGS", "MFLAGS", "MAKELEVEL")}
         subprocess.run(["make", "-C", ROOT, "-f", "Makefile.studies", "study", f"STUDY={self.path('noise.json')}", f"RUNS={self.path('runs')}",
                         f"BIN={os.environ['LANDFALL_BIN']}"], check=True, capture_output=True, env=environment)

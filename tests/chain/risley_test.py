@@ -6,7 +6,7 @@ import unittest
 
 import numpy as np
 
-from harness import CONFIGS, ChainTest, columns, read_bytes, run
+from harness import CONFIGS, ChainTest, columns, run
 
 FOLDER = os.path.join(os.environ["LANDFALL_ROOT"], "testdata", "lidars")
 
@@ -65,18 +65,6 @@ class Risley(ChainTest):
         estimated = np.hypot(off["x_est"] - ideal["x_est"], off["y_est"] - ideal["y_est"])[hit]
         self.assertGreater(np.median(moved), 3 * np.median(estimated))
         self.assertLess(np.median(moved), 50 * 0.0746 * 0.001 * 3)  # 1 mrad rotates the 4.3 deg deflection of one wedge
-
-    def test_a_redraw_requires_the_seed_of_the_encoder_errors(self):
-        config = os.path.join(FOLDER, "risley-rates.scan.json")
-        off = ["-c", config, "--set", "scanner.encoder_sigma_rad=0.001", "--seed", 3]
-        source, redrawn, traced = (self.path(name) for name in ("source.h5", "redrawn.h5", "traced.h5"))
-        self.succeed("scan-sim", *off, "--terrain", self.terrain, "-o", source)
-        noise = ["--set", "noise.range_sigma_m=0.02"]
-        self.refuse(2, "scan-sim", *off[:-1], 9, *noise, "--ranges-from", source, "-o", redrawn,
-                    words=["/seed", "/scanner/encoder_sigma_rad"], output=redrawn)
-        self.succeed("scan-sim", *off, *noise, "--ranges-from", source, "-o", redrawn)
-        self.succeed("scan-sim", *off, *noise, "--terrain", self.terrain, "-o", traced)
-        self.assertEqual(read_bytes(redrawn), read_bytes(traced))
 
 
 if __name__ == "__main__":

@@ -144,11 +144,9 @@ class RunFolder(ToolTest):
     def test_a_folder_of_version_0_2_0_is_adopted(self):
         self.write("a/chain.json")
         self.chain("-c", "a/chain.json")
-        with open(self.path(f"a/out/{STATE}"), encoding="utf-8") as file:
-            state = json.load(file)
+        state = json.loads(read_bytes(self.path(f"a/out/{STATE}")))
         del state["chain"]
-        with open(self.path(f"a/out/{STATE}"), "w", encoding="utf-8") as file:
-            json.dump(state, file)
+        self.config(state, f"a/out/{STATE}")
         adopted = "a/out has no record of its chain, as folders of version 0.2.0; it now belongs to a/chain.json"
         self.assertEqual(self.chain("-c", "a/chain.json", "--set", "eval.quantile=0.9"), [adopted, "a/out/eval.h5 replaced: quantile 0.95 -> 0.9"])
         self.assertEqual(self.memory()["names"], ["../chain.json"])

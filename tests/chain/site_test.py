@@ -13,7 +13,7 @@ import unittest
 import h5py
 import numpy as np
 
-from harness import ToolTest
+from harness import ToolTest, read_bytes
 
 RELIEF = os.path.join(os.environ["LANDFALL_ROOT"], "testdata", "rasters", "relief_europa_10m.tif")
 DATA = os.environ.get("LANDFALL_DATA", os.path.join(os.environ["LANDFALL_ROOT"], "..", "shared", "data"))
@@ -75,8 +75,7 @@ class Site(ToolTest):
         self.succeed("scan-sim", "--terrain", terrain, "-o", scan, "--set", "noise.range_sigma_m=0.016667")
         self.succeed("regrid", scan, "--terrain", terrain, "-o", dem)
         self.succeed("dem-eval", dem, "-o", self.path("eval.h5"), "--metrics", self.path("metrics.json"))
-        with open(self.path("metrics.json"), encoding="utf-8") as file:
-            metrics = json.load(file)
+        metrics = json.loads(read_bytes(self.path("metrics.json")))
         self.assertEqual(metrics["region"]["bin_count"], 3141521)
         self.assertLess(metrics["coverage"]["invalid_frac"], 0.01)
         with h5py.File(dem) as file:

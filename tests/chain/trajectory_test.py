@@ -14,6 +14,7 @@ import numpy as np
 
 from harness import CONFIGS, ToolTest, columns, returns_of
 from oracle import surface
+from oracle.frames import about, matrix_of_quaternion
 
 SEED = int(os.environ.get("LANDFALL_TEST_SEED", "20240607"))
 PAGE = os.path.join(os.environ["LANDFALL_ROOT"], "docs", "reference", "attitudes.md")
@@ -29,20 +30,11 @@ for source in blocks("python")[:2]:
     exec(compile(source, PAGE, "exec"), DOC)  # pylint: disable=exec-used
 
 
+AXES = np.eye(3)
+
+
 def tilde(v):
     return np.array([[0, -v[2], v[1]], [v[2], 0, -v[0]], [-v[1], v[0], 0]])
-
-
-def axis_rotation(axis, angle):
-    """Rodrigues' formula: the active rotation about a coordinate axis."""
-    k = tilde(np.eye(3)[axis])
-    return np.eye(3) + np.sin(angle) * k + (1 - np.cos(angle)) * k @ k
-
-
-def matrix_of(q):
-    """R_dem_body from a quaternion (w, x, y, z), as in /pulses."""
-    w, v = q[0], np.array(q[1:])
-    return (w * w - v @ v) * np.eye(3) + 2 * np.outer(v, v) + 2 * w * tilde(v)
 
 
 class Conventions(ToolTest):
@@ -79,16 +71,16 @@ class Conventions(ToolTest):
                 positions, quaternions = self.poses(path)
                 np.testing.assert_allclose(positions, self.positions, rtol=0, atol=1e-12)
                 for R, q in zip(matrices, quaternions):
-                    np.testing.assert_allclose(matrix_of(q), R, rtol=0, atol=1e-12)
+                    np.testing.assert_allclose(matrix_of_quaternion(q), R, rtol=0, atol=1e-12)
 
     def test_roll_pitch_yaw(self):
         angles = self.random.uniform([-40, -40, -180], [40, 40, 180], (5, 3))
-        matrices = [axis_rotation(2, y) @ axis_rotation(1, p) @ axis_rotation(0, r) for r, p, y in np.radians(angles)]
+        matrices = [about(AXES[2], y) @ about(AXES[1], p) @ about(AXES[0], r) for r, p, y in np.radians(angles)]
         self.check(matrices, ["roll_deg", "pitch_deg", "yaw_deg"], angles)
 
     def some_matrices(self):
         angles = np.radians(self.random.uniform([-40, -40, -180], [40, 40, 180], (5, 3)))
-        return [axis_rotation(2, y) @ axis_rotation(0, r) @ axis_rotation(1, p) for r, p, y in angles]
+        return [about(AXES[2], y) @ about(AXES[0], r) @ about(AXES[1], p) for r, p, y in angles]
 
     def test_direction_cosine_matrices(self):
         matrices = self.some_matrices()
@@ -104,7 +96,7 @@ class Conventions(ToolTest):
     def test_quaternions(self):
         q = self.quaternions()
         names = ["qw", "qx", "qy", "qz"]
-        hamilton = [matrix_of([p[3], *p[:3]]) for p in q]
+        hamilton = list(matrix_of_quaternion(np.roll(q, 1, axis=1)))
         self.check(hamilton, names, [DOC["from_scalar_last"](p) for p in q])
         self.check([R.T for R in hamilton], names, [DOC["inverse"]([p[3], *p[:3]]) for p in q])
         # Shuster's matrix of a quaternion transforms DEM components into body components.
@@ -119,16 +111,6 @@ class Conventions(ToolTest):
             n, t = s @ s, tilde(s)
             return np.eye(3) + (8 * t @ t - 4 * (1 - n) * t) / (1 + n) ** 2
         self.check([bn(s).T for s in sigma], ["mrp_1", "mrp_2", "mrp_3"], sigma)
-
-    def test_refusals_name_file_and_columns(self):
-        path = self.path("t.csv")
-        for header, message in (("t_s,x_m,y_m,z_m", "has no attitude"),
-                                ("t_s,x_m,y_m,z_m,qw,qx,qy", "no column qz"),
-                                ("t_s,x_m,y_m,qw,qx,qy,qz", "no column z_m")):
-            with open(path, "w", encoding="utf-8") as file:
-                file.write(header + "\n" + ",".join("0" * len(header.split(","))) + "\n")
-            self.refuse(1, "scan-sim", "--terrain", self.ground, "-o", self.path("s.h5"), "-c",
-                        self.config({"trajectory": {"type": "table", "path": path}}), words=["t.csv", message])
 
 
 class Rover(ToolTest):

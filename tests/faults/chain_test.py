@@ -84,8 +84,7 @@ class Chain(ToolTest):
             shutil.rmtree(self.path("out"))
             self.disturbed(at, -signal.SIGKILL)
             for name in ("metrics.json", "report.html", "sites.json"):
-                with open(self.path("out/" + name), "w", encoding="utf-8") as file:
-                    file.write("mine\n")
+                self.write("out/" + name, "mine\n")
             result = self.chain()
             self.assertEqual((result.returncode, "landfall run did not make it; use -O" in result.stderr), (2, True), result.stderr)
             self.assertEqual(read_bytes(self.path("out/metrics.json")), b"mine\n")

@@ -327,8 +327,7 @@ class ForeignHdf5(ChainTest):
         for at in range(first, first + 195, 3):
             damaged = bytearray(content)
             damaged[at] ^= 1 << values.randrange(8)
-            with open(self.path("damaged.h5"), "wb") as file:
-                file.write(damaged)
+            self.write("damaged.h5", damaged)
             with self.subTest(at=at - first):
                 code, message, _ = measured("landfall-info", self.path("damaged.h5"))
                 self.assertIn(code, (0, 1), message)

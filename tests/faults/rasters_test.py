@@ -54,10 +54,7 @@ class Rasters(ToolTest):
         self.out = self.path("out.h5")
 
     def write(self, name, content):
-        path = self.path("data/" + name)
-        with open(path, "wb") as file:
-            file.write(content if isinstance(content, bytes) else content.encode())
-        return path
+        return super().write("data/" + name, content)
 
     def pipe(self, name="data/secret.img"):
         os.mkfifo(self.path(name))

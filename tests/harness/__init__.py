@@ -94,6 +94,13 @@ def read_bytes(path):
         return file.read()
 
 
+def write_file(path, content):
+    """Writes a text or bytes, and returns the path."""
+    with open(path, "wb") as file:
+        file.write(content.encode() if isinstance(content, str) else content)
+    return path
+
+
 def columns(path, group="/"):
     """The datasets of a group (or of the root) as arrays."""
     with h5py.File(path) as file:
@@ -134,10 +141,10 @@ class ToolTest(unittest.TestCase):
 
     def config(self, value, name="config.json"):
         """Writes a configuration, given as a text or as a value, and returns its path."""
-        path = self.path(name)
-        with open(path, "w", encoding="utf-8") as file:
-            file.write(value if isinstance(value, str) else json.dumps(value))
-        return path
+        return write_file(self.path(name), value if isinstance(value, str) else json.dumps(value))
+
+    def write(self, name, content):
+        return write_file(self.path(name), content)
 
     def entries(self):
         """All names in the folder, hidden ones included."""

@@ -1,24 +1,39 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """A test of HTML reports in a browser: texts, drawings, layout, and that a page requests no other file."""
+import base64
 import functools
+import io
 import shutil
 import tempfile
 import unittest
+
+import numpy as np
+from PIL import Image
 
 from harness import Chain, ToolTest, browser
 
 WIDTHS = (1400, 800)
 
-# The number of different colours in a canvas, and a checksum of its pixels.
-CANVAS = """
+# A canvas drawn on a flat one.
+FLAT = """
 const canvas = arguments[0], flat = document.createElement("canvas");
 Object.assign(flat, {width: canvas.width, height: canvas.height});
-const context = flat.getContext("2d");
+const context = flat.getContext("2d", {willReadFrequently: true});
 context.drawImage(canvas, 0, 0);
+"""
+# The number of different colours in a canvas, and a checksum of its pixels.
+CANVAS = FLAT + """
 const data = new Uint32Array(context.getImageData(0, 0, flat.width, flat.height).data.buffer);
 let sum = 0;
 for (const pixel of data) sum = (Math.imul(sum, 31) + pixel) | 0;
 return {colors: new Set(data).size, sum};
+"""
+# All values of a layer; null where there is none.
+VALUES = """
+return rasterOf(layerNamed(arguments[0]), report.grid).then((raster) => Array.from(raster.codes, (_, i) => {
+  const value = raster.value(i);
+  return Number.isNaN(value) ? null : value;
+}));
 """
 # A drag of the pointer over the map of a layer, from and to a position in metres; with one position a move.
 POINT = """
@@ -99,9 +114,73 @@ class PageTest(ToolTest):
         return self.window.run("return [...document.querySelectorAll(arguments[0] + ' tbody tr')]"
                                ".map((row) => [...row.cells].map((cell) => cell.textContent))", table)
 
+    def texts(self, selector):
+        return self.window.run("return [...document.querySelectorAll(arguments[0])].map((e) => e.textContent)", selector)
+
+    def element(self, selector):
+        return self.window.run("return document.querySelector(arguments[0])", selector)
+
     def canvas(self, selector):
-        element = self.window.run("return document.querySelector(arguments[0])", selector)
-        return self.window.run(CANVAS, element)
+        return self.window.run(CANVAS, self.element(selector))
+
+    def pixels(self, selector):
+        """Red, green and blue of the pixels of a canvas, (rows, columns, 3)."""
+        url = self.window.run(FLAT + "return flat.toDataURL();", self.element(selector))
+        with Image.open(io.BytesIO(base64.b64decode(url.partition(",")[2]))) as image:
+            return np.asarray(image.convert("RGB"))
+
+    def share(self, selector, color):
+        """The fraction of the pixels of a canvas that have a colour."""
+        return (self.pixels(selector) == color).all(-1).mean()
+
+    def drawn(self, selector):
+        """The fraction of the pixels that differ from the first one, and the number of those on the border."""
+        pixels = self.pixels(selector)
+        differs = (pixels != pixels[0, 0]).any(-1)
+        return differs.mean(), differs.sum() - differs[1:-1, 1:-1].sum()
+
+    def values(self, name, shape):
+        """All values of a layer that the page has."""
+        return np.array(self.window.run(VALUES, name), float).reshape(shape)
+
+    def step(self, name):
+        """The step with which a layer is stored in the page."""
+        return self.window.run("return layerNamed(arguments[0]).step", name)
+
+    def maps(self):
+        return self.window.run("return [...document.querySelectorAll('#maps canvas')].map((c) => c.dataset.layer)")
+
+    def check_parts(self, sections, maps, colors=1):
+        """The page has these sections and maps, and every map more than so many colours."""
+        self.assertEqual(self.window.run("return [...document.querySelectorAll('main > section')].map((s) => s.id)"), sections)
+        self.assertEqual(self.maps(), maps)
+        for name in maps:
+            self.assertGreater(self.canvas(f"#maps canvas[data-layer={name}]")["colors"], colors, name)
+        self.check_log_and_requests()
+
+    def point(self, layer, *places):
+        self.window.run(POINT, layer, *places)
+        self.settle()
+
+    def values_under_cursor(self, layer, place):
+        """{layer: text} of the values at a place, where all maps have a cursor."""
+        self.point(layer, place)
+        drawn = self.window.run("return panels.filter((p) => p.options.region && p.svg.querySelector('.cursor')).map((p) => p.raster.layer.name)")
+        self.assertEqual(drawn, self.maps())
+        shown = self.window.run("return Object.fromEntries([...document.querySelectorAll('#values [data-value-of]')].map("
+                                "(e) => [e.dataset.valueOf, e.querySelector('output').textContent]))")
+        self.assertEqual(set(shown), set(drawn))
+        return shown
+
+    def scheme(self, name, media=""):
+        """The colours of the system for this test."""
+        command = functools.partial(self.window.driver.execute_cdp_cmd, "Emulation.setEmulatedMedia")
+        command({"media": media, "features": [{"name": "prefers-color-scheme", "value": name}]})
+        self.addCleanup(command, {"features": []})
+
+    def check_contrast(self, texts, where):
+        for selector, contrast in zip(texts, self.window.run(CONTRAST, texts)):
+            self.assertGreater(contrast, 4.5, f"{where}: {selector}")
 
     def check_log_and_requests(self):
         """Checks that the browser logged no error and requested the file only."""
