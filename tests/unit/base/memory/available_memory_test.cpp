@@ -5,18 +5,14 @@
 #include <sys/resource.h>
 
 #include "base/core/error.h"
+#include "refusal.h"
 
 namespace landfall {
 namespace {
 
 std::string refusal_of(std::uint64_t needed, std::optional<std::uint64_t> available,
                        const std::string& advice) {
-  try {
-    require_memory(needed, available, "judging 9 x 9 bins", advice);
-  } catch (const FormatError& error) {
-    return error.what();
-  }
-  return "fits";
+  return refusal<FormatError>([&] { require_memory(needed, available, "judging 9 x 9 bins", advice); });
 }
 
 TEST(RequireMemory, SaysWhatIsNeededAndWhatThereIs) {
@@ -24,8 +20,8 @@ TEST(RequireMemory, SaysWhatIsNeededAndWhatThereIs) {
             "judging 9 x 9 bins needs 32.1 GB of memory, and 3 GB are available; take less");
   EXPECT_EQ(refusal_of(500'000'000, 499'999'999, ""),
             "judging 9 x 9 bins needs 0.5 GB of memory, and 0.5 GB are available");
-  EXPECT_EQ(refusal_of(500, 500, ""), "fits");
-  EXPECT_EQ(refusal_of(std::uint64_t{1} << 60U, std::nullopt, ""), "fits");
+  EXPECT_EQ(refusal_of(500, 500, ""), "accepted");
+  EXPECT_EQ(refusal_of(std::uint64_t{1} << 60U, std::nullopt, ""), "accepted");
 }
 
 TEST(AvailableMemory, ALimitOnTheProcessCounts) {

@@ -7,18 +7,14 @@
 #include <cstdint>
 
 #include "base/core/error.h"
+#include "refusal.h"
 
 namespace landfall {
 namespace {
 
 template <class T>
 std::string layer_refusal(const Grid<T>& layer, LayerValues allowed) {
-  try {
-    require_values(layer, "layer", allowed);
-  } catch (const FormatError& error) {
-    return error.what();
-  }
-  return "accepted";
+  return refusal<FormatError>([&] { require_values(layer, "layer", allowed); });
 }
 
 TEST(LayerCheck, NamesTheFirstInfiniteValue) {

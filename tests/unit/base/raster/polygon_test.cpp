@@ -9,6 +9,7 @@
 
 #include "base/core/error.h"
 #include "base/numerics/random.h"
+#include "refusal.h"
 
 namespace landfall {
 namespace {
@@ -18,21 +19,8 @@ using ::testing::HasSubstr;
 
 const Polygon::Ring kSquare = {{0, 0}, {4, 0}, {4, 4}, {0, 4}};
 
-template <class Work>
-std::string refusal(const Work& work) {
-  try {
-    static_cast<void>(work());
-  } catch (const UsageError& error) {
-    return error.what();
-  }
-  return "accepted";
-}
-
 std::string refusal_of(const std::vector<Polygon::Ring>& rings) {
-  return refusal([&] {
-    require_simple(Polygon(rings), "a.geojson");
-    return 0;
-  });
+  return refusal([&] { require_simple(Polygon(rings), "a.geojson"); });
 }
 
 /// The sum of the angles under which the edges of a ring are seen, in turns: an oracle apart from the rays of

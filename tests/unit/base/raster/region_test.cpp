@@ -10,17 +10,13 @@
 #include <string>
 
 #include "base/core/error.h"
+#include "refusal.h"
 
 namespace landfall {
 namespace {
 
 std::string region_refusal(const GridSpec& dem, double radius_m) {
-  try {
-    static_cast<void>(circular_region(dem, radius_m));
-  } catch (const UsageError& error) {
-    return error.what();
-  }
-  return "accepted";
+  return refusal([&] { return circular_region(dem, radius_m); });
 }
 
 TEST(CircularRegion, PapersCountWithoutThe28BinsOnTheCircle) {
@@ -127,12 +123,7 @@ TEST(SquareRegion, FitsWhileEveryBinLiesInTheDem) {
   const GridSpec dem = GridSpec::centered(2, 0.5);
   EXPECT_EQ(count_set(square_region(dem, 2.4)), 81);
   const auto refused = [](const GridSpec& spec, double half_width_m) {
-    try {
-      static_cast<void>(square_region(spec, half_width_m));
-    } catch (const UsageError& error) {
-      return std::string(error.what());
-    }
-    return std::string("accepted");
+    return refusal([&] { return square_region(spec, half_width_m); });
   };
   EXPECT_EQ(refused(dem, 2.5), "region/half_width_m: 2.5 does not fit the DEM: the largest that fits is 2");
   EXPECT_NE(refused({1, 1, -5, 10, 10}, 0.5), "accepted");
@@ -197,12 +188,7 @@ TEST(Region, ACircleOfItsOwnCentre) {
     }
   EXPECT_EQ(count_set(circular_region(dem, 1.5, {2, 3})), count_set(circular_region(dem, 1.5)));
   const auto refused = [&](double radius_m, Horizontal center) {
-    try {
-      static_cast<void>(circular_region(dem, radius_m, center));
-    } catch (const UsageError& error) {
-      return std::string(error.what());
-    }
-    return std::string("accepted");
+    return refusal([&] { return circular_region(dem, radius_m, center); });
   };
   EXPECT_EQ(refused(5.5, {0, 0}), "accepted");
   EXPECT_EQ(refused(4.5, {-1, 0}), "accepted");

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "no_opencl.h"
+#include "refusal.h"
 
 namespace landfall {
 namespace {
@@ -23,12 +24,7 @@ TEST(OpenClDeviceChoice, PrefersTheFirstUsableGpu) {
 }
 
 std::string refusal_of_devices(const std::vector<OpenClDevice>& devices) {
-  try {
-    static_cast<void>(default_device(devices));
-  } catch (const DeviceError& error) {
-    return error.what();
-  }
-  return "none";
+  return refusal<DeviceError>([&] { return default_device(devices); });
 }
 
 TEST(OpenClDeviceChoice, SaysWhyThereIsNone) {

@@ -18,6 +18,7 @@
 #include "collected_layers.h"
 #include "constants.h"
 #include "judged.h"
+#include "refusal.h"
 
 namespace landfall {
 namespace {
@@ -460,13 +461,8 @@ TEST(Evaluate, RefusesWhatDoesNotFit) {
   EXPECT_THROW(static_cast<void>(evaluate(perfect(5), parameters)), UsageError);
 }
 
-std::string refusal(const DemLayers& dem, const EvaluationParameters& parameters = small()) {
-  try {
-    static_cast<void>(evaluate(dem, parameters));
-  } catch (const FormatError& error) {
-    return error.what();
-  }
-  return "accepted";
+std::string evaluate_refusal(const DemLayers& dem, const EvaluationParameters& parameters = small()) {
+  return refusal<FormatError>([&] { return evaluate(dem, parameters); });
 }
 
 TEST(Evaluate, RegionsOfOtherShapes) {
@@ -479,11 +475,11 @@ TEST(Evaluate, RegionsOfOtherShapes) {
   EXPECT_EQ(square.region, (RegionMetrics{RegionShape::square, {}, 5.0, 121}));
   EXPECT_EQ(square.coverage.invalid_count, 1);
   parameters.region_shape = RegionShape::mask;
-  EXPECT_EQ(refusal(dem, parameters), "region/path: its grid differs from that of z_est");
+  EXPECT_EQ(evaluate_refusal(dem, parameters), "region/path: its grid differs from that of z_est");
   dem.region_mask = BinMask(GridSpec::centered(4, 1), 1);
-  EXPECT_EQ(refusal(dem, parameters), "region/path: its grid differs from that of z_est");
+  EXPECT_EQ(evaluate_refusal(dem, parameters), "region/path: its grid differs from that of z_est");
   dem.region_mask = BinMask(dem.z_est.spec());
-  EXPECT_EQ(refusal(dem, parameters), "region/path: no bin of the mask is set");
+  EXPECT_EQ(evaluate_refusal(dem, parameters), "region/path: no bin of the mask is set");
   dem.region_mask->at({0, 0}) = dem.region_mask->at({10, 3}) = 1;
   const Metrics mask = evaluate(dem, parameters).metrics;
   EXPECT_EQ(mask.region, (RegionMetrics{RegionShape::mask, {}, {}, 2}));
@@ -507,37 +503,37 @@ TEST(Evaluate, DiscsLeaveTheirCornersOut) {
 TEST(Evaluate, RefusesInfiniteValues) {
   DemLayers dem = perfect(5);
   dem.truth->y.at({2, 3}) = -std::numeric_limits<double>::infinity();
-  EXPECT_EQ(refusal(dem), "y_true: the value in row 2, column 3 is infinite");
+  EXPECT_EQ(evaluate_refusal(dem), "y_true: the value in row 2, column 3 is infinite");
   dem.truth.reset();
   dem.z_est.at({0, 1}) = std::numeric_limits<double>::infinity();
-  EXPECT_EQ(refusal(dem), "z_est: the value in row 0, column 1 is infinite");
+  EXPECT_EQ(evaluate_refusal(dem), "z_est: the value in row 0, column 1 is infinite");
   dem = perfect(5);
   dem.truth->x.at({10, 10}) = dem.truth->x.at({10, 9}) = std::numeric_limits<double>::infinity();
-  EXPECT_EQ(refusal(dem), "x_true: the value in row 10, column 9 is infinite");
+  EXPECT_EQ(evaluate_refusal(dem), "x_true: the value in row 10, column 9 is infinite");
   dem = perfect(5);
   dem.z_corrected = dem.z_est;
   dem.z_corrected->at({0, 0}) = std::numeric_limits<double>::infinity();
-  EXPECT_EQ(refusal(dem), "z_corrected: the value in row 0, column 0 is infinite");
+  EXPECT_EQ(evaluate_refusal(dem), "z_corrected: the value in row 0, column 0 is infinite");
 }
 
 // Layers are looked through in pieces of 2^18 values; the first infinite value of all is named.
 TEST(Evaluate, RefusesInfiniteValuesInAnyPiece) {
   DemLayers dem{Grid<double>(GridSpec::centered(260, 1), 7), std::nullopt};  // 521 x 521 bins
   dem.z_est.at({520, 520}) = std::numeric_limits<double>::infinity();
-  EXPECT_EQ(refusal(dem), "z_est: the value in row 520, column 520 is infinite");
+  EXPECT_EQ(evaluate_refusal(dem), "z_est: the value in row 520, column 520 is infinite");
   dem.z_est.at({504, 3}) = -std::numeric_limits<double>::infinity();
-  EXPECT_EQ(refusal(dem), "z_est: the value in row 504, column 3 is infinite");
+  EXPECT_EQ(evaluate_refusal(dem), "z_est: the value in row 504, column 3 is infinite");
   dem.z_est.at({100, 7}) = std::numeric_limits<double>::infinity();
-  EXPECT_EQ(refusal(dem), "z_est: the value in row 100, column 7 is infinite");
+  EXPECT_EQ(evaluate_refusal(dem), "z_est: the value in row 100, column 7 is infinite");
 }
 
 TEST(Evaluate, RefusesLayersOfDifferentGrids) {
   DemLayers dem = perfect(5);
   dem.truth->z = Grid<double>(GridSpec::centered(4, 1));
-  EXPECT_EQ(refusal(dem), "z_true: its grid differs from that of z_est");
+  EXPECT_EQ(evaluate_refusal(dem), "z_true: its grid differs from that of z_est");
   dem = perfect(5);
   dem.truth->y = Grid<double>(GridSpec::centered(4, 1));
-  EXPECT_EQ(refusal(dem), "y_true: its grid differs from that of z_est");
+  EXPECT_EQ(evaluate_refusal(dem), "y_true: its grid differs from that of z_est");
 }
 
 }  // namespace

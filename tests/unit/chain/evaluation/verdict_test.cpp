@@ -16,6 +16,7 @@
 #include "base/raster/masks.h"
 #include "collected_layers.h"
 #include "constants.h"
+#include "refusal.h"
 
 namespace landfall {
 namespace {
@@ -297,12 +298,7 @@ TEST(Decide, ErrorsThatOverflow) {
 TEST(Decide, RefusesWhatEvaluateRefuses) {
   const BinMask region(GridSpec::centered(5, 1), 1);
   const auto refusal = [&](const DemLayers& dem, const EvaluationParameters& parameters) -> std::string {
-    try {
-      static_cast<void>(decide(dem, region, parameters));
-    } catch (const Error& error) {
-      return error.what();
-    }
-    return "";
+    return landfall::refusal<Error>([&] { return decide(dem, region, parameters); });
   };
   EvaluationParameters parameters = small_region();
   parameters.quantile = 1.5;

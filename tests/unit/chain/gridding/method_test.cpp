@@ -17,6 +17,7 @@
 #include "base/core/parallel.h"
 #include "chain/gridding/accumulators.h"
 #include "map_layers.h"
+#include "refusal.h"
 #include "return_columns.h"
 #include "test_seed.h"
 
@@ -300,15 +301,9 @@ TEST(MedianAccumulator, RefusesARowOfTooManyReturns) {
   const ReturnColumns columns(std::vector<ReturnPoint>(11, {.y_est = -0.5}));
   MedianAccumulator map(GridSpec::centered(1, 0.5), 10);
   map.add(columns.view());
-  try {
-    map.end_pass();
-    ADD_FAILURE() << "not refused";
-  } catch (const FormatError& error) {
-    EXPECT_STREQ(
-        error.what(),
-        "method median: the row of bins at y = -0.500000 m holds 11 returns; at most 10 can be sorted "
-        "at a time");
-  }
+  EXPECT_EQ(refusal<FormatError>([&] { map.end_pass(); }),
+            "method median: the row of bins at y = -0.500000 m holds 11 returns; at most 10 can be sorted "
+            "at a time");
 }
 
 // The first row, too; as many as can be sorted are taken.

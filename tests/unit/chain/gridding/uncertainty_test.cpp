@@ -13,6 +13,7 @@
 
 #include "base/core/error.h"
 #include "chain/lidar/error_models/navigation_error.h"
+#include "refusal.h"
 #include "return_columns.h"
 
 namespace landfall {
@@ -372,12 +373,7 @@ TEST(Uncertainty, NanWhereEmptyOrWithoutSlope) {
 
 TEST(Uncertainty, RefusesSigmasThatAreNone) {
   const auto refusal = [](const UncertaintyParameters& parameters) -> std::string {
-    try {
-      check(parameters);
-    } catch (const UsageError& error) {
-      return error.what();
-    }
-    return "accepted";
+    return landfall::refusal([&] { check(parameters); });
   };
   EXPECT_EQ(refusal({}), "accepted");
   EXPECT_THAT(refusal({.range_sigma_m = -1}), HasSubstr("range_sigma_m: -1"));

@@ -12,6 +12,7 @@
 
 #include "base/core/error.h"
 #include "constants.h"
+#include "refusal.h"
 
 namespace landfall {
 namespace {
@@ -33,13 +34,8 @@ HazardParameters small_lander() {
   return parameters;
 }
 
-std::string refusal(HazardInput input, const HazardParameters& parameters) {
-  try {
-    static_cast<void>(map_hazards(input, parameters, kAtOnce));
-  } catch (const Error& error) {
-    return (error.exit_code() == ExitCode::usage ? "usage: " : "format: ") + std::string(error.what());
-  }
-  return "accepted";
+std::string map_refusal(HazardInput input, const HazardParameters& parameters) {
+  return kind_and_refusal([&] { return map_hazards(input, parameters, kAtOnce); });
 }
 
 TEST(HazardParameters, DefaultsAreThoseOfTheDocumentation) {
@@ -119,25 +115,25 @@ TEST(MapHazards, FilledTruthCountsInTheRegionOnly) {
 TEST(MapHazards, ALanderThatTheMapCannotHoldIsRefused) {
   HazardParameters parameters = small_lander();
   parameters.lander.body_radius_m = 1;  // 21 bins, all of the map
-  EXPECT_EQ(refusal(level_ground(1, 0.1), parameters), "accepted");
+  EXPECT_EQ(map_refusal(level_ground(1, 0.1), parameters), "accepted");
   parameters.lander.body_radius_m = 1.1;
-  EXPECT_EQ(refusal(level_ground(1, 0.1), parameters),
+  EXPECT_EQ(map_refusal(level_ground(1, 0.1), parameters),
             "usage: lander/body_radius_m: a lander of 23 bins across is larger than the map of 21 x 21 bins "
             "of 0.1 m");
   parameters = small_lander();
   parameters.lander.leg_radius_m = 1;
-  EXPECT_EQ(refusal(level_ground(1, 0.1), parameters), "accepted");  // pads of one bin
-  parameters.lander.leg_radius_m = 1.05 - 0.5e-10;                   // stand 11 bins away
-  EXPECT_THAT(refusal(level_ground(1, 0.1), parameters),
+  EXPECT_EQ(map_refusal(level_ground(1, 0.1), parameters), "accepted");  // pads of one bin
+  parameters.lander.leg_radius_m = 1.05 - 0.5e-10;                       // stand 11 bins away
+  EXPECT_THAT(map_refusal(level_ground(1, 0.1), parameters),
               HasSubstr("usage: lander/leg_radius_m: a lander of 23"));
   parameters.lander.leg_radius_m = 1;
   parameters.lander.pad_diameter_m = 0.2;
-  EXPECT_THAT(refusal(level_ground(1, 0.1), parameters),
+  EXPECT_THAT(map_refusal(level_ground(1, 0.1), parameters),
               HasSubstr("usage: lander/leg_radius_m: a lander of 23"));
   parameters.method = HazardMethod::plane;  // has no legs
-  EXPECT_EQ(refusal(level_ground(1, 0.1), parameters), "accepted");
+  EXPECT_EQ(map_refusal(level_ground(1, 0.1), parameters), "accepted");
   parameters.lander.body_radius_m = 1.1;
-  EXPECT_THAT(refusal(level_ground(1, 0.1), parameters),
+  EXPECT_THAT(map_refusal(level_ground(1, 0.1), parameters),
               HasSubstr("usage: lander/body_radius_m: a lander of 23"));
 }
 
@@ -145,63 +141,63 @@ TEST(MapHazards, TheShorterSideOfTheMapHoldsTheLander) {
   HazardParameters parameters = small_lander();
   parameters.lander.body_radius_m = 1.1;
   for (const GridSpec& spec : {GridSpec{0.1, -10, -15, 22, 31}, GridSpec{0.1, -15, -10, 31, 22}})
-    EXPECT_THAT(refusal({Grid<double>(spec), std::nullopt, BinMask(spec), std::nullopt}, parameters),
+    EXPECT_THAT(map_refusal({Grid<double>(spec), std::nullopt, BinMask(spec), std::nullopt}, parameters),
                 HasSubstr("usage: lander/body_radius_m: a lander of 23 bins"));
 }
 
 TEST(MapHazards, TheBodyIsNamedIfOthersReachAsFar) {
   HazardParameters parameters = small_lander();
   parameters.lander.leg_radius_m = parameters.lander.body_radius_m = 1.1;
-  EXPECT_THAT(refusal(level_ground(1, 0.1), parameters), HasSubstr("usage: lander/body_radius_m"));
+  EXPECT_THAT(map_refusal(level_ground(1, 0.1), parameters), HasSubstr("usage: lander/body_radius_m"));
   parameters.method = HazardMethod::range_difference;
   parameters.lander.body_radius_m = parameters.limits.roughness_m = 0.5;
-  EXPECT_THAT(refusal(level_ground(1, 0.1), parameters), HasSubstr("usage: lander/body_radius_m"));
+  EXPECT_THAT(map_refusal(level_ground(1, 0.1), parameters), HasSubstr("usage: lander/body_radius_m"));
 }
 
 TEST(MapHazards, ALanderThatTheMapCannotResolveIsRefused) {
   HazardParameters parameters = small_lander();
   parameters.lander.leg_radius_m = 0.19;
-  EXPECT_THAT(refusal(level_ground(1, 0.1), parameters),
+  EXPECT_THAT(map_refusal(level_ground(1, 0.1), parameters),
               HasSubstr("usage: lander/leg_radius_m: 0.19 is less"));
   parameters.method = HazardMethod::plane;
-  EXPECT_EQ(refusal(level_ground(1, 0.1), parameters), "accepted");
+  EXPECT_EQ(map_refusal(level_ground(1, 0.1), parameters), "accepted");
   parameters.lander.body_radius_m = 0.099;
   EXPECT_THAT(
-      refusal(level_ground(1, 0.1), parameters),
+      map_refusal(level_ground(1, 0.1), parameters),
       HasSubstr("usage: lander/body_radius_m: 0.099 is less than 1 bin of 0.1 m, and the method is plane"));
   parameters.method = HazardMethod::range_difference;
-  EXPECT_THAT(refusal(level_ground(1, 0.1), parameters), HasSubstr("and the method is range_difference"));
+  EXPECT_THAT(map_refusal(level_ground(1, 0.1), parameters), HasSubstr("and the method is range_difference"));
   parameters.method = HazardMethod::plane;
   parameters.lander.body_radius_m = 0.1;
-  EXPECT_EQ(refusal(level_ground(1, 0.1), parameters), "accepted");
+  EXPECT_EQ(map_refusal(level_ground(1, 0.1), parameters), "accepted");
   parameters.method = HazardMethod::lmeds;
-  EXPECT_THAT(refusal(level_ground(1, 0.1), parameters),
+  EXPECT_THAT(map_refusal(level_ground(1, 0.1), parameters),
               HasSubstr("usage: lander/body_radius_m: 0.1 is less than 2 bins"));
   parameters.lander.body_radius_m = 0.2;
-  EXPECT_EQ(refusal(level_ground(1, 0.1), parameters), "accepted");
+  EXPECT_EQ(map_refusal(level_ground(1, 0.1), parameters), "accepted");
 }
 
 TEST(MapHazards, WindowsThatTheMapCannotHoldOrResolveAreRefused) {
   HazardParameters parameters = small_lander();
   parameters.method = HazardMethod::range_difference;
-  EXPECT_EQ(refusal(level_ground(1, 0.1), parameters), "accepted");
+  EXPECT_EQ(map_refusal(level_ground(1, 0.1), parameters), "accepted");
   parameters.limits.roughness_m = 0.6;  // 3 + 6 + 1 bins to each side
-  EXPECT_EQ(refusal(level_ground(1, 0.1), parameters), "accepted");
+  EXPECT_EQ(map_refusal(level_ground(1, 0.1), parameters), "accepted");
   parameters.limits.roughness_m = 0.7;
-  EXPECT_EQ(refusal(level_ground(1, 0.1), parameters),
+  EXPECT_EQ(map_refusal(level_ground(1, 0.1), parameters),
             "usage: limits/roughness_m: a window of 23 bins across is larger than the map of 21 x 21 bins of "
             "0.1 m");
   parameters.limits.roughness_m = 0.1;
-  EXPECT_EQ(refusal(level_ground(1, 0.1), parameters), "accepted");
+  EXPECT_EQ(map_refusal(level_ground(1, 0.1), parameters), "accepted");
   parameters.limits.roughness_m = 0.09;
-  EXPECT_THAT(refusal(level_ground(1, 0.1), parameters),
+  EXPECT_THAT(map_refusal(level_ground(1, 0.1), parameters),
               HasSubstr("usage: limits/roughness_m: 0.09 is less than 1 bin of 0.1 m"));
   parameters.method = HazardMethod::contact;  // has no windows
-  EXPECT_EQ(refusal(level_ground(1, 0.1), parameters), "accepted");
+  EXPECT_EQ(map_refusal(level_ground(1, 0.1), parameters), "accepted");
   parameters.method = HazardMethod::range_difference;
   parameters.limits.roughness_m = 0.3;
   parameters.lander.body_radius_m = 0.8;
-  EXPECT_THAT(refusal(level_ground(1, 0.1), parameters),
+  EXPECT_THAT(map_refusal(level_ground(1, 0.1), parameters),
               HasSubstr("usage: lander/body_radius_m: a window of 25 bins"));
 }
 
@@ -245,12 +241,13 @@ TEST(MapHazards, ARegionWithoutAKnownPlaceSaysWhy) {
   HazardParameters parameters = small_lander();
   input.z.at({10, 10}) = kNan;
   parameters.region_radius_m = 0.3;
-  EXPECT_THAT(refusal(input, parameters), HasSubstr("format: nothing to judge: at each place within 0.3 m"));
+  EXPECT_THAT(map_refusal(input, parameters),
+              HasSubstr("format: nothing to judge: at each place within 0.3 m"));
   parameters.region_radius_m = 0.05;
-  EXPECT_EQ(refusal(input, parameters),
+  EXPECT_EQ(map_refusal(input, parameters),
             "format: nothing to judge: no bin within 0.05 m of the origin has an elevation");
   const GridSpec aside{.resolution_m = 0.1, .first_row = 100, .first_col = 0, .rows = 20, .cols = 20};
-  EXPECT_EQ(refusal({Grid<double>(aside), std::nullopt, BinMask(aside), std::nullopt}, parameters),
+  EXPECT_EQ(map_refusal({Grid<double>(aside), std::nullopt, BinMask(aside), std::nullopt}, parameters),
             "format: nothing to judge: no bin of the map lies within 0.05 m of the origin");
 }
 
@@ -259,7 +256,7 @@ TEST(MapHazards, ALoneElevationIsNamed) {
   HazardInput input = level_ground(1, 0.1);
   for (double& z : input.z.values()) z = kNan;
   input.z.at({0, 0}) = 0;
-  EXPECT_THAT(refusal(input, small_lander()), HasSubstr("nothing to judge: at each place within"));
+  EXPECT_THAT(map_refusal(input, small_lander()), HasSubstr("nothing to judge: at each place within"));
 }
 
 TEST(MapHazards, ASiteHasTheValuesOfItsPlace) {

@@ -9,6 +9,7 @@
 #include <string>
 
 #include "base/core/error.h"
+#include "refusal.h"
 
 namespace landfall {
 namespace {
@@ -160,18 +161,15 @@ TEST(ReachableArea, WithoutTiltOnlyTheRestingPlaceRemains) {
 
 TEST(ReachableArea, ThrustThatDoesNotStopTheDescentIsRefused) {
   const auto refusal = [](double thrust_mps2) -> std::string {
-    try {
-      static_cast<void>(ReachableArea::divert({.height_m = 100,
-                                               .descent_mps = 20,
-                                               .velocity_mps = {},
-                                               .position_m = {},
-                                               .tilt_rad = kTilt30,
-                                               .thrust_accel_mps2 = thrust_mps2,
-                                               .gravity_mps2 = 1.5}));
-    } catch (const UsageError& error) {
-      return error.what();
-    }
-    return "accepted";
+    return landfall::refusal([&] {
+      return ReachableArea::divert({.height_m = 100,
+                                    .descent_mps = 20,
+                                    .velocity_mps = {},
+                                    .position_m = {},
+                                    .tilt_rad = kTilt30,
+                                    .thrust_accel_mps2 = thrust_mps2,
+                                    .gravity_mps2 = 1.5});
+    });
   };
   EXPECT_EQ(
       refusal(3.49),

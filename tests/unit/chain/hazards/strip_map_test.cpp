@@ -16,6 +16,7 @@
 #include "base/numerics/random.h"
 #include "base/raster/grid.h"
 #include "chain/hazards/site_search.h"
+#include "refusal.h"
 
 namespace landfall {
 namespace {
@@ -158,12 +159,7 @@ TEST(StripMap, WhatHasNoPlaceIsRefusedAsInOnePiece) {
   const GridSpec spec = GridSpec::centered(3, 0.1);
   const Grid<double> empty(spec, std::numeric_limits<double>::quiet_NaN());
   const auto refusal = [&](const auto& judged) -> std::string {
-    try {
-      static_cast<void>(judged());
-    } catch (const FormatError& error) {
-      return error.what();
-    }
-    return "accepted";
+    return landfall::refusal<FormatError>([&] { return judged(); });
   };
   const HazardParameters parameters = parameters_of(HazardMethod::contact);
   const std::string expected = refusal([&] { return in_one_piece(empty, parameters); });

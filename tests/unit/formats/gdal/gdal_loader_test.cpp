@@ -22,6 +22,7 @@
 #include "formats/gdal/map_frame.h"
 #include "gdal_rasters.h"
 #include "load_dem_test.h"
+#include "refusal.h"
 
 namespace landfall {
 namespace {
@@ -91,14 +92,7 @@ GeneratedTerrain terrain_of(const DemBase& dem, const GridSpec& spec) {
 
 /// The error of an import, its kind first.
 std::string import_refusal(const DemBase& dem, const GridSpec& spec) {
-  try {
-    (void)load_dem(dem, spec);
-  } catch (const UsageError& error) {
-    return std::string("usage: ") + error.what();
-  } catch (const FormatError& error) {
-    return std::string("format: ") + error.what();
-  }
-  return "accepted";
+  return kind_and_refusal([&] { return load_dem(dem, spec); });
 }
 
 void write_bytes(const std::filesystem::path& path, const std::string& bytes) {

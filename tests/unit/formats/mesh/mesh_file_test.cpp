@@ -15,6 +15,7 @@
 #include "chain/terrain/mesh/triangle_mesh.h"
 #include "chain/terrain/relief/triangulated_grid.h"
 #include "constants.h"
+#include "refusal.h"
 #include "store/files/provenance.h"
 
 namespace landfall {
@@ -42,14 +43,10 @@ class MeshFileTest : public ::testing::Test {
     return refusal_of(write(name, bytes));
   }
   [[nodiscard]] std::string refusal_of(const fs::path& path) const {
-    try {
-      static_cast<void>(clean_mesh(read_mesh_file(path).soup, {}, path.string()));
-    } catch (const FormatError& error) {
-      const std::string what = error.what();
-      const std::string prefix = path.string() + ": ";
-      return what.substr(0, prefix.size()) == prefix ? what.substr(prefix.size()) : "no name: " + what;
-    }
-    return "accepted";
+    const std::string what = landfall::refusal<FormatError>(
+        [&] { return clean_mesh(read_mesh_file(path).soup, {}, path.string()); });
+    const std::string prefix = path.string() + ": ";
+    return what.starts_with(prefix) ? what.substr(prefix.size()) : "no name: " + what;
   }
 
   fs::path folder_;

@@ -6,6 +6,7 @@
 
 #include "base/core/error.h"
 #include "cloud_files.h"
+#include "refusal.h"
 
 namespace landfall {
 namespace {
@@ -19,12 +20,7 @@ TimeScale scale_of(const TimeExtent& times, std::optional<TimeUnit> unit = std::
 }
 
 std::string time_refusal(const TimeExtent& times, const CloudInfo& info = {}) {
-  try {
-    static_cast<void>(scale_of(times, std::nullopt, info));
-  } catch (const FormatError& error) {
-    return error.what();
-  }
-  return "accepted";
+  return refusal<FormatError>([&] { return scale_of(times, std::nullopt, info); });
 }
 
 TEST(CloudTimes, AsksForTheUnitBeyond1e12) {

@@ -4,6 +4,7 @@
 
 #include "base/core/error.h"
 #include "chain/lidar/error_models/random_navigation_error.h"
+#include "refusal.h"
 #include "store/config/json_source.h"
 #include "store/config/scan_components.h"
 #include "store/config/scan_config.h"
@@ -28,12 +29,7 @@ const TableLoader kNoTable = [](const std::string&, const std::string&, const Ta
 };
 
 std::string refusal_of(const std::string& text) {
-  try {
-    static_cast<void>(scan_of(text));
-  } catch (const UsageError& error) {
-    return error.what();
-  }
-  return "accepted";
+  return refusal([&] { return scan_of(text); });
 }
 
 TEST(ErrorConfig, RangeErrorsAreRead) {

@@ -8,6 +8,7 @@
 #include <string>
 
 #include "base/core/error.h"
+#include "refusal.h"
 #include "store/config/presets.h"
 #include "store/config/schema.h"
 
@@ -22,12 +23,7 @@ HazardParameters parameters_of(const std::string& text) {
 }
 
 std::string hazard_refusal(const std::string& text) {
-  try {
-    static_cast<void>(parameters_of(text));
-  } catch (const UsageError& error) {
-    return error.what();
-  }
-  return "accepted";
+  return landfall::refusal([&] { return parameters_of(text); });
 }
 
 void expect_equal_parameters(const HazardParameters& a, const HazardParameters& b) {

@@ -9,6 +9,7 @@
 #include <fstream>
 
 #include "base/core/error.h"
+#include "refusal.h"
 #include "temporary_folder.h"
 
 namespace landfall {
@@ -20,12 +21,7 @@ std::string json_refusal(const std::string& text) {
   const TemporaryFolder folder;
   const std::filesystem::path path = folder / "source.json";
   std::ofstream(path) << text;
-  try {
-    static_cast<void>(read_json(path.string()));
-  } catch (const UsageError& error) {
-    return error.what();
-  }
-  return "accepted";
+  return refusal([&] { return read_json(path.string()); });
 }
 
 TEST(ReadJson, Comments) {

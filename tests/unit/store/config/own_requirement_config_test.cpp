@@ -20,7 +20,7 @@ std::vector<Requirement> parsed(const std::string& list) {
 }
 
 std::string refused(const std::string& list) {
-  return refusal([&] { static_cast<void>(parsed(list)); });
+  return refusal([&] { return parsed(list); });
 }
 
 TEST(OwnRequirementConfig, NoneWithoutTheKey) {

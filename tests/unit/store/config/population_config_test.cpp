@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "base/core/error.h"
+#include "refusal.h"
 #include "store/config/schema.h"
 #include "store/config/terrain_config.h"
 
@@ -22,12 +23,7 @@ FeaturePattern pattern_of(const std::string& patterns) {
 }
 
 std::string population_refusal(const std::string& patterns) {
-  try {
-    pattern_of(patterns);
-  } catch (const UsageError& error) {
-    return error.what();
-  }
-  return "accepted";
+  return refusal([&] { pattern_of(patterns); });
 }
 
 TEST(PopulationConfig, Defaults) {

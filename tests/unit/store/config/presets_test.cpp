@@ -8,6 +8,7 @@
 #include <fstream>
 
 #include "base/core/error.h"
+#include "refusal.h"
 #include "store/config/scan_config.h"
 #include "store/config/schema.h"
 
@@ -23,12 +24,7 @@ std::string write_preset(const std::string& name, const std::string& text) {
 }
 
 std::string preset_refusal(const std::vector<std::string>& names, const std::string& schema) {
-  try {
-    static_cast<void>(read_config(names, schema));
-  } catch (const UsageError& error) {
-    return error.what();
-  }
-  return "accepted";
+  return refusal([&] { return read_config(names, schema); });
 }
 
 TEST(Presets, EachHasADescriptionAndIsAValidConfiguration) {

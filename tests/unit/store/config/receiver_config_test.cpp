@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "base/core/error.h"
+#include "refusal.h"
 #include "store/config/json_source.h"
 #include "store/config/scan_config.h"
 #include "store/config/schema.h"
@@ -37,12 +38,7 @@ std::vector<double> constants(const Json& config) {
 }
 
 std::string receiver_refusal(const Json& config) {
-  try {
-    static_cast<void>(scan_model(config, "scan.json", {}));
-  } catch (const UsageError& error) {
-    return error.what();
-  }
-  return "";
+  return refusal([&] { return scan_model(config, "scan.json", {}); });
 }
 
 TEST(ReceiverConfig, WithoutAReceiverNothingIsSeen) {

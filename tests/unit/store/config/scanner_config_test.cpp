@@ -9,6 +9,7 @@
 #include "chain/lidar/scanner/fsm.h"
 #include "chain/lidar/scanner/gimbal.h"
 #include "chain/lidar/scanner/polygon.h"
+#include "refusal.h"
 #include "store/config/scan_config.h"
 #include "store/config/schema.h"
 
@@ -25,12 +26,7 @@ ScanModel scanner_model(const std::string& scanner) {
 }
 
 std::string scanner_refusal(const std::string& scanner) {
-  try {
-    static_cast<void>(scanner_model(scanner));
-  } catch (const UsageError& error) {
-    return error.what();
-  }
-  return "accepted";
+  return refusal([&] { return scanner_model(scanner); });
 }
 
 /// The tilts that the lander believes at a late pulse, and whether it is blanked after a long jump.

@@ -8,6 +8,7 @@
 #include <stdexcept>
 
 #include "base/core/error.h"
+#include "refusal.h"
 
 namespace landfall {
 namespace {
@@ -18,12 +19,7 @@ using testing::HasSubstr;
 using testing::Not;
 
 std::string schema_refusal(const std::string& schema, const std::string& text) {
-  try {
-    static_cast<void>(resolve_config({"c.json", Json::parse(text)}, embedded_schema(schema)));
-  } catch (const UsageError& error) {
-    return error.what();
-  }
-  return "accepted";
+  return refusal([&] { return resolve_config({"c.json", Json::parse(text)}, embedded_schema(schema)); });
 }
 
 TEST(Schema, EmptyConfigResolvesToTheContractsDefaults) {

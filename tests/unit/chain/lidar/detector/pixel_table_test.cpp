@@ -10,6 +10,7 @@
 #include <string>
 
 #include "base/core/error.h"
+#include "refusal.h"
 
 namespace landfall {
 namespace {
@@ -28,12 +29,8 @@ NumberTable table_of(const Rows& rows) {
 }
 
 void expect_refused(const Rows& table, const std::string& words) {
-  try {
-    static_cast<void>(pixel_points(table_of(table), 2, 2));
-    FAIL() << words;
-  } catch (const FormatError& error) {
-    EXPECT_THAT(error.what(), testing::StartsWith("pixels.csv: " + words));
-  }
+  EXPECT_THAT(refusal<FormatError>([&] { return pixel_points(table_of(table), 2, 2); }),
+              testing::StartsWith("pixels.csv: " + words));
 }
 
 const Rows kWhole = {{1, 1, 4, 5}, {0, 0, -1, -2}, {0, 1, 2, 3}, {1, 0, 6, 7}};

@@ -13,6 +13,7 @@
 
 #include "base/core/error.h"
 #include "constants.h"
+#include "refusal.h"
 #include "test_seed.h"
 
 namespace landfall {
@@ -100,12 +101,10 @@ TEST(RangeEstimator, OverAStep) {
 TEST(RangeEstimator, RefusesAResolutionOutOfRange) {
   for (const double bad : {0.0, -0.1, kNan, std::numeric_limits<double>::infinity()})
     EXPECT_THROW(RangeEstimator({strongest, bad}), UsageError);
-  try {
-    static_cast<void>(RangeEstimator({strongest, -1}));
-    FAIL();
-  } catch (const UsageError& error) {
-    EXPECT_THAT(error.what(), testing::HasSubstr("range_resolution_m: -1 is not finite"));
-  }
+  EXPECT_THAT(refusal([&] {
+                return RangeEstimator({strongest, -1});
+              }),
+              testing::HasSubstr("range_resolution_m: -1 is not finite"));
 }
 
 /// The rule by trying every window.

@@ -10,6 +10,7 @@
 #include <functional>
 
 #include "base/core/error.h"
+#include "refusal.h"
 #include "test_seed.h"
 
 namespace landfall {
@@ -186,12 +187,10 @@ TEST(RandomNavigationError, ItsGridIsCheckedBeforeAnythingIsDrawn) {
 
 TEST(RandomNavigationError, RefusesWhatIsOutOfRange) {
   const auto refused = [](const RandomNavigationParameters& p, const char* message) {
-    try {
-      const RandomNavigationError error({}, p, {1, 2});
-      FAIL() << message;
-    } catch (const UsageError& error) {
-      EXPECT_THAT(error.what(), testing::HasSubstr(message));
-    }
+    EXPECT_THAT(refusal([&] {
+                  const RandomNavigationError error({}, p, {1, 2});
+                }),
+                testing::HasSubstr(message));
   };
   refused({.random_walk = {.position_m_per_sqrt_s = {{0, -1, 0}}}},
           "random_walk/position_m_per_sqrt_s/1: -1 is not finite and >= 0");

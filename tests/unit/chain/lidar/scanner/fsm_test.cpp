@@ -9,6 +9,7 @@
 
 #include "base/core/error.h"
 #include "base/numerics/random.h"
+#include "refusal.h"
 #include "steering.h"
 
 namespace landfall {
@@ -124,13 +125,11 @@ TEST(Fsm, RefusesAnAimBeyondItsReach) {
   EXPECT_NO_THROW(static_cast<void>(aimed(fsm, towards(0.1999999, 1))));
   EXPECT_THROW(static_cast<void>(aimed(fsm, {{0, 0, -1}})), FormatError);
   EXPECT_THROW(static_cast<void>(aimed(fsm, {{std::nan(""), 0, 1}})), FormatError);
-  try {
-    static_cast<void>(fsm.state({.time = {17, 0}, .aim = towards(20 * kDegree, 1)}));
-    FAIL();
-  } catch (const FormatError& error) {
-    EXPECT_THAT(error.what(), testing::HasSubstr("pulse 17 aims 20 degrees"));
-    EXPECT_THAT(error.what(), testing::HasSubstr("max_deflection_deg allows 11.4592"));
-  }
+  EXPECT_THAT(refusal<FormatError>([&] {
+                return fsm.state({.time = {17, 0}, .aim = towards(20 * kDegree, 1)});
+              }),
+              testing::AllOf(testing::HasSubstr("pulse 17 aims 20 degrees"),
+                             testing::HasSubstr("max_deflection_deg allows 11.4592")));
 }
 
 TEST(Fsm, ReachesThirtyDegreesByDefault) {

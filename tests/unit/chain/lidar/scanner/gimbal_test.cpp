@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "base/core/error.h"
+#include "refusal.h"
 #include "steering.h"
 
 namespace landfall {
@@ -74,12 +75,10 @@ TEST(Gimbal, BlanksAndSettlesAfterAStep) {
 TEST(Gimbal, RefusesAnAimBeyondItsReach) {
   const Gimbal gimbal({});
   EXPECT_NO_THROW(static_cast<void>(gimbal.state({.aim = towards(29.999 * kDegree, 0)})));
-  try {
-    static_cast<void>(gimbal.state({.time = {17, 0}, .aim = towards(31 * kDegree, 0)}));
-    FAIL();
-  } catch (const FormatError& error) {
-    EXPECT_THAT(error.what(), testing::HasSubstr("pulse 17 aims 31 degrees"));
-  }
+  EXPECT_THAT(refusal<FormatError>([&] {
+                return gimbal.state({.time = {17, 0}, .aim = towards(31 * kDegree, 0)});
+              }),
+              testing::HasSubstr("pulse 17 aims 31 degrees"));
 }
 
 TEST(Gimbal, RefusesParametersOutOfRange) {

@@ -10,6 +10,7 @@
 #include "base/core/error.h"
 #include "chain/lidar/scanner/fsm.h"
 #include "chain/lidar/scanner/gimbal.h"
+#include "refusal.h"
 #include "steering.h"
 
 namespace landfall {
@@ -21,12 +22,7 @@ using testing::HasSubstr;
 ScannerState table_state(const TableScanner& table, double t_s) { return table.state({.time = {3, t_s}}); }
 
 std::string message_of(const std::function<void()>& action) {
-  try {
-    action();
-  } catch (const FormatError& error) {
-    return error.what();
-  }
-  return "no FormatError";
+  return refusal<FormatError>([&] { action(); });
 }
 
 TEST(TableScanner, IsLinearBetweenRows) {

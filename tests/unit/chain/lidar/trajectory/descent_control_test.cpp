@@ -10,6 +10,7 @@
 
 #include "base/core/error.h"
 #include "base/geometry/rotation_vector.h"
+#include "refusal.h"
 
 namespace landfall {
 namespace {
@@ -24,12 +25,7 @@ RigidBodyState turned(const Eigen::Vector3d& phi,
 
 template <class... Arguments>
 std::string message_of(const Arguments&... arguments) {
-  try {
-    require_valid(arguments...);
-  } catch (const UsageError& error) {
-    return error.what();
-  }
-  return "no error";
+  return refusal([&] { require_valid(arguments...); });
 }
 
 TEST(DescentThrust, CarriesTheWeightAndCorrectsTheRate) {

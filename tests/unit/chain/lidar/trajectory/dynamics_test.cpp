@@ -9,6 +9,7 @@
 
 #include "base/core/error.h"
 #include "base/geometry/rotation_vector.h"
+#include "refusal.h"
 
 namespace landfall {
 namespace {
@@ -19,12 +20,7 @@ const AttitudeControl kNoThrusters{.torque_nm = Eigen::Vector3d::Zero()};
 Eigen::Vector3d turn(const Pose& pose) { return rotation_vector(Eigen::Quaterniond(pose.rotation.m)); }
 
 std::string dynamics_message(const DynamicsParameters& parameters) {
-  try {
-    const DynamicsTrajectory trajectory(parameters);
-  } catch (const UsageError& error) {
-    return error.what();
-  }
-  return "no error";
+  return refusal([&] { const DynamicsTrajectory trajectory(parameters); });
 }
 
 // Times on and between the control times, over 100 s and 9 km.

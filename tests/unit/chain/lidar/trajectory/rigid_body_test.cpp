@@ -11,18 +11,14 @@
 
 #include "base/core/error.h"
 #include "base/geometry/rotation_vector.h"
+#include "refusal.h"
 #include "test_seed.h"
 
 namespace landfall {
 namespace {
 
 std::string rigid_body_message(const RigidBody& body) {
-  try {
-    const RigidBodyMotion motion(body);
-  } catch (const UsageError& error) {
-    return error.what();
-  }
-  return "no error";
+  return refusal([&] { const RigidBodyMotion motion(body); });
 }
 
 RigidBodyState propagate(const RigidBodyMotion& motion, RigidBodyState state, const Load& load, int steps,

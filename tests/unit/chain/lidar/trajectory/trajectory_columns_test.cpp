@@ -12,6 +12,7 @@
 
 #include "base/core/error.h"
 #include "base/geometry/rotation.h"
+#include "refusal.h"
 #include "test_seed.h"
 
 namespace landfall {
@@ -28,12 +29,7 @@ NumberTable table_of(const Columns& attitude) {
 const Columns kRollPitchYaw = {{"roll_deg", {10, 0}}, {"pitch_deg", {20, 0}}, {"yaw_deg", {30, 90}}};
 
 std::string columns_message(const Columns& columns) {
-  try {
-    static_cast<void>(trajectory_samples(table_of(columns)));
-  } catch (const FormatError& error) {
-    return error.what();
-  }
-  return "accepted";
+  return refusal<FormatError>([&] { return trajectory_samples(table_of(columns)); });
 }
 
 TEST(TrajectoryColumns, QuaternionIsScalarFirst) {

@@ -9,6 +9,7 @@
 #include "base/core/error.h"
 #include "chain/terrain/features/feature.h"
 #include "constants.h"
+#include "refusal.h"
 
 namespace landfall {
 namespace {
@@ -16,12 +17,7 @@ namespace {
 using testing::HasSubstr;
 
 std::string shape_refusal(const FeatureShape& shape) {
-  try {
-    validate(shape, "it");
-  } catch (const UsageError& error) {
-    return error.what();
-  }
-  return "accepted";
+  return refusal([&] { validate(shape, "it"); });
 }
 
 TEST(Rock, ClosedForm) {

@@ -9,6 +9,7 @@
 #include "base/core/error.h"
 #include "populations/drawn.h"
 #include "populations/expect_even.h"
+#include "refusal.h"
 
 namespace landfall {
 namespace {
@@ -81,13 +82,10 @@ TEST(LinePattern, RefusesParametersWithoutSense) {
   const auto of = [](const auto& change) -> std::string {
     LinePattern pattern = ridges();
     change(pattern);
-    try {
+    return refusal([&] {
       pattern.validate("patterns/0");
       pattern.require_bounded(hectare());
-    } catch (const UsageError& error) {
-      return error.what();
-    }
-    return "accepted";
+    });
   };
   EXPECT_EQ(of([](LinePattern&) {}), "accepted");
   EXPECT_THAT(of([](LinePattern& p) { p.density_per_m2 = 0; }), HasSubstr("patterns/0/density_per_m2: 0"));

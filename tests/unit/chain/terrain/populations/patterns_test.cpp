@@ -12,6 +12,7 @@
 #include "constants.h"
 #include "populations/drawn.h"
 #include "populations/expect_even.h"
+#include "refusal.h"
 
 namespace landfall {
 namespace {
@@ -161,12 +162,7 @@ TEST(ScatterPatterns, TheDrawsStayWhatTheyAre) {
 
 TEST(ScatterPatterns, RefuseParametersWithoutSense) {
   const auto refusal = [](const auto& pattern) -> std::string {
-    try {
-      pattern.validate("patterns/4");
-    } catch (const UsageError& error) {
-      return error.what();
-    }
-    return "accepted";
+    return landfall::refusal([&] { pattern.validate("patterns/4"); });
   };
   EXPECT_EQ(refusal(kRocks), "accepted");
   EXPECT_EQ(refusal(kBlocks), "accepted");

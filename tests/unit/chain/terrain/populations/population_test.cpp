@@ -134,7 +134,7 @@ TEST(Population, RefusesWhatCannotBePacked) {
   Population dense{PowerLaw{1, 1}, {0.5, 10}};
   dense.overlap = false;
   EXPECT_THAT(
-      refusal([&] { static_cast<void>(drawn(dense, hectare(1, 3))); }),
+      refusal([&] { return drawn(dense, hectare(1, 3)); }),
       AllOf(HasSubstr("patterns/3/overlap: a rock of "), HasSubstr("no free position in 1000 draws")));
 }
 

@@ -130,7 +130,7 @@ TEST(SizeLaw, RefusesParametersWithoutSense) {
   EXPECT_THAT(of(PowerLaw{0, 2}), HasSubstr("coefficient: 0"));
   EXPECT_THAT(of(PowerLaw{1, -2}), HasSubstr("exponent: -2"));
   EXPECT_EQ(of(ViperCraterLaw{}), "accepted");
-  EXPECT_THAT(refusal([] { static_cast<void>(GolombekLaw::covering(0.5, 1, "patterns/0")); }),
+  EXPECT_THAT(refusal([] { return GolombekLaw::covering(0.5, 1, "patterns/0"); }),
               HasSubstr("patterns/0: rocks of 1 m and more cover at most 0.14"));
 }
 

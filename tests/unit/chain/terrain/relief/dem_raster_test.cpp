@@ -9,6 +9,7 @@
 
 #include "base/core/error.h"
 #include "constants.h"
+#include "refusal.h"
 
 namespace landfall {
 namespace {
@@ -135,12 +136,8 @@ TEST(RequireSiteInside, NamesSizeAndFit) {
   EXPECT_NO_THROW(require_site_inside(metres({5, 5}), {11, 11}, bicubic, site, "a.tif"));
   EXPECT_NO_THROW(require_site_inside(metres({4.5, 4.5}), {10, 10}, nearest, site, "a.tif"));
   const auto refusal = [&](const PixelPosition& center, const RasterSize& size, Interpolation method) {
-    try {
-      require_site_inside(metres(center), size, method, site, "a.tif");
-    } catch (const FormatError& error) {
-      return std::string(error.what());
-    }
-    return std::string("accepted");
+    return landfall::refusal<FormatError>(
+        [&] { require_site_inside(metres(center), size, method, site, "a.tif"); });
   };
   EXPECT_EQ(
       refusal({4.5, 4.5}, {10, 12}, bilinear),

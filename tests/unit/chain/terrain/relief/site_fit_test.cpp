@@ -7,6 +7,7 @@
 #include <string>
 
 #include "base/core/error.h"
+#include "refusal.h"
 
 namespace landfall {
 namespace {
@@ -41,19 +42,14 @@ TEST(FitSite, ResolutionDividesAGivenHalfWidth) {
 
 TEST(FitSite, SaysWhatIsMissing) {
   const auto refusal = [](double col, const SiteRequest& request) {
-    try {
-      (void)Raster(col).fit(bilinear, request);
-    } catch (const Error& error) {
-      return std::to_string(static_cast<int>(error.exit_code())) + " " + error.what();
-    }
-    return std::string("accepted");
+    return kind_and_refusal([&] { return Raster(col).fit(bilinear, request); });
   };
-  EXPECT_THAT(refusal(10, {{}, 0.001}),
-              ::testing::AllOf(::testing::StartsWith("2 a.tif: "), ::testing::HasSubstr("half_width_m")));
+  EXPECT_THAT(refusal(10, {{}, 0.001}), ::testing::AllOf(::testing::StartsWith("usage: a.tif: "),
+                                                         ::testing::HasSubstr("half_width_m")));
   EXPECT_EQ(refusal(10, {{}, 20.0 / 4095}), "accepted");
-  EXPECT_THAT(refusal(0, {}),
-              ::testing::AllOf(::testing::StartsWith("1 a.tif: "), ::testing::HasSubstr("another center")));
-  EXPECT_THAT(refusal(40, {}), ::testing::StartsWith("1 a.tif: "));
+  EXPECT_THAT(refusal(0, {}), ::testing::AllOf(::testing::StartsWith("format: a.tif: "),
+                                               ::testing::HasSubstr("another center")));
+  EXPECT_THAT(refusal(40, {}), ::testing::StartsWith("format: a.tif: "));
 }
 
 }  // namespace

@@ -12,6 +12,7 @@
 #include "base/core/parallel.h"
 #include "chain/terrain/relief/fractal.h"
 #include "constants.h"
+#include "refusal.h"
 #include "relief/no_raster.h"
 
 namespace landfall {
@@ -93,14 +94,7 @@ TEST(GenerateTerrain, RingOfThePaper) {
 }
 
 std::string generator_refusal(const TerrainModel& model, const DemLoader& load = no_raster) {
-  try {
-    (void)generate_terrain(model, GridSpec::centered(4, 1), load);
-  } catch (const UsageError& error) {
-    return std::string("usage: ") + error.what();
-  } catch (const FormatError& error) {
-    return std::string("format: ") + error.what();
-  }
-  return "accepted";
+  return kind_and_refusal([&] { return generate_terrain(model, GridSpec::centered(4, 1), load); });
 }
 
 TEST(GenerateTerrain, CentresMustLieOnTheGrid) {
