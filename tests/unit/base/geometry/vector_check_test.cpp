@@ -7,7 +7,6 @@
 #include <cmath>
 #include <numbers>
 
-#include "base/core/error.h"
 #include "refusal.h"
 
 namespace landfall {

@@ -7,7 +7,6 @@
 #include <cmath>
 #include <numbers>
 
-#include "base/core/error.h"
 #include "base/numerics/random.h"
 #include "refusal.h"
 

@@ -9,7 +9,6 @@
 #include <limits>
 #include <string>
 
-#include "base/core/error.h"
 #include "refusal.h"
 
 namespace landfall {

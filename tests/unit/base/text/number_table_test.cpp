@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "base/text/number_table.h"
 
-#include <gmock/gmock.h>
+#include <gtest/gtest.h>
 
 #include "refusal.h"
 

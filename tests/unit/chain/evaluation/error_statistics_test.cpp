@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <vector>
 
 #include "base/core/parallel.h"
 #include "base/numerics/random.h"

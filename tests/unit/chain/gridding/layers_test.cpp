@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "chain/terrain/relief/triangulated_grid.h"
 #include "map_layers.h"

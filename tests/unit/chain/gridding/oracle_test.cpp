@@ -7,7 +7,6 @@
 #include <cstring>
 #include <map>
 #include <random>
-#include <string>
 
 #include "base/core/parallel.h"
 #include "map_layers.h"

@@ -11,7 +11,6 @@
 #include <optional>
 #include <random>
 
-#include "base/core/error.h"
 #include "chain/lidar/error_models/navigation_error.h"
 #include "refusal.h"
 #include "return_columns.h"

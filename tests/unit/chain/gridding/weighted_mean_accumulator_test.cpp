@@ -3,7 +3,6 @@
 
 #include <gtest/gtest.h>
 
-#include <vector>
 
 #include "base/core/error.h"
 #include "constants.h"

@@ -6,11 +6,9 @@
 
 #include <cmath>
 #include <cstdint>
-#include <cstdlib>
 #include <numbers>
 #include <string>
 
-#include "base/core/error.h"
 #include "constants.h"
 #include "refusal.h"
 

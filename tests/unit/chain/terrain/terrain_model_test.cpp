@@ -6,7 +6,6 @@
 
 #include <limits>
 
-#include "base/core/error.h"
 #include "constants.h"
 #include "refusal.h"
 

@@ -2,7 +2,6 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "base/core/error.h"
 #include "chain/lidar/error_models/random_navigation_error.h"
 #include "refusal.h"
 #include "store/config/json_source.h"

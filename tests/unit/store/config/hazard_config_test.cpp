@@ -7,7 +7,6 @@
 #include <cmath>
 #include <string>
 
-#include "base/core/error.h"
 #include "refusal.h"
 #include "store/config/presets.h"
 #include "store/config/schema.h"

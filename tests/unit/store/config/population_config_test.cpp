@@ -4,7 +4,6 @@
 
 #include <numbers>
 
-#include "base/core/error.h"
 #include "refusal.h"
 #include "store/config/schema.h"
 #include "store/config/terrain_config.h"

@@ -7,9 +7,7 @@
 #include <filesystem>
 #include <fstream>
 
-#include "base/core/error.h"
 #include "refusal.h"
-#include "store/config/scan_config.h"
 #include "store/config/schema.h"
 
 namespace landfall {

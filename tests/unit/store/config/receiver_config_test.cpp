@@ -6,7 +6,6 @@
 
 #include <cmath>
 
-#include "base/core/error.h"
 #include "refusal.h"
 #include "store/config/json_source.h"
 #include "store/config/scan_config.h"

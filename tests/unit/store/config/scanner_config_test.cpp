@@ -5,7 +5,6 @@
 
 #include <numbers>
 
-#include "base/core/error.h"
 #include "chain/lidar/scanner/fsm.h"
 #include "chain/lidar/scanner/gimbal.h"
 #include "chain/lidar/scanner/polygon.h"

@@ -7,7 +7,6 @@
 #include <set>
 #include <stdexcept>
 
-#include "base/core/error.h"
 #include "refusal.h"
 
 namespace landfall {

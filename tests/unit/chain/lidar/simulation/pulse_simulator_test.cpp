@@ -6,7 +6,6 @@
 
 #include <cmath>
 #include <limits>
-#include <string>
 
 #include "analytic_engines.h"
 #include "base/core/error.h"

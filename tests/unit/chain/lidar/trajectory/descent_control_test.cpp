@@ -8,7 +8,6 @@
 #include <numbers>
 #include <string>
 
-#include "base/core/error.h"
 #include "base/geometry/rotation_vector.h"
 #include "refusal.h"
 

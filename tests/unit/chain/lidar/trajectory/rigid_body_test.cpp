@@ -5,11 +5,9 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <functional>
 #include <random>
 #include <string>
 
-#include "base/core/error.h"
 #include "base/geometry/rotation_vector.h"
 #include "refusal.h"
 #include "test_seed.h"

@@ -6,7 +6,6 @@
 #include <cmath>
 #include <vector>
 
-#include "base/core/error.h"
 #include "chain/terrain/features/feature.h"
 #include "constants.h"
 #include "refusal.h"

@@ -6,7 +6,6 @@
 
 #include <cmath>
 
-#include "base/core/error.h"
 #include "populations/drawn.h"
 #include "populations/expect_even.h"
 #include "refusal.h"

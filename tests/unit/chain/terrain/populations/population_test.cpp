@@ -8,11 +8,8 @@
 #include <array>
 #include <cmath>
 #include <functional>
-#include <limits>
 #include <set>
-#include <utility>
 
-#include "base/core/error.h"
 #include "base/core/parallel.h"
 #include "chain/terrain/populations/disc_packing.h"
 #include "populations/drawn.h"

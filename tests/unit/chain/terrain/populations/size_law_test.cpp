@@ -8,7 +8,6 @@
 #include <limits>
 #include <vector>
 
-#include "base/core/error.h"
 #include "constants.h"
 #include "refusal.h"
 

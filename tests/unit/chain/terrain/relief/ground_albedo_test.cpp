@@ -8,7 +8,6 @@
 #include <cmath>
 #include <numbers>
 #include <numeric>
-#include <vector>
 
 #include "base/core/error.h"
 #include "chain/terrain/relief/terrain_generator.h"

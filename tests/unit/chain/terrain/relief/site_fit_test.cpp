@@ -4,9 +4,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <string>
 
-#include "base/core/error.h"
 #include "refusal.h"
 
 namespace landfall {
