@@ -8,8 +8,7 @@
 #include "chain/lidar/scanner/patterns.h"
 #include "constants.h"
 #include "refusal.h"
-#include "store/config/scan_config.h"
-#include "store/config/schema.h"
+#include "scan_models.h"
 
 namespace landfall {
 namespace {
@@ -22,9 +21,7 @@ using testing::HasSubstr;
 Json pattern_scan_config(const std::string& pattern) {
   const std::string text =
       R"({"laser": {"scan_time_s": 3}, "scanner": {"type": "fsm", "pattern": )" + pattern;
-  Json config = resolve_config({"c.json", Json::parse(text + "}}")}, embedded_schema("scan"));
-  complete_scan_config(config);
-  return config;
+  return completed_scan(Json::parse(text + "}}"));
 }
 
 ScanModel pattern_model(const std::string& pattern, const TableLoader& load_table = {}) {

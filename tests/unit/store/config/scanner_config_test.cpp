@@ -9,8 +9,7 @@
 #include "chain/lidar/scanner/gimbal.h"
 #include "chain/lidar/scanner/polygon.h"
 #include "refusal.h"
-#include "store/config/scan_config.h"
-#include "store/config/schema.h"
+#include "scan_models.h"
 
 namespace landfall {
 namespace {
@@ -19,9 +18,7 @@ using testing::HasSubstr;
 
 ScanModel scanner_model(const std::string& scanner) {
   const nlohmann::json given{{"seed", 5}, {"scanner", nlohmann::json::parse(scanner)}};
-  nlohmann::json config = resolve_config({"c.json", given}, embedded_schema("scan"));
-  complete_scan_config(config);
-  return scan_model(config, "c.json", {});
+  return scan_model(completed_scan(given), "c.json", {});
 }
 
 std::string scanner_refusal(const std::string& scanner) {
@@ -81,22 +78,18 @@ TEST(ScannerConfig, MechanismsAreRead) {
 
 TEST(ScannerConfig, RefusalsNameTheKey) {
   EXPECT_EQ(scanner_refusal(R"({"type": "polygon", "facet_tilt_rad": []})"), "accepted");
-  EXPECT_THAT(scanner_refusal(R"({"type": "polygon", "facets": 8, "facet_tilt_rad": [0, 0]})"),
-              HasSubstr("/scanner/facet_tilt_rad: 2 is not the number of facets"));
-  EXPECT_THAT(scanner_refusal(R"({"type": "polygon", "facet_tilt_rad": [0.2]})"),
-              HasSubstr("/scanner/facet_tilt_rad/0: 0.2"));
-  EXPECT_THAT(scanner_refusal(R"({"type": "polygon", "facet_tilt_sigma_rad": 0.1})"),
-              HasSubstr("/scanner/facet_tilt_sigma_rad: 0.1"));
-  EXPECT_THAT(scanner_refusal(R"({"type": "fsm", "max_acceleration_radps2": -1})"),
-              HasSubstr("/scanner/max_acceleration_radps2: -1"));
-  EXPECT_THAT(scanner_refusal(R"({"type": "fsm", "encoder_harmonics": [{"order": 0, "amplitude_rad": 0}]})"),
-              HasSubstr("/scanner/encoder_harmonics/0/order: 0"));
-  EXPECT_THAT(scanner_refusal(R"({"type": "fsm", "encoder_harmonics": [{"order": 1}]})"),
-              HasSubstr("amplitude_rad"));
-  EXPECT_THAT(
-      scanner_refusal(
-          R"({"type": "gimbal", "encoder_harmonics": [{"axis": 3, "order": 1, "amplitude_rad": 0}]})"),
-      HasSubstr("/scanner/encoder_harmonics/0/axis: 3"));
+  const std::string harmonic = R"("encoder_harmonics": [{"order": )";
+  const std::pair<std::string, const char*> wrong[] = {
+      {R"("polygon", "facets": 8, "facet_tilt_rad": [0, 0])",
+       "/facet_tilt_rad: 2 is not the number of facets"},
+      {R"("polygon", "facet_tilt_rad": [0.2])", "/facet_tilt_rad/0: 0.2"},
+      {R"("polygon", "facet_tilt_sigma_rad": 0.1)", "/facet_tilt_sigma_rad: 0.1"},
+      {R"("fsm", "max_acceleration_radps2": -1)", "/max_acceleration_radps2: -1"},
+      {R"("fsm", )" + harmonic + R"(0, "amplitude_rad": 0}])", "/encoder_harmonics/0/order: 0"},
+      {R"("fsm", )" + harmonic + "1}]", "amplitude_rad"},
+      {R"("gimbal", )" + harmonic + R"(1, "axis": 3, "amplitude_rad": 0}])", "/encoder_harmonics/0/axis: 3"}};
+  for (const auto& [scanner, words] : wrong)
+    EXPECT_THAT(scanner_refusal(R"({"type": )" + scanner + "}"), HasSubstr(words));
 }
 
 }  // namespace

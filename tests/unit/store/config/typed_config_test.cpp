@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <limits>
+#include <utility>
 
 #include "base/core/error.h"
 #include "chain/lidar/detector/perspective.h"
@@ -12,10 +13,9 @@
 #include "chain/lidar/trajectory/trajectories.h"
 #include "constants.h"
 #include "refusal.h"
+#include "scan_models.h"
 #include "store/config/dem_config.h"
 #include "store/config/region_config.h"
-#include "store/config/scan_config.h"
-#include "store/config/schema.h"
 #include "store/config/terrain_config.h"
 
 namespace landfall {
@@ -27,12 +27,6 @@ using testing::HasSubstr;
 
 Json typed_config(const std::string& schema, const std::string& text) {
   return resolve_config({"c.json", Json::parse(text)}, embedded_schema(schema));
-}
-
-ScanModel typed_scan(const std::string& text, const TableLoader& load_table = {}) {
-  Json config = typed_config("scan", text);
-  complete_scan_config(config);
-  return scan_model(config, "c.json", load_table);
 }
 
 TEST(TerrainConfig, EmptyIsTheDefault) {
@@ -250,18 +244,7 @@ TEST(ScanModel, FlashHasNoPattern) {
 
 TEST(ScanModel, ATableIsReadByTheLoader) {
   const std::string config = R"({"trajectory": {"type": "table", "path": "a.csv"}})";
-  const auto load = [](const std::string& path, const std::string& role, const TableColumns&) {
-    EXPECT_EQ(path + " as " + role, "a.csv as trajectory");
-    return NumberTable("b.csv", {{"t_s", {0, 5}},
-                                 {"x_m", {1, 2}},
-                                 {"y_m", {3, 3}},
-                                 {"z_m", {4, 4}},
-                                 {"qw", {1, 1}},
-                                 {"qx", {0, 0}},
-                                 {"qy", {0, 0}},
-                                 {"qz", {0, 0}}});
-  };
-  const ScanModel model = typed_scan(config, load);
+  const ScanModel model = typed_scan(config, two_poses("trajectory"));
   EXPECT_EQ(model.trajectory->pose(5).position.v, Eigen::Vector3d(2, 3, 4));
   EXPECT_THAT(refusal<FormatError>([&] { return model.trajectory->pose(6); }),
               HasSubstr("b.csv: trajectory table: time 6"));
@@ -301,8 +284,7 @@ TEST(ScanModel, DynamicsTakesEveryKey) {
 
 TEST(ScanModel, DynamicsRefusalsNameFileAndKey) {
   const auto refused = [](const std::string& keys) {
-    return refusal(
-        [&] { static_cast<void>(typed_scan(R"({"trajectory": {"type": "dynamics", )" + keys + "}}")); });
+    return refusal([&] { return typed_scan(R"({"trajectory": {"type": "dynamics", )" + keys + "}}"); });
   };
   EXPECT_THAT(refused(R"("mass_kg": 0)"), AllOf(HasSubstr("c.json: /trajectory/mass_kg"), HasSubstr("0")));
   EXPECT_THAT(refused(R"("inertia_kgm2": [1, 1, 3])"),
@@ -353,36 +335,24 @@ TEST(EvaluationConfig, EmptyIsTheDefaultAndEveryKeyIsRead) {
 }
 
 TEST(EvaluationConfig, ARegionHasTheKeysOfItsShape) {
-  const auto config = [](const char* text) {
-    return evaluation_config(typed_config("eval", text), "c.json");
-  };
-  EXPECT_THAT(refusal([&] { return config(R"({"region": {"shape": "square"}})"); }),
-              AllOf(HasSubstr("c.json: /region"), HasSubstr("half_width_m")));
-  EXPECT_THAT(refusal([&] { return config(R"({"region": {"shape": "mask"}})"); }), HasSubstr("path"));
-  EXPECT_THAT(refusal([&] { return config(R"({"region": {"half_width_m": 3}})"); }),
-              AllOf(HasSubstr("/region/half_width_m"), HasSubstr("not with circle")));
-  EXPECT_THAT(refusal([&] { return config(R"({"region": {"shape": "polygon"}})"); }),
-              HasSubstr("one of the keys \"path\" and \"vertices\""));
-  EXPECT_THAT(refusal([&] {
-                return config(
-                    R"({"region": {"shape": "polygon", "path": "a", "vertices": [[0, 0], [1, 0], [0, 1]]}})");
-              }),
-              HasSubstr("one of the keys"));
-  EXPECT_THAT(
-      refusal([&] {
-        return config(
-            R"({"region": {"shape": "polygon", "layer": "a", "vertices": [[0, 0], [1, 0], [0, 1]]}})");
-      }),
-      HasSubstr("/region/layer"));
-  EXPECT_THAT(
-      refusal([&] {
-        return config(R"({"region": {"shape": "polygon", "vertices": [[0, 0], [1, 1], [1, 0], [0, 1]]}})");
-      }),
-      AllOf(HasSubstr("c.json: /region/vertices"), HasSubstr("crosses itself")));
-  EXPECT_THAT(refusal([&] {
-                return config(R"({"region": {"shape": "square", "half_width_m": 1, "center_m": [1, 2]}})");
-              }),
-              AllOf(HasSubstr("/region/center_m"), HasSubstr("not with square")));
+  const std::string vertices = R"("vertices": [[0, 0], [1, 0], [0, 1]]})";
+  const std::pair<std::string, std::vector<std::string>> wrong[] = {
+      {R"({"shape": "square"})", {"c.json: /region", "half_width_m"}},
+      {R"({"shape": "mask"})", {"path"}},
+      {R"({"half_width_m": 3})", {"/region/half_width_m", "not with circle"}},
+      {R"({"shape": "polygon"})", {"one of the keys \"path\" and \"vertices\""}},
+      {R"({"shape": "polygon", "path": "a", )" + vertices, {"one of the keys"}},
+      {R"({"shape": "polygon", "layer": "a", )" + vertices, {"/region/layer"}},
+      {R"({"shape": "polygon", "vertices": [[0, 0], [1, 1], [1, 0], [0, 1]]})",
+       {"c.json: /region/vertices", "crosses itself"}},
+      {R"({"shape": "square", "half_width_m": 1, "center_m": [1, 2]})",
+       {"/region/center_m", "not with square"}}};
+  for (const auto& [region, words] : wrong)
+    for (const std::string& word : words)
+      EXPECT_THAT(refusal([&] {
+                    return evaluation_config(typed_config("eval", R"({"region": )" + region + "}"), "c.json");
+                  }),
+                  HasSubstr(word));
 }
 
 TEST(RegionConfig, AMaskAPolygonAndACircleOfItsOwnCentre) {
