@@ -154,9 +154,7 @@ class Raster(AlbedoTest):
         refuse(1, self.ground(), "map.tif: the albedo at (", ") m is missing; give another center")
         refuse(1, self.ground(band=1, scale=1, center=[500030, 4000030]), "map.tif: the albedo at (", ", not in [0, 1]; give /albedo/ground/scale")
         refuse(1, self.ground(center=[500005, 4000030]), "map.tif", "half_width_m")
-        refuse(2, self.ground(center=[500030, 4000030], center_pixel=[3, 3]), "/albedo/ground: give center or center_pixel")
         refuse(2, self.ground(band=3), "map.tif", "band")
-        refuse(2, self.ground(interpolation="bicubic"), "/albedo/ground/interpolation", '"nearest", "bilinear"')
         before = read_bytes(self.path("map.tif"))
         self.refuse(2, "terrain-gen", "-O", "-o", self.path("map.tif"), *GRID, "--set", "albedo=" + json.dumps(self.ground()),
                     words=["map.tif"])
@@ -184,12 +182,6 @@ class Scan(AlbedoTest):
         self.assertEqual(set(near), {np.float32(0.2), np.float32(0.9)})
         np.testing.assert_allclose(real["intensity"] / white["intensity"], near, rtol=1e-6)
         self.assertEqual((x[0], y[0]), (-10, -10))
-
-    def test_a_terrain_without_the_layer_is_refused(self):
-        self.succeed("terrain-gen", "-o", self.path("terrain.h5"), *GRID)
-        config = self.config({**SCAN, **EXACT, "surface": {"albedo": "terrain"}})
-        self.refuse(1, "scan-sim", "-c", config, "--terrain", self.path("terrain.h5"), "-o", self.path("scan.h5"),
-                    words=["has no layer /albedo, which /surface/albedo \"terrain\" asks for"], output=self.path("scan.h5"))
 
     def test_a_large_terrain_is_loaded_in_part(self):
         """The nodes of a terrain above 2^24 nodes have the albedo of a small one."""

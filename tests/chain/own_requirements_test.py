@@ -103,22 +103,12 @@ class Own(base.DrawsTest):
         self.assertIn("FAIL", self.map_hazards(MISSED, options=("--no-truth",)).stdout)  # nothing to compare with
 
     def test_bad_requirements(self):
-        for change, words in (({"metric": "statistics.z.le9_m"}, ['/requirements/0/metric: "statistics.z.le9_m"', 'did you mean "statistics.z.le90_m"?']),
-                              ({"metric": "statistics.z"}, ["/requirements/0/metric", "is not a number; name one in it"]),
-                              ({"metric": "region.shape"}, ["/requirements/0/metric", "is not a number"]),
-                              ({"metric": "pass"}, ["/requirements/0/metric", "is not a number"]),
+        for change, words in (({"metric": "pass"}, ["/requirements/0/metric", "is not a number"]),
                               ({"metric": "coverage.hole_size_histogram.count"}, ["/requirements/0/metric", "is not a number"]),
-                              ({"min": 0}, ["/requirements/0: has both of max and min"]),
-                              ({"max": None}, ["/requirements/0/max"]),
-                              ({"name": "a.b"}, ["/requirements/0/name", "letters, digits"]),
-                              ({"name": "coverage"}, ["/requirements/0/name", "is the name of another requirement"])):
+                              ({"max": None}, ["/requirements/0/max"])):
             self.refuse(2, "dem-eval", self.chain.dem, "-c", self.config({"requirements": [{**LE90, **change}]}, "e.json"), "--metrics-only", words=words)
         both = [LE90, {**VALID, "name": LE90["name"]}]
         self.refuse(2, "dem-eval", self.chain.dem, "-c", self.config({"requirements": both}, "e.json"), "--metrics-only", words=["/requirements/1/name"])
-        neither = {"name": "a", "metric": "statistics.z.le90_m"}
-        self.refuse(2, "dem-eval", "--check", "-c", self.config({"requirements": [neither]}, "e.json"), words=["has neither max nor min"])
-        self.refuse(2, "hazard-map", "--check", "-c", self.config({"requirements": [{**MISSED, "metric": "missed_frac"}]}, "h.json"),
-                    words=["score.json has no such number"])
 
 
 class Draws(base.DrawsTest):

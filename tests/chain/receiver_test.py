@@ -242,9 +242,6 @@ class Draws(ReceiverTest):
         write(rows[1:])
         self.refuse(1, *arguments, self.config({**base, "receiver": {"pixel_offset_table": table}}, "table.json"),
                     words=["offsets.csv", "pixel (row 0, column 0) has no row"], output=self.path("no.h5"))
-        both = {"pixel_offset_table": table, "pixel_offset_sigma_m": 0.01}
-        self.refuse(2, *arguments, self.config({**base, "receiver": both}, "both.json"),
-                    words=["/receiver/pixel_offset_table: excludes pixel_offset_sigma_m"], output=self.path("no.h5"))
 
     RICH = with_values(SCAN, detector__subpixels=3, detector__ifov_rad=0.003, noise__dropout_frac=0.1, noise__false_return_frac=0.02,
                        noise__false_range_m=[30, 60])

@@ -37,8 +37,6 @@ class Landfall(ToolTest):
     def test_errors_are_those_of_the_tool(self):
         self.assertEqual(run("landfall", "scan-sim").stderr, run("scan-sim").stderr)
         self.assertEqual(run("landfall", "scan-sim").returncode, 2)
-        self.refuse(2, "landfall", "scan-smi", words=["'scan-smi' is not a command", "did you mean scan-sim?"])
-        self.refuse(2, "landfall", words=["a command is required"])
         self.assertTrue(run("landfall", "--version").stdout.startswith("landfall landfall "))
 
     def test_completion(self):
@@ -62,7 +60,6 @@ class Landfall(ToolTest):
     def test_study_status_from_another_folder(self):
         result = run("landfall", "study", "status", "noise", cwd=self.folder)
         self.assertEqual(result.returncode, 0, result.stderr)
-        self.refuse(2, "landfall", "study", "nowhere.json", words=["nowhere.json: no such file"])
 
     def test_a_study_that_fails_shows_its_own_message_alone(self):
         tiny = {"base": {"terrain": {"grid": {"half_width_m": 6, "resolution_m": 0.1}}, "scan": SCAN, "regrid": REGRID, "eval": {"region_radius_m": 4}}}
@@ -286,11 +283,7 @@ class Run(ToolTest):
         self.assertIn("/eval: /footprint_m: -1", result.stderr)
 
     def test_errors_name_the_section(self):
-        for chain, words in [({"scan": {"noise": {"range_sigma": 1}}}, "chain.json: /scan: /noise/range_sigma: unknown key"),
-                             ({"eval": {"quantile": 2}}, "chain.json: /eval: /quantile: 2 is not in [0, 1]"),
-                             ({"area": {"half_with_m": 2}}, "chain.json: /area/half_with_m: unknown key"),
-                             ({"scan": "preset:papr"}, "chain.json: /scan: preset:papr: there is no such preset; did you mean preset:paper?"),
-                             ({"scan": ["paper"]}, "chain.json: /scan/0: 'paper' is neither an object nor preset:NAME"),
+        for chain, words in [({"area": {"half_with_m": 2}}, "chain.json: /area/half_with_m: unknown key"),
                              ({"draws": 5}, "chain.json: /draws: unknown key"),
                              ({"terrain": {"grid": {"half_width_m": 5, "resolution_m": 0.3}}}, "chain.json: /terrain: /grid")]:
             with self.subTest(words):
@@ -354,12 +347,8 @@ class Run(ToolTest):
         self.ground()
         for terrain, words in [({"from": 5}, "chain.json: /terrain/from: 5 is of type integer"),
                                ({"from": "g.tif", "center": [1]}, "chain.json: /terrain/center: an array of 1"),
-                               ({"center": [1, 2]}, "chain.json: /terrain/center: is the site of a raster; give terrain.from too"),
-                               ({"from": "g.tif", "base": {"type": "plane"}}, "chain.json: /terrain: /base/type: "),
                                ({"from": "g.tif", "base": {"path": "h.tif"}}, "chain.json: /terrain: /base/path: "),
                                ({"from": "g.tif", "center": [1, 2], "base": {"center": [1, 2]}}, "chain.json: /terrain: /base/center: "),
-                               ({"from": "g.tif", "mesh": {"path": "m.obj"}}, "chain.json: /terrain: /mesh: "),
-                               ({"from": "m.obj", "center": [1, 2]}, "chain.json: /terrain/center: is the site of a raster; set terrain.mesh"),
                                ({"from": "g.tif", "base": {"dataum": "none"}}, "chain.json: /terrain: /base/dataum: unknown key")]:
             with self.subTest(words):
                 self.assertIn(words, self.run_chain(code=2, chain={**CHAIN, "terrain": terrain}).stderr)
