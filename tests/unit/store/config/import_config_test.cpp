@@ -43,11 +43,6 @@ TEST(ImportConfig, TheRestOfTheBaseIsMergedOverTheImport) {
       Json({{"type", "dem"}, {"path", "a.tif"}, {"band", 2}, {"datum", "none"}, {"center_pixel", {1, 2}}}));
   EXPECT_EQ(refused({{"base", {{"band", 2}}}}, options),
             "c.json: /base/band: the import gives it too; remove one");
-  EXPECT_EQ(refused({{"base", {{"type", "plane"}}}}, options),
-            "c.json: /base/type: \"plane\": the import makes a base of type \"dem\"; remove this base or the "
-            "import");
-  EXPECT_EQ(refused({{"base", Json::array()}}, options),
-            "c.json: /base: the configuration has a base and the import makes one; remove one");
 }
 
 /// /terrain/from after place_import().

@@ -12,7 +12,6 @@ namespace landfall {
 namespace {
 
 using Json = nlohmann::json;
-using testing::AllOf;
 using testing::HasSubstr;
 using testing::Not;
 
@@ -40,38 +39,12 @@ TEST(Schema, EachIsOneObjectAndAnUnknownNameIsRefused) {
   EXPECT_THROW(static_cast<void>(embedded_schema("lidar")), std::out_of_range);
 }
 
-TEST(Schema, AMessageNamesFilePathValueAndBound) {
-  const std::pair<const char*, const char*> wrong[] = {
-      {R"({"noise": {"range_sigma_m": -0.1}})", "/noise/range_sigma_m: -0.1 is not in [0, 1e6]"},
-      {R"({"laser": {"pulse_rate_hz": 0}})", "/laser/pulse_rate_hz: 0 is not in (0, 1e9]"},
-      {R"({"detector": {"rows": 4097}})", "/detector/rows: 4097 is not in [1, 4096]"},
-      {R"({"detector": {"rows": 1.5}})", "/detector/rows: 1.5 is of type number, not integer"},
-      {R"({"mount": {"rpy_deg": [1, 2]}})", "/mount/rpy_deg: an array of 2 elements; expected 3"}};
-  for (const auto& [text, message] : wrong)
-    EXPECT_EQ(schema_refusal("scan", text), "c.json: " + std::string(message));
-  EXPECT_EQ(schema_refusal("terrain", R"({"features": [{"type": "cone", "radius_m": 3}]})"),
-            "c.json: /features/0: needs the key \"height_m\"");
-}
-
-TEST(Schema, UnknownKeysGetASuggestion) {
-  EXPECT_EQ(schema_refusal("scan", R"({"noise": {"range_sgima_m": 0}})"),
-            "c.json: /noise/range_sgima_m: unknown key; did you mean \"range_sigma_m\"?");
-  EXPECT_THAT(schema_refusal("regrid", R"({"zzzzzzzz": 1})"),
-              AllOf(HasSubstr("unknown key"), HasSubstr("half_width_m")));
-}
-
 TEST(Schema, VariantsAreChosenByType) {
-  EXPECT_THAT(schema_refusal("scan", R"({"scanner": {"type": "fms"}})"),
-              AllOf(HasSubstr("c.json: /scanner/type: \"fms\" is not one of \"flash\", \"fsm\""),
-                    HasSubstr("; did you mean \"fsm\"?")));
   EXPECT_THAT(schema_refusal("scan", R"({"scanner": {"type": "flash", "pattern": {}}})"),
               HasSubstr("/scanner/pattern"));
   EXPECT_EQ(schema_refusal("scan", R"({"scanner": {"pattern": {"rows": 0}}})"),
             "c.json: /scanner/pattern/rows: 0 is not in [1, 1048576]");
-  EXPECT_THAT(schema_refusal("terrain", R"({"features": [{"radius_m": 3}]})"), HasSubstr("needs a \"type\""));
   EXPECT_EQ(schema_refusal("scan", R"({"detector": {"ifov_rad": [1e-4, 2e-4]}})"), "accepted");
-  EXPECT_EQ(schema_refusal("scan", R"({"detector": {"ifov_rad": "x"}})"),
-            "c.json: /detector/ifov_rad: \"x\" is not valid; expected number or array");
 }
 
 TEST(Schema, AVariantThatIsNoObjectIsToldItsForm) {

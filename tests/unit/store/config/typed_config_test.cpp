@@ -3,7 +3,6 @@
 #include <gtest/gtest.h>
 
 #include <limits>
-#include <utility>
 
 #include "base/core/error.h"
 #include "chain/lidar/detector/perspective.h"
@@ -59,8 +58,6 @@ TEST(TerrainConfig, MeshAndGridAreOneTooMany) {
               "c.json: /" + key + ": is mutually exclusive with /mesh; remove one");
   EXPECT_THAT(refused(R"({"mesh": {}})"), HasSubstr("/mesh: needs the key \"path\""));
   EXPECT_THAT(refused(R"({"mesh": {"path": "m", "scale_m": 0}})"), HasSubstr("/mesh/scale_m"));
-  EXPECT_THAT(refused(R"({"mesh": {"path": "m", "scale_m": 1e13}})"),
-              HasSubstr("/mesh/scale_m: 10000000000000.0 is not in (0, 1e12]"));
 }
 
 TEST(TerrainConfig, Albedo) {
@@ -113,8 +110,6 @@ TEST(TerrainConfig, LongestWavelengthIsANumberOrAWord) {
   EXPECT_EQ(longest_m("25.5"), 25.5);
   EXPECT_EQ(longest_m(R"("none")"), std::numeric_limits<double>::infinity());
   EXPECT_EQ(longest_m(R"("dem")"), std::nullopt);
-  EXPECT_THAT(refusal([&] { longest_m("0"); }), HasSubstr("longest_wavelength_m: 0"));
-  EXPECT_THAT(refusal([&] { longest_m(R"("DEM")"); }), HasSubstr(R"("DEM" is not one of "dem", "none")"));
 }
 
 TEST(TerrainConfig, DegreesBecomeRadians) {
@@ -125,14 +120,6 @@ TEST(TerrainConfig, DegreesBecomeRadians) {
                                               "c.json");
   EXPECT_EQ(config.model.features, (std::vector<Feature>{{1, 2, Pyramid{3, 4, kPi / 2}}}));
   EXPECT_EQ(config.model.patterns, (std::vector<FeaturePattern>{RingPattern{3, 5, kPi, Hemisphere{6}}}));
-}
-
-TEST(TerrainConfig, RefusalsBeginWithTheFile) {
-  EXPECT_THAT(refusal([] {
-                return terrain_config(typed_config("terrain", R"({"grid": {"resolution_m": 0.7}})"),
-                                      "c.json");
-              }),
-              AllOf(HasSubstr("c.json: /grid"), HasSubstr("half_width_m 60")));
 }
 
 /// The mirror's normal for an aim a little off the boresight.
@@ -287,29 +274,14 @@ TEST(ScanModel, DynamicsRefusalsNameFileAndKey) {
     return refusal([&] { return typed_scan(R"({"trajectory": {"type": "dynamics", )" + keys + "}}"); });
   };
   EXPECT_THAT(refused(R"("mass_kg": 0)"), AllOf(HasSubstr("c.json: /trajectory/mass_kg"), HasSubstr("0")));
-  EXPECT_THAT(refused(R"("inertia_kgm2": [1, 1, 3])"),
-              AllOf(HasSubstr("c.json: /trajectory/inertia_kgm2"), HasSubstr("sum of the other two")));
-  EXPECT_THAT(refused(R"("thrust": {"gain_per_s": 101})"), HasSubstr("/trajectory/thrust/gain_per_s: 101"));
   EXPECT_THAT(refused(R"("attitude_control": {"torque_nm": [1, -1, 1]})"),
               HasSubstr("/trajectory/attitude_control/torque_nm/1: -1"));
-  EXPECT_THAT(refused(R"("control_period_s": 1e-7)"), HasSubstr("2000000 control periods"));
-  EXPECT_THAT(refused(R"("rate_degps": [0, 0, 6000])"), HasSubstr("turn by more than 1 rad"));
 }
 
 TEST(ScanModel, AttitudeKnowledgeIsAChoice) {
   EXPECT_EQ(typed_scan("{}").attitude_knowledge, AttitudeKnowledge::truth);
   EXPECT_EQ(typed_scan(R"({"navigation_error": {"attitude": "commanded"}})").attitude_knowledge,
             AttitudeKnowledge::commanded);
-}
-
-TEST(ScanModel, BothFieldsOfViewAreRefused) {
-  EXPECT_THAT(refusal([] { return typed_scan(R"({"detector": {"ifov_rad": 0.001, "fov_deg": 1}})"); }),
-              testing::Eq("c.json: /detector/fov_deg: excludes ifov_rad; give one of them"));
-}
-
-TEST(ScanModel, AScanWithoutAPulseIsRefusedByName) {
-  EXPECT_THAT(refusal([] { return typed_scan(R"({"laser": {"pulse_rate_hz": 10, "scan_time_s": 0.05}})"); }),
-              AllOf(HasSubstr("c.json: "), HasSubstr("pulse_rate_hz x scan_time_s")));
 }
 
 TEST(RegridConfig, EmptyIsTheDefaultAndTheCentroidIsAChoice) {
@@ -334,25 +306,10 @@ TEST(EvaluationConfig, EmptyIsTheDefaultAndEveryKeyIsRead) {
             expected);
 }
 
-TEST(EvaluationConfig, ARegionHasTheKeysOfItsShape) {
-  const std::string vertices = R"("vertices": [[0, 0], [1, 0], [0, 1]]})";
-  const std::pair<std::string, std::vector<std::string>> wrong[] = {
-      {R"({"shape": "square"})", {"c.json: /region", "half_width_m"}},
-      {R"({"shape": "mask"})", {"path"}},
-      {R"({"half_width_m": 3})", {"/region/half_width_m", "not with circle"}},
-      {R"({"shape": "polygon"})", {"one of the keys \"path\" and \"vertices\""}},
-      {R"({"shape": "polygon", "path": "a", )" + vertices, {"one of the keys"}},
-      {R"({"shape": "polygon", "layer": "a", )" + vertices, {"/region/layer"}},
-      {R"({"shape": "polygon", "vertices": [[0, 0], [1, 1], [1, 0], [0, 1]]})",
-       {"c.json: /region/vertices", "crosses itself"}},
-      {R"({"shape": "square", "half_width_m": 1, "center_m": [1, 2]})",
-       {"/region/center_m", "not with square"}}};
-  for (const auto& [region, words] : wrong)
-    for (const std::string& word : words)
-      EXPECT_THAT(refusal([&] {
-                    return evaluation_config(typed_config("eval", R"({"region": )" + region + "}"), "c.json");
-                  }),
-                  HasSubstr(word));
+TEST(EvaluationConfig, APolygonHasAFileOrVertices) {
+  const Json config = typed_config(
+      "eval", R"({"region": {"shape": "polygon", "path": "a", "vertices": [[0, 0], [1, 0], [0, 1]]}})");
+  EXPECT_THAT(refusal([&] { return evaluation_config(config, "c.json"); }), HasSubstr("one of the keys"));
 }
 
 TEST(RegionConfig, AMaskAPolygonAndACircleOfItsOwnCentre) {

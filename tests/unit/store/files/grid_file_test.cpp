@@ -10,15 +10,11 @@
 #include <limits>
 #include <optional>
 
-#include "base/core/error.h"
-#include "refusal.h"
 #include "store/files/terrain_file.h"
 #include "temporary_folder.h"
 
 namespace landfall {
 namespace {
-
-using testing::HasSubstr;
 
 Provenance provenance() { return {.tool = "test", .config = {{"a", 1}}, .inputs = {{"terrain", "abc"}}}; }
 
@@ -35,13 +31,6 @@ void write(const std::filesystem::path& path, const GridSpec& spec, const Proven
   layers.write("z", waves(spec), {"m", "z"});
   layers.write("count", Grid<std::int32_t>(spec, 3), {"1", "count"});
   file.commit();
-}
-
-std::string reading_fails(const std::filesystem::path& path) {
-  return refusal<FormatError>([&] {
-    const LandfallFileReader file(path, {"dem"});
-    return GridLayerReader(file).read<double>("z");
-  });
 }
 
 TEST(GridFile, ReadingTellsHowFarItIs) {
@@ -182,19 +171,6 @@ TEST(GridFile, ProvenanceTravels) {
   EXPECT_EQ(file.config(), made.config);
   ASSERT_EQ(file.chain().size(), 1U);
   EXPECT_EQ(file.chain()[0], made.as_step());
-}
-
-TEST(GridFile, RefusesTheWrongFile) {
-  const TemporaryFolder folder;
-  EXPECT_THAT(reading_fails(folder / "none.h5"), HasSubstr("no such file"));
-  std::ofstream(folder / "text.h5") << "no HDF5";
-  EXPECT_THAT(reading_fails(folder / "text.h5"), HasSubstr("is not an HDF5 file"));
-  write(folder / "a.h5", GridSpec::centered(3, 0.25), provenance());
-  std::filesystem::resize_file(folder / "a.h5", std::filesystem::file_size(folder / "a.h5") / 2);
-  EXPECT_THAT(reading_fails(folder / "a.h5"), HasSubstr("is truncated or damaged, or still open elsewhere"));
-  LandfallFileWriter scan({folder / "scan.h5", false, 1}, "scan", provenance());
-  scan.commit();
-  EXPECT_THAT(reading_fails(folder / "scan.h5"), HasSubstr("is a landfall.scan file; expected landfall.dem"));
 }
 
 TEST(GridFile, AnUncommittedFileDoesNotExist) {
