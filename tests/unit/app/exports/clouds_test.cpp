@@ -66,7 +66,7 @@ TEST(PointsPcd, OnAMapIsRelativeToItsViewpoint) {
   const std::string header_end = "VIEWPOINT 500000 5400000.5 300 1 0 0 0\nPOINTS 4\nDATA binary\n";
   const std::size_t header = sink.bytes().find(header_end);
   ASSERT_NE(header, std::string::npos) << sink.bytes();
-  EXPECT_THAT(sink.bytes(), testing::HasSubstr("# crs PROJCS[\"map\"]\n"));
+  EXPECT_THAT(sink.bytes(), HasSubstr("# crs PROJCS[\"map\"]\n"));
   const std::string data = sink.bytes().substr(header + header_end.size());
   EXPECT_EQ(at<float>(data, 0), 2);
   EXPECT_EQ(at<float>(data, 4), -2);
@@ -103,10 +103,9 @@ TEST(PointsPly, OnAMapHasItsCoordinatesAndCrs) {
   points.place_on(planar_map());
   MemorySink sink;
   write_points_ply(points, {{"x_est", "y_est", "z_est"}, {true, 1}, 3}, sink);
-  EXPECT_THAT(sink.bytes(), testing::HasSubstr("comment landfall points: coordinates in map, z up, unit m\n"
-                                               "comment crs PROJCS[\"map\"]\n"));
-  EXPECT_THAT(sink.bytes(),
-              testing::HasSubstr("comment x: easting, easting, estimated position in map, unit ft\n"));
+  EXPECT_THAT(sink.bytes(), HasSubstr("comment landfall points: coordinates in map, z up, unit m\n"
+                                      "comment crs PROJCS[\"map\"]\n"));
+  EXPECT_THAT(sink.bytes(), HasSubstr("comment x: easting, easting, estimated position in map, unit ft\n"));
   const std::string data = sink.bytes().substr(sink.bytes().find("end_header\n") + 11);
   EXPECT_EQ(at<double>(data, 0), 500002);
   EXPECT_EQ(at<double>(data, 8), 5399998.5);

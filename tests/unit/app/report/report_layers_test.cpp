@@ -11,6 +11,7 @@
 #include "app/report/report_layer.h"
 #include "app/report/report_layers.h"
 #include "base/dictionary/layers.h"
+#include "bins.h"
 #include "chain/evaluation/fail_flag.h"
 #include "chain/hazards/safety.h"
 
@@ -89,11 +90,9 @@ EvaluationParameters parameters_of_square() {
 DemLayers flat_dem(const GridSpec& spec) {
   DemLayers dem{.z_est = Grid<double>(spec, 2.0), .truth = TrueLayers{}};
   dem.truth->x = dem.truth->y = dem.truth->z = Grid<double>(spec, 2.0);
-  for (std::int64_t row = 0; row < spec.rows; ++row) {
-    for (std::int64_t col = 0; col < spec.cols; ++col) {
-      dem.truth->x.at({row, col}) = spec.x(col);
-      dem.truth->y.at({row, col}) = spec.y(row);
-    }
+  for (const auto [row, col] : bins_of(spec)) {
+    dem.truth->x.at({row, col}) = spec.x(col);
+    dem.truth->y.at({row, col}) = spec.y(row);
   }
   return dem;
 }

@@ -9,6 +9,7 @@
 
 #include "app/report/verdicts.h"
 #include "app/report/worst_footprints.h"
+#include "bins.h"
 #include "chain/evaluation/evaluate.h"
 #include "judged.h"
 
@@ -82,9 +83,8 @@ constexpr float kFloatNan = std::numeric_limits<float>::quiet_NaN();
 /// All bins in the order of their values, each taken unless it is too near to one taken before.
 std::vector<BinIndex> by_sorting(const Grid<float>& map, std::int64_t half_bins, std::size_t count) {
   std::vector<BinIndex> bins;
-  for (std::int64_t row = 0; row < map.spec().rows; ++row)
-    for (std::int64_t col = 0; col < map.spec().cols; ++col)
-      if (!std::isnan(map.at({row, col}))) bins.push_back({row, col});
+  for (const BinIndex bin : bins_of(map.spec()))
+    if (!std::isnan(map.at(bin))) bins.push_back(bin);
   std::ranges::stable_sort(bins, [&](BinIndex a, BinIndex b) { return map.at(a) > map.at(b); });
   std::vector<BinIndex> chosen;
   for (const BinIndex bin : bins) {
@@ -125,15 +125,13 @@ TEST(ShareOfLimit, IsInfiniteWithoutALimit) {
 DemLayers dem_of(const GridSpec& spec) {
   DemLayers dem{.z_est = Grid<double>(spec, 5.0), .truth = TrueLayers{}};
   dem.truth->x = dem.truth->y = dem.truth->z = Grid<double>(spec);
-  for (std::int64_t row = 0; row < spec.rows; ++row) {
-    for (std::int64_t col = 0; col < spec.cols; ++col) {
-      const auto i = static_cast<double>(spec.first_row + row);
-      const auto k = static_cast<double>(spec.first_col + col);
-      dem.truth->x.at({row, col}) = spec.x(col) + 0.01 * std::sin(0.7 * i + k);
-      dem.truth->y.at({row, col}) = spec.y(row) + 0.02 * std::cos(i * k);
-      dem.truth->z.at({row, col}) = 5.0 + 0.03 * std::sin(0.2 * i * i + 0.5 * k);
-      if ((row + 2 * col) % 13 == 0) dem.z_est.at({row, col}) = std::nan("");
-    }
+  for (const auto [row, col] : bins_of(spec)) {
+    const auto i = static_cast<double>(spec.first_row + row);
+    const auto k = static_cast<double>(spec.first_col + col);
+    dem.truth->x.at({row, col}) = spec.x(col) + 0.01 * std::sin(0.7 * i + k);
+    dem.truth->y.at({row, col}) = spec.y(row) + 0.02 * std::cos(i * k);
+    dem.truth->z.at({row, col}) = 5.0 + 0.03 * std::sin(0.2 * i * i + 0.5 * k);
+    if ((row + 2 * col) % 13 == 0) dem.z_est.at({row, col}) = std::nan("");
   }
   return dem;
 }
@@ -157,14 +155,12 @@ TEST(MeasureFootprint, FindsWhatTheEvaluationFound) {
   const DemWindow read = [&](const GridSpec& window) {
     DemLayers part{.z_est = Grid<double>(window), .truth = TrueLayers{}};
     part.truth->x = part.truth->y = part.truth->z = Grid<double>(window);
-    for (std::int64_t row = 0; row < window.rows; ++row) {
-      for (std::int64_t col = 0; col < window.cols; ++col) {
-        const BinIndex bin{window.first_row + row - spec.first_row, window.first_col + col - spec.first_col};
-        part.z_est.at({row, col}) = dem.z_est.at(bin);
-        part.truth->x.at({row, col}) = dem.truth->x.at(bin);
-        part.truth->y.at({row, col}) = dem.truth->y.at(bin);
-        part.truth->z.at({row, col}) = dem.truth->z.at(bin);
-      }
+    for (const auto [row, col] : bins_of(window)) {
+      const BinIndex bin{window.first_row + row - spec.first_row, window.first_col + col - spec.first_col};
+      part.z_est.at({row, col}) = dem.z_est.at(bin);
+      part.truth->x.at({row, col}) = dem.truth->x.at(bin);
+      part.truth->y.at({row, col}) = dem.truth->y.at(bin);
+      part.truth->z.at({row, col}) = dem.truth->z.at(bin);
     }
     return part;
   };

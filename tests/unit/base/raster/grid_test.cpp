@@ -18,6 +18,7 @@
 #include "base/raster/layer_check.h"
 #include "base/raster/value_range.h"
 #include "base/raster/window_extremes.h"
+#include "bins.h"
 #include "constants.h"
 #include "refusal.h"
 
@@ -48,12 +49,11 @@ TEST(Footprint, DiscsCountLatticePoints) {
     const Footprint footprint = Footprint::disc(squared);
     std::int64_t points = 0;
     std::int64_t squares = 0;
-    for (std::int64_t i = -15; i <= 15; ++i)
-      for (std::int64_t j = -15; j <= 15; ++j)
-        if (i * i + j * j <= squared) {
-          ++points;
-          squares += j * j;
-        }
+    for (const auto [i, j] : Bins({-15, -15}, {16, 16}))
+      if (i * i + j * j <= squared) {
+        ++points;
+        squares += j * j;
+      }
     EXPECT_EQ(footprint.bin_count(), points) << squared;
     EXPECT_EQ(footprint.squared_offsets(), squares) << squared;
   }
@@ -210,14 +210,12 @@ Grid<double> random_map(const GridSpec& spec, std::uint64_t seed, double hole_fr
 void expect_window_extremes(const Grid<double>& values, std::int64_t half_bins) {
   const Grid<double> least = window_min(values, half_bins);
   const Grid<double> largest = window_max(values, half_bins);
-  for (std::int64_t row = 0; row < values.spec().rows; ++row)
-    for (std::int64_t col = 0; col < values.spec().cols; ++col) {
-      const Extremes expected = of_window(values, {row, col}, half_bins);
-      const auto is_equal = [](double a, double b) { return a == b || (std::isnan(a) && std::isnan(b)); };
-      ASSERT_TRUE(is_equal(least.at({row, col}), expected.least)) << row << " " << col << " " << half_bins;
-      ASSERT_TRUE(is_equal(largest.at({row, col}), expected.largest))
-          << row << " " << col << " " << half_bins;
-    }
+  for (const auto [row, col] : bins_of(values.spec())) {
+    const Extremes expected = of_window(values, {row, col}, half_bins);
+    const auto is_equal = [](double a, double b) { return a == b || (std::isnan(a) && std::isnan(b)); };
+    ASSERT_TRUE(is_equal(least.at({row, col}), expected.least)) << row << " " << col << " " << half_bins;
+    ASSERT_TRUE(is_equal(largest.at({row, col}), expected.largest)) << row << " " << col << " " << half_bins;
+  }
 }
 
 TEST(WindowExtremes, OfARow) {

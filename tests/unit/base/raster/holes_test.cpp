@@ -13,6 +13,7 @@
 #include "base/raster/fill_search.h"
 #include "base/raster/holes.h"
 #include "base/raster/masks.h"
+#include "bins.h"
 #include "constants.h"
 #include "test_seed.h"
 
@@ -35,16 +36,13 @@ Grid<std::int32_t> flood_fill_labels(const BinMask& mask) {
       open.pop_back();
       if (!spec.contains(bin) || mask.at(bin) == 0 || labels.at(bin) != 0) continue;
       labels.at(bin) = next;
-      for (std::int64_t dr = -1; dr <= 1; ++dr)
-        for (std::int64_t dc = -1; dc <= 1; ++dc) open.push_back({bin.row + dr, bin.col + dc});
+      for (const auto [dr, dc] : Bins({-1, -1}, {2, 2})) open.push_back({bin.row + dr, bin.col + dc});
     }
   };
-  for (std::int64_t row = 0; row < spec.rows; ++row) {
-    for (std::int64_t col = 0; col < spec.cols; ++col) {
-      if (mask.at({row, col}) == 0 || labels.at({row, col}) != 0) continue;
-      ++next;
-      fill({row, col});
-    }
+  for (const auto [row, col] : bins_of(spec)) {
+    if (mask.at({row, col}) == 0 || labels.at({row, col}) != 0) continue;
+    ++next;
+    fill({row, col});
   }
   return labels;
 }
@@ -126,13 +124,11 @@ TEST(LabelHoles, EqualsFloodFillOnRandomMasks) {
 Grid<std::int64_t> brute_force(const BinMask& set) {
   const GridSpec& spec = set.spec();
   Grid<std::int64_t> squared(spec, kNoValidBin);
-  for (std::int64_t row = 0; row < spec.rows; ++row)
-    for (std::int64_t col = 0; col < spec.cols; ++col)
-      for (std::int64_t r = 0; r < spec.rows; ++r)
-        for (std::int64_t c = 0; c < spec.cols; ++c)
-          if (set.at({r, c}) != 0)
-            squared.at({row, col}) =
-                std::min(squared.at({row, col}), (r - row) * (r - row) + (c - col) * (c - col));
+  for (const auto [row, col] : bins_of(spec))
+    for (const auto [r, c] : bins_of(spec))
+      if (set.at({r, c}) != 0)
+        squared.at({row, col}) =
+            std::min(squared.at({row, col}), (r - row) * (r - row) + (c - col) * (c - col));
   return squared;
 }
 

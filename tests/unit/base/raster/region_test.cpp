@@ -12,6 +12,7 @@
 #include "base/numerics/random.h"
 #include "base/raster/polygon.h"
 #include "base/raster/region.h"
+#include "bins.h"
 #include "refusal.h"
 
 namespace landfall {
@@ -29,14 +30,12 @@ TEST(CircularRegion, PapersCountWithoutThe28BinsOnTheCircle) {
   const BinMask region = circular_region(dem, 50);
   EXPECT_EQ(count_set(region), 3'141'521);
   std::int64_t on_circle = 0;
-  for (std::int64_t row = 0; row < dem.rows; ++row) {
-    for (std::int64_t col = 0; col < dem.cols; ++col) {
-      const std::int64_t i = row - 1000;
-      const std::int64_t j = col - 1000;
-      if (i * i + j * j != 1'000'000) continue;
-      ++on_circle;
-      EXPECT_EQ(region.at({row, col}), 0);
-    }
+  for (const auto [row, col] : bins_of(dem)) {
+    const std::int64_t i = row - 1000;
+    const std::int64_t j = col - 1000;
+    if (i * i + j * j != 1'000'000) continue;
+    ++on_circle;
+    EXPECT_EQ(region.at({row, col}), 0);
   }
   EXPECT_EQ(on_circle, 28);
 }
@@ -184,12 +183,11 @@ TEST(Region, ACircleOfItsOwnCentre) {
     for (const double radius_m : {3.0, 2.9, 0.7}) {
       const BinMask found = circular_region(dem, radius_m, center);
       EXPECT_TRUE(std::ranges::equal(found.values(), clipped_circle(dem, radius_m, center).values()));
-      for (std::int64_t row = 0; row < dem.rows; ++row)
-        for (std::int64_t col = 0; col < dem.cols; ++col) {
-          const double distance = std::hypot(dem.x(col) - center.x, dem.y(row) - center.y);
-          if (std::abs(distance - radius_m) <= 1e-9) continue;
-          ASSERT_EQ(found.at({row, col}) != 0, distance < radius_m) << row << " " << col;
-        }
+      for (const auto [row, col] : bins_of(dem)) {
+        const double distance = std::hypot(dem.x(col) - center.x, dem.y(row) - center.y);
+        if (std::abs(distance - radius_m) <= 1e-9) continue;
+        ASSERT_EQ(found.at({row, col}) != 0, distance < radius_m) << row << " " << col;
+      }
     }
   EXPECT_EQ(count_set(circular_region(dem, 1.5, {2, 3})), count_set(circular_region(dem, 1.5)));
   const auto refused = [&](double radius_m, Horizontal center) {
@@ -242,13 +240,12 @@ TEST(PolygonRegion, TheBinsInsideAreThoseThatItsRingsWindAround) {
     const Polygon::Ring hole = star({1, -1.5}, 1, seed + 100);
     const Polygon::Ring apart = star({5, 1}, 1.5, seed + 200);
     const BinMask found = clipped_polygons(dem, {Polygon({outer, hole}), Polygon({apart})});
-    for (std::int64_t row = 0; row < dem.rows; ++row)
-      for (std::int64_t col = 0; col < dem.cols; ++col) {
-        const Horizontal place{dem.x(col), dem.y(row)};
-        const bool is_inside = (winding_number(outer, place) != 0 && winding_number(hole, place) == 0) ||
-                               winding_number(apart, place) != 0;
-        ASSERT_EQ(found.at({row, col}) != 0, is_inside) << seed << " " << place.x << " " << place.y;
-      }
+    for (const auto [row, col] : bins_of(dem)) {
+      const Horizontal place{dem.x(col), dem.y(row)};
+      const bool is_inside = (winding_number(outer, place) != 0 && winding_number(hole, place) == 0) ||
+                             winding_number(apart, place) != 0;
+      ASSERT_EQ(found.at({row, col}) != 0, is_inside) << seed << " " << place.x << " " << place.y;
+    }
   }
 }
 

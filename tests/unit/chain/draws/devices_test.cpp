@@ -12,6 +12,7 @@
 #include <utility>
 #include <vector>
 
+#include "bins.h"
 #include "chain/draws/device_gridder.h"
 #include "chain/draws/device_judge.h"
 #include "chain/draws/draw_gridder.h"
@@ -97,11 +98,10 @@ TriangulatedGrid rough_ground() {
   Grid<double> nodes({0.13, -70, -60, 141, 125});
   std::mt19937_64 random(3);
   std::normal_distribution<double> normal(0, 0.02);
-  for (std::int64_t row = 0; row < nodes.spec().rows; ++row)
-    for (std::int64_t col = 0; col < nodes.spec().cols; ++col)
-      nodes.at({row, col}) = random() % 200 == 0 ? std::nan("")
-                                                 : kPlane.z0_m + kPlane.slope_x * nodes.spec().x(col) +
-                                                       kPlane.slope_y * nodes.spec().y(row) + normal(random);
+  for (const auto [row, col] : bins_of(nodes.spec()))
+    nodes.at({row, col}) = random() % 200 == 0 ? std::nan("")
+                                               : kPlane.z0_m + kPlane.slope_x * nodes.spec().x(col) +
+                                                     kPlane.slope_y * nodes.spec().y(row) + normal(random);
   return TriangulatedGrid(std::move(nodes));
 }
 

@@ -8,6 +8,7 @@
 
 #include "base/core/parallel.h"
 #include "base/numerics/random.h"
+#include "bins.h"
 #include "chain/evaluation/error_statistics.h"
 #include "chain/evaluation/piecewise.h"
 #include "chain/evaluation/quantile/error_tails.h"
@@ -215,10 +216,10 @@ ErrorTail noise_tail(const GridSpec& spec, const Tile& tile, std::int64_t half_b
   const RandomField draw(5, RandomStream::range_noise);
   const Tile reached = reach(spec, tile, half_bins);
   ErrorTail tail;
-  for (std::int64_t row = reached.first_row; row < reached.first_row + reached.rows; ++row)
-    for (std::int64_t col = reached.first_col; col < reached.first_col + reached.cols; ++col)
-      tail.bins.push_back({draw.normal(static_cast<std::uint64_t>(row), static_cast<std::uint64_t>(col)),
-                           static_cast<std::int32_t>(row), static_cast<std::int32_t>(col)});
+  for (const auto [row, col] : Bins({reached.first_row, reached.first_col},
+                                    {reached.first_row + reached.rows, reached.first_col + reached.cols}))
+    tail.bins.push_back({draw.normal(static_cast<std::uint64_t>(row), static_cast<std::uint64_t>(col)),
+                         static_cast<std::int32_t>(row), static_cast<std::int32_t>(col)});
   return tail;
 }
 

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "base/raster/masks.h"
+#include "bins.h"
 #include "chain/evaluation/accuracy.h"
 #include "chain/evaluation/coverage.h"
 #include "chain/evaluation/metrics.h"
@@ -358,9 +359,8 @@ TEST(JudgeCoverage, SmallAndLargeHoles) {
   constexpr GridSpec spec{1, 0, 0, 90, 90};
   for (const std::int64_t half : {3, 14, 40}) {
     BinMask hole(spec);
-    for (std::int64_t row = 0; row < spec.rows; ++row)
-      for (std::int64_t col = 0; col < spec.cols; ++col)
-        hole.at({row, col}) = std::max(std::abs(row - 44), std::abs(col - 5)) < half ? 1 : 0;
+    for (const auto [row, col] : bins_of(spec))
+      hole.at({row, col}) = std::max(std::abs(row - 44), std::abs(col - 5)) < half ? 1 : 0;
     expect_equal(all_except(hole), BinMask(spec, 1), {.hole_depth = 4});
   }
 }

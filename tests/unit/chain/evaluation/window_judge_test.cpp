@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "base/numerics/random.h"
+#include "bins.h"
 #include "chain/evaluation/judge/window_judge.h"
 #include "chain/evaluation/quantile/quantile.h"
 #include "chain/evaluation/quantile/tail_walk.h"
@@ -38,17 +39,15 @@ TEST(WindowSums, EqualTheSumsOfEachWindow) {
       std::vector<double> sums_of_doubles(kRows * kCols, 7);
       window_sums(view(values, cols), footprint, view(sums, kCols));
       window_sums(view(doubles, cols), footprint, view(sums_of_doubles, kCols));
-      for (std::int64_t row = 0; row < kRows; ++row) {
-        for (std::int64_t col = 0; col < kCols; ++col) {
-          std::uint64_t sum = 0;
-          for (std::int64_t i = -half; i <= half; ++i) {
-            const std::int64_t width = std::min(footprint.half_width(i), half_cols);
-            for (std::int64_t j = -width; j <= width; ++j)
-              sum += view(values, cols).at(row + half + i, col + half_cols + j);
-          }
-          EXPECT_EQ(view(sums, kCols).at(row, col), sum);
-          EXPECT_EQ(view(sums_of_doubles, kCols).at(row, col), static_cast<double>(sum));
+      for (const auto [row, col] : Bins({0, 0}, {kRows, kCols})) {
+        std::uint64_t sum = 0;
+        for (std::int64_t i = -half; i <= half; ++i) {
+          const std::int64_t width = std::min(footprint.half_width(i), half_cols);
+          for (std::int64_t j = -width; j <= width; ++j)
+            sum += view(values, cols).at(row + half + i, col + half_cols + j);
         }
+        EXPECT_EQ(view(sums, kCols).at(row, col), sum);
+        EXPECT_EQ(view(sums_of_doubles, kCols).at(row, col), static_cast<double>(sum));
       }
     }
   }
@@ -124,15 +123,13 @@ TEST(TileErrors, AreThoseOfTheAxisAndNanBeyondTheGrid) {
     ASSERT_EQ(found.cols, 13);
     std::int64_t valid = 0;
     double lowest = HUGE_VAL;
-    for (std::int64_t row = 0; row < found.rows; ++row) {
-      for (std::int64_t col = 0; col < found.cols; ++col) {
-        const BinIndex bin{row - 1, col + 2};
-        const double e = expected.spec().contains(bin) ? expected.at(bin) : kNan;
-        EXPECT_TRUE(found.at(row, col) == e || (std::isnan(found.at(row, col)) && std::isnan(e)));
-        EXPECT_EQ(errors.filled().at(row, col), std::isnan(e) ? 0 : e);
-        valid += std::isnan(e) ? 0 : 1;
-        if (e < lowest) lowest = e;
-      }
+    for (const auto [row, col] : bins_of(found)) {
+      const BinIndex bin{row - 1, col + 2};
+      const double e = expected.spec().contains(bin) ? expected.at(bin) : kNan;
+      EXPECT_TRUE(found.at(row, col) == e || (std::isnan(found.at(row, col)) && std::isnan(e)));
+      EXPECT_EQ(errors.filled().at(row, col), std::isnan(e) ? 0 : e);
+      valid += std::isnan(e) ? 0 : 1;
+      if (e < lowest) lowest = e;
     }
     EXPECT_EQ(errors.range().valid, valid);
     EXPECT_EQ(errors.missing(), 8 * 13 - valid);
@@ -182,14 +179,13 @@ class TailWalkTest : public testing::TestWithParam<double> {
   [[nodiscard]] std::vector<double> deviations(BinIndex bin, const WindowMeans& windows,
                                                const Footprint& footprint) const {
     std::vector<double> found;
-    for (std::int64_t row = 0; row < error_.spec().rows; ++row)
-      for (std::int64_t col = 0; col < error_.spec().cols; ++col) {
-        const std::int64_t up = row - bin.row;
-        if (std::abs(up) > footprint.half_bins() || std::abs(col - bin.col) > footprint.half_width(up))
-          continue;
-        const double deviation = std::abs(error_.at({row, col}) - windows.mean.at(bin));
-        if (!std::isnan(deviation)) found.push_back(deviation);
-      }
+    for (const auto [row, col] : bins_of(error_.spec())) {
+      const std::int64_t up = row - bin.row;
+      if (std::abs(up) > footprint.half_bins() || std::abs(col - bin.col) > footprint.half_width(up))
+        continue;
+      const double deviation = std::abs(error_.at({row, col}) - windows.mean.at(bin));
+      if (!std::isnan(deviation)) found.push_back(deviation);
+    }
     std::ranges::sort(found);
     return found;
   }
@@ -207,12 +203,11 @@ double TailWalkTest::expect_as_sorted(double floor, const Footprint& footprint, 
       .error = error_, .windows = windows, .footprint = footprint, .region = region_, .quantile = q};
   double lowest = kInfinity;
   double highest = -kInfinity;
-  for (std::int64_t row = 0; row < kTile.rows; ++row)
-    for (std::int64_t col = 0; col < kTile.cols; ++col) {
-      const double mean = windows.mean.at({kTile.first_row + row, kTile.first_col + col});
-      lowest = std::min(lowest, mean);
-      highest = std::max(highest, mean);
-    }
+  for (const auto [row, col] : bins_of(kTile)) {
+    const double mean = windows.mean.at({kTile.first_row + row, kTile.first_col + col});
+    lowest = std::min(lowest, mean);
+    highest = std::max(highest, mean);
+  }
   ErrorTails tails;
   collect_tails(error_, reach(error_.spec(), kTile, footprint.half_bins()), {lowest + floor, highest - floor},
                 tails);
@@ -223,28 +218,27 @@ double TailWalkTest::expect_as_sorted(double floor, const Footprint& footprint, 
 
   std::int64_t uncertified = 0;
   double smallest = kInfinity;
-  for (std::int64_t row = 0; row < error_.spec().rows; ++row)
-    for (std::int64_t col = 0; col < error_.spec().cols; ++col) {
-      const BinIndex bin{row, col};
-      const bool in_tile = row >= kTile.first_row && row < kTile.first_row + kTile.rows &&
-                           col >= kTile.first_col && col < kTile.first_col + kTile.cols;
-      if (!in_tile || region_.at(bin) == 0) {
-        EXPECT_TRUE(std::isnan(result.at(bin)));
-        continue;
-      }
-      const std::vector<double> sorted = deviations(bin, windows, footprint);
-      const QuantileRank rank = quantile_rank(sorted.size(), q);
-      const double below = sorted[rank.below];
-      if (below >= floor) {
-        smallest = std::min(smallest, below);
-        EXPECT_EQ(result.at(bin),
-                  rank.frac == 0 ? below : below + rank.frac * (sorted[rank.below + 1] - below));
-      } else {
-        ++uncertified;
-        EXPECT_TRUE(std::isnan(result.at(bin)));
-        EXPECT_LE(outcome.lower_bound, below);
-      }
+  for (const auto [row, col] : bins_of(error_.spec())) {
+    const BinIndex bin{row, col};
+    const bool in_tile = row >= kTile.first_row && row < kTile.first_row + kTile.rows &&
+                         col >= kTile.first_col && col < kTile.first_col + kTile.cols;
+    if (!in_tile || region_.at(bin) == 0) {
+      EXPECT_TRUE(std::isnan(result.at(bin)));
+      continue;
     }
+    const std::vector<double> sorted = deviations(bin, windows, footprint);
+    const QuantileRank rank = quantile_rank(sorted.size(), q);
+    const double below = sorted[rank.below];
+    if (below >= floor) {
+      smallest = std::min(smallest, below);
+      EXPECT_EQ(result.at(bin),
+                rank.frac == 0 ? below : below + rank.frac * (sorted[rank.below + 1] - below));
+    } else {
+      ++uncertified;
+      EXPECT_TRUE(std::isnan(result.at(bin)));
+      EXPECT_LE(outcome.lower_bound, below);
+    }
+  }
   EXPECT_EQ(outcome.uncertified, uncertified);
   EXPECT_EQ(outcome.smallest, smallest);
   if (uncertified == 0) {
@@ -270,9 +264,8 @@ TEST_F(TailWalkTest, FindsWhatLiesAtItsFloor) {
 
 // Tails that hold every bin, in steps of one window: a rank that jumps from window to window.
 TEST_F(TailWalkTest, FollowsMeansThatJump) {
-  for (std::int64_t row = 0; row < error_.spec().rows; ++row)
-    for (std::int64_t col = 0; col < error_.spec().cols; ++col)
-      if ((row / 3 + col / 4) % 3 == 0) error_.at({row, col}) = (row + col) % 2 == 0 ? 50.0 : kNan;
+  for (const auto [row, col] : bins_of(error_.spec()))
+    if ((row / 3 + col / 4) % 3 == 0) error_.at({row, col}) = (row + col) % 2 == 0 ? 50.0 : kNan;
   for (const double q : {0.1, 0.5, 0.95}) {
     expect_as_sorted(0, Footprint::square(4), q);
     expect_as_sorted(0, Footprint::disc(8), q);

@@ -9,6 +9,7 @@
 #include <numbers>
 #include <string>
 
+#include "bins.h"
 #include "constants.h"
 #include "refusal.h"
 
@@ -219,9 +220,8 @@ TEST(MapHazards, EachMethodHasItsProbability) {
 TEST(MapHazards, HalfADegreeFromTheLimitIsNotCertain) {
   HazardInput input = level_ground(1, 0.1);
   HazardParameters parameters = small_lander();
-  for (std::int64_t row = 0; row < 21; ++row)
-    for (std::int64_t col = 0; col < 21; ++col)
-      input.z.at({row, col}) = std::tan(10.5 * std::numbers::pi / 180) * input.z.spec().x(col);
+  for (const auto [row, col] : Bins({0, 0}, {21, 21}))
+    input.z.at({row, col}) = std::tan(10.5 * std::numbers::pi / 180) * input.z.spec().x(col);
   for (const HazardMethod method :
        {HazardMethod::contact, HazardMethod::plane, HazardMethod::range_difference, HazardMethod::lmeds})
     for (const double limit_deg : {10.0, 11.0}) {
@@ -259,9 +259,8 @@ TEST(MapHazards, ALoneElevationIsNamed) {
 
 TEST(MapHazards, ASiteHasTheValuesOfItsPlace) {
   HazardInput input = level_ground(2, 0.1);
-  for (std::int64_t row = 0; row < 41; ++row)
-    for (std::int64_t col = 0; col < 41; ++col)
-      input.z.at({row, col}) = 0.01 * static_cast<double>(row + (row * col) % 3);
+  for (const auto [row, col] : Bins({0, 0}, {41, 41}))
+    input.z.at({row, col}) = 0.01 * static_cast<double>(row + (row * col) % 3);
   input.z.at({20, 20}) = 1;
   input.z_sigma = Grid<double>(input.z.spec(), 0.02);
   input.z_true = input.z;
@@ -294,11 +293,10 @@ TEST(TruthPositions, AreMovedByTheMeanOfTheRing) {
   Grid<double> z_true(spec);
   Grid<double> x_true(spec);
   Grid<double> y_true(spec);
-  for (std::int64_t row = 0; row < spec.rows; ++row)
-    for (std::int64_t col = 0; col < spec.cols; ++col) {
-      x_true.at({row, col}) = spec.x(col) + 0.01 + (col == 9 ? 0.03 : col == 11 ? -0.03 : 0);
-      y_true.at({row, col}) = spec.y(row) - 0.02;
-    }
+  for (const auto [row, col] : bins_of(spec)) {
+    x_true.at({row, col}) = spec.x(col) + 0.01 + (col == 9 ? 0.03 : col == 11 ? -0.03 : 0);
+    y_true.at({row, col}) = spec.y(row) - 0.02;
+  }
   z_true.at({10, 10}) = x_true.at({10, 10}) = y_true.at({10, 10}) = kNan;
   const std::vector<FillableBin> holes = {{{10, 10}, 1}, {{5, 5}, 1}};  // the second has a true elevation
   const std::vector<TruthPosition> positions = truth_positions(z_true, x_true, y_true, holes);
@@ -314,11 +312,10 @@ TEST(TruthPositions, TakeTheFirstRowAndColumn) {
   Grid<double> z_true(spec);
   Grid<double> x_true(spec);
   Grid<double> y_true(spec);
-  for (std::int64_t row = 0; row < 3; ++row)
-    for (std::int64_t col = 0; col < 3; ++col) {
-      x_true.at({row, col}) = spec.x(col) + (col == 0 ? 0.04 : 0);
-      y_true.at({row, col}) = spec.y(row) + (row == 0 ? 0.08 : 0);
-    }
+  for (const auto [row, col] : Bins({0, 0}, {3, 3})) {
+    x_true.at({row, col}) = spec.x(col) + (col == 0 ? 0.04 : 0);
+    y_true.at({row, col}) = spec.y(row) + (row == 0 ? 0.08 : 0);
+  }
   z_true.at({1, 1}) = x_true.at({1, 1}) = y_true.at({1, 1}) = kNan;
   const std::vector<TruthPosition> positions = truth_positions(z_true, x_true, y_true, {{{1, 1}, 1}});
   ASSERT_EQ(positions.size(), 1U);

@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "base/core/error.h"
+#include "bins.h"
 #include "chain/hazards/lander.h"
 #include "chain/hazards/landing.h"
 #include "chain/hazards/padded_map.h"
@@ -147,12 +148,11 @@ TEST(PaddedMap, IsTheMapWithUnknownBinsAround) {
     EXPECT_EQ(padded.rows(), 5);
     EXPECT_EQ(padded.cols(), 7);
     EXPECT_EQ(padded.margin(), margin);
-    for (std::int64_t row = -margin; row < 5 + margin; ++row)
-      for (std::int64_t col = -margin; col < 7 + margin; ++col)
-        if (spec.contains({row, col}))
-          EXPECT_EQ(*padded.at(row, col), z.at({row, col}));
-        else
-          EXPECT_TRUE(std::isnan(*padded.at(row, col))) << margin << ' ' << row << ' ' << col;
+    for (const auto [row, col] : Bins({-margin, -margin}, {5 + margin, 7 + margin}))
+      if (spec.contains({row, col}))
+        EXPECT_EQ(*padded.at(row, col), z.at({row, col}));
+      else
+        EXPECT_TRUE(std::isnan(*padded.at(row, col))) << margin << ' ' << row << ' ' << col;
   }
 }
 

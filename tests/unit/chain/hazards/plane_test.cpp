@@ -10,8 +10,8 @@
 #include <optional>
 #include <vector>
 
-#include "base/core/parallel.h"
 #include "base/numerics/random.h"
+#include "bins.h"
 #include "brute_force.h"
 #include "chain/hazards/measures.h"
 
@@ -27,14 +27,13 @@ std::optional<BruteForce::Measures> fitted(const Grid<double>& z, const Lander& 
   const std::int64_t n = slow.within(lander.body_radius_m);
   std::vector<Eigen::Vector3d> rows;
   std::vector<double> heights;
-  for (std::int64_t y = -n; y <= n; ++y)
-    for (std::int64_t x = -n; x <= n; ++x) {
-      if (!slow.covers(lander.body_radius_m, {x, y})) continue;
-      const auto height = slow.at(place, {x, y});
-      if (!height) return {};
-      rows.emplace_back(1, static_cast<double>(x), static_cast<double>(y));
-      heights.push_back(*height);
-    }
+  for (const auto [y, x] : Bins({-n, -n}, {n + 1, n + 1})) {
+    if (!slow.covers(lander.body_radius_m, {x, y})) continue;
+    const auto height = slow.at(place, {x, y});
+    if (!height) return {};
+    rows.emplace_back(1, static_cast<double>(x), static_cast<double>(y));
+    heights.push_back(*height);
+  }
   Eigen::MatrixXd design(static_cast<Eigen::Index>(rows.size()), 3);
   for (std::size_t i = 0; i < rows.size(); ++i) design.row(static_cast<Eigen::Index>(i)) = rows[i];
   const Eigen::Map<const Eigen::VectorXd> right(heights.data(), static_cast<Eigen::Index>(heights.size()));
@@ -54,14 +53,13 @@ TEST(Plane, EqualsALeastSquaresFit) {
     if (seed % 5 == 0)
       for (double& height : z.values()) height += 1e4;
     const PlaceMeasures found = measure_plane(z, LanderStencil(lander, 0.1), BinMask(z.spec(), 1));
-    for (std::int64_t row = 0; row < z.spec().rows; ++row)
-      for (std::int64_t col = 0; col < z.spec().cols; ++col) {
-        const auto expected = fitted(z, lander, {row, col});
-        ASSERT_EQ(std::isnan(found.slope_deg.at({row, col})), !expected);
-        if (!expected) continue;
-        ASSERT_NEAR(found.slope_deg.at({row, col}), expected->slope_deg, 1e-7);
-        ASSERT_NEAR(found.roughness_m.at({row, col}), expected->roughness_m, 1e-9);
-      }
+    for (const auto [row, col] : bins_of(z.spec())) {
+      const auto expected = fitted(z, lander, {row, col});
+      ASSERT_EQ(std::isnan(found.slope_deg.at({row, col})), !expected);
+      if (!expected) continue;
+      ASSERT_NEAR(found.slope_deg.at({row, col}), expected->slope_deg, 1e-7);
+      ASSERT_NEAR(found.roughness_m.at({row, col}), expected->roughness_m, 1e-9);
+    }
   }
 }
 
@@ -69,13 +67,7 @@ const GridSpec kLmedsSpec{.resolution_m = 0.1, .first_row = -15, .first_col = -1
 constexpr BinIndex kLmedsCentre{15, 15};
 const Lander kLander{.leg_radius_m = 0.5, .body_radius_m = 0.8};
 
-Grid<double> lmeds_ground(const auto& height) {
-  Grid<double> z(kLmedsSpec);
-  for (std::int64_t row = 0; row < kLmedsSpec.rows; ++row)
-    for (std::int64_t col = 0; col < kLmedsSpec.cols; ++col)
-      z.at({row, col}) = height(kLmedsSpec.x(col), kLmedsSpec.y(row));
-  return z;
-}
+Grid<double> lmeds_ground(const auto& height) { return grid_of(kLmedsSpec, height); }
 
 PlaceMeasures lmeds_measures(const Grid<double>& z, const Lander& lander = kLander) {
   return measure_lmeds(z, LanderStencil(lander, z.spec().resolution_m), BinMask(z.spec(), 1));
@@ -112,12 +104,11 @@ class SlowLmeds {
     const auto half =
         static_cast<std::int64_t>(std::floor((lander.body_radius_m + 1e-9) / z.spec().resolution_m));
     const std::int64_t stride = std::max<std::int64_t>(1, half / 4);
-    for (std::int64_t y = -n; y <= n; ++y)
-      for (std::int64_t x = -n; x <= n; ++x) {
-        if (!slow_.covers(lander.body_radius_m, {x, y})) continue;
-        body_.push_back({x, y});
-        if (x % stride == 0 && y % stride == 0) samples_.push_back({x, y});
-      }
+    for (const auto [y, x] : Bins({-n, -n}, {n + 1, n + 1})) {
+      if (!slow_.covers(lander.body_radius_m, {x, y})) continue;
+      body_.push_back({x, y});
+      if (x % stride == 0 && y % stride == 0) samples_.push_back({x, y});
+    }
     const RandomField random(1, RandomStream::least_median);
     const auto count = static_cast<double>(samples_.size());
     for (std::uint64_t draw = 0; triples_.size() < 35; ++draw) {
@@ -185,16 +176,15 @@ TEST(Lmeds, EqualsItsDefinitionOnRandomMaps) {
     const Grid<double> z = random_map({0.1, -9, -8, 19, 26}, seed, seed % 2 == 0 ? 0 : 0.004);
     const PlaceMeasures found = lmeds_measures(z, lander);
     const SlowLmeds slow(z, lander);
-    for (std::int64_t row = 0; row < z.spec().rows; ++row)
-      for (std::int64_t col = 0; col < z.spec().cols; ++col) {
-        const auto expected = slow.at({row, col});
-        ASSERT_EQ(std::isnan(found.slope_deg.at({row, col})), !expected);
-        ++(expected ? known : unknown);
-        if (!expected) continue;
-        ASSERT_NEAR(found.slope_deg.at({row, col}), expected->slope_deg, 1e-9)
-            << seed << " " << row << " " << col;
-        ASSERT_NEAR(found.roughness_m.at({row, col}), expected->roughness_m, 1e-9);
-      }
+    for (const auto [row, col] : bins_of(z.spec())) {
+      const auto expected = slow.at({row, col});
+      ASSERT_EQ(std::isnan(found.slope_deg.at({row, col})), !expected);
+      ++(expected ? known : unknown);
+      if (!expected) continue;
+      ASSERT_NEAR(found.slope_deg.at({row, col}), expected->slope_deg, 1e-9)
+          << seed << " " << row << " " << col;
+      ASSERT_NEAR(found.roughness_m.at({row, col}), expected->roughness_m, 1e-9);
+    }
   }
   EXPECT_GT(known, 1000);
   EXPECT_GT(unknown, 1000);
@@ -211,19 +201,7 @@ TEST(Lmeds, SamplesThatTheHeaderStates) {
 
 TEST(Lmeds, TheSameAtAnyNumberOfThreads) {
   const Grid<double> z = random_map({0.1, -30, -30, 61, 61}, 9, 0.001);
-  const auto run = [&](std::size_t threads) {
-    const ThreadLimit limit(threads);
-    return lmeds_measures(z);
-  };
-  const PlaceMeasures one = run(1);
-  for (const std::size_t threads : {2U, 7U}) {
-    const PlaceMeasures more = run(threads);
-    for (std::size_t i = 0; i < z.spec().size(); ++i) {
-      if (std::isnan(one.slope_deg.values()[i])) continue;
-      EXPECT_EQ(one.slope_deg.values()[i], more.slope_deg.values()[i]);
-      EXPECT_EQ(one.roughness_m.values()[i], more.roughness_m.values()[i]);
-    }
-  }
+  testing_hazards::expect_same_at_any_threads([&] { return lmeds_measures(z); });
 }
 
 }  // namespace

@@ -9,6 +9,7 @@
 
 #include "base/core/parallel.h"
 #include "base/numerics/random.h"
+#include "bins.h"
 #include "chain/hazards/relief_prior.h"
 #include "chain/hazards/scale_filter.h"
 #include "chain/hazards/sharp_relief.h"
@@ -61,8 +62,8 @@ TEST(ReliefOf, AFewRocks) {
   const GridSpec spec = GridSpec::centered(5, 0.05);
   Grid<float> rocks(spec);
   for (std::int64_t row = 20; row < spec.rows; row += 40)
-    for (std::int64_t r = row; r < row + 4; ++r)
-      for (std::int64_t c = row; c < row + 4; ++c) rocks.at({r, c}) = static_cast<float>(100 * kVariance);
+    for (const BinIndex bin : Bins({row, row}, {row + 4, row + 4}))
+      rocks.at(bin) = static_cast<float>(100 * kVariance);
   const ScaleRelief relief = found(details(rocks, 3));
   EXPECT_GT(relief.gain.at({22, 22}), 0.9F);
   EXPECT_LT(relief.gain.at({22, 60}), 0.16F);
@@ -83,11 +84,10 @@ TEST(ReliefOf, WhatWasNotSeenHasTheReliefAround) {
   const GridSpec spec = GridSpec::centered(5, 0.05);
   Grid<float> detail = details(Grid<float>(spec, static_cast<float>(4 * kVariance)), 5);
   Grid<float> seen(spec, 1);
-  for (std::int64_t row = 90; row < 110; ++row)
-    for (std::int64_t col = 90; col < 110; ++col) {
-      detail.at({row, col}) = 0;
-      seen.at({row, col}) = 0;
-    }
+  for (const auto [row, col] : Bins({90, 90}, {110, 110})) {
+    detail.at({row, col}) = 0;
+    seen.at({row, col}) = 0;
+  }
   const ScaleRelief relief =
       relief_of({detail, Grid<float>(spec, static_cast<float>(kVariance)), seen, 1}, nullptr);
   EXPECT_EQ(relief.gain.at({100, 100}), 0);
@@ -107,10 +107,7 @@ constexpr double kEdge = 0.05;
 /// Ground of the function `height` of x and y, with noise of 1 sigma.
 template <typename Height>
 Grid<double> noisy(double sigma_m, const Height& height) {
-  Grid<double> z(GridSpec::centered(kBins / 2 * kEdge, kEdge));
-  for (std::int64_t row = 0; row < z.spec().rows; ++row)
-    for (std::int64_t col = 0; col < z.spec().cols; ++col)
-      z.at({row, col}) = height(z.spec().x(col), z.spec().y(row));
+  Grid<double> z = grid_of(GridSpec::centered(kBins / 2 * kEdge, kEdge), height);
   add_noise(z, sigma_m, 3);
   return z;
 }
@@ -148,19 +145,17 @@ TEST(SharpRelief, ARockAndAStepAre) {
 TEST(SharpRelief, OnlyTheRegionCounts) {
   const Grid<double> z = noisy(0.001, rock);
   BinMask region = all_bins(z);
-  for (std::int64_t row = 0; row < z.spec().rows; ++row)
-    for (std::int64_t col = 0; col < z.spec().cols; ++col)
-      if (std::hypot(z.spec().x(col) - 1, z.spec().y(row) + 1) < 0.6) region.at({row, col}) = 0;
+  for (const auto [row, col] : bins_of(z.spec()))
+    if (std::hypot(z.spec().x(col) - 1, z.spec().y(row) + 1) < 0.6) region.at({row, col}) = 0;
   EXPECT_FALSE(has_sharp_relief(z, region));
   EXPECT_FALSE(has_sharp_relief(z, BinMask(z.spec())));
 }
 
 TEST(SharpRelief, BinsBesideAHoleDoNotCount) {
   Grid<double> z = noisy(0.001, rock);
-  for (std::int64_t row = 0; row < z.spec().rows; ++row)
-    for (std::int64_t col = 0; col < z.spec().cols; ++col)
-      if (std::hypot(z.spec().x(col) - 1, z.spec().y(row) + 1) < 0.5)
-        z.at({row, col}) = std::numeric_limits<double>::quiet_NaN();
+  for (const auto [row, col] : bins_of(z.spec()))
+    if (std::hypot(z.spec().x(col) - 1, z.spec().y(row) + 1) < 0.5)
+      z.at({row, col}) = std::numeric_limits<double>::quiet_NaN();
   EXPECT_FALSE(has_sharp_relief(z, all_bins(z)));
 }
 
@@ -195,15 +190,13 @@ TEST(LowPass, EqualsItsDefinition) {
   const Grid<double> map = noise({0.1, -9, -7, 23, 19});
   for (const std::int64_t step : {1, 2, 8}) {  // at 8 the taps reach beyond the mirrored map
     const Grid<double> found = low_pass(map, step);
-    for (std::int64_t row = 0; row < 23; ++row)
-      for (std::int64_t col = 0; col < 19; ++col) {
-        double sum = 0;
-        for (std::int64_t r = -5; r <= 5; ++r)
-          for (std::int64_t c = -5; c <= 5; ++c)
-            sum += kLowPass[static_cast<std::size_t>(r + 5)] * kLowPass[static_cast<std::size_t>(c + 5)] /
-                   (512.0 * 512) * reflected(map, row + r * step, col + c * step);
-        ASSERT_NEAR(found.at({row, col}), sum, 1e-12) << step << ": " << row << ", " << col;
-      }
+    for (const auto [row, col] : Bins({0, 0}, {23, 19})) {
+      double sum = 0;
+      for (const auto [r, c] : Bins({-5, -5}, {6, 6}))
+        sum += kLowPass[static_cast<std::size_t>(r + 5)] * kLowPass[static_cast<std::size_t>(c + 5)] /
+               (512.0 * 512) * reflected(map, row + r * step, col + c * step);
+      ASSERT_NEAR(found.at({row, col}), sum, 1e-12) << step << ": " << row << ", " << col;
+    }
   }
 }
 
@@ -211,19 +204,17 @@ TEST(LowPass, KeepsAPlaneAndInsideAQuintic) {
   const GridSpec spec{0.1, -40, -40, 81, 81};
   Grid<double> plane(spec);
   Grid<double> quintic(spec);
-  for (std::int64_t row = 0; row < 81; ++row)
-    for (std::int64_t col = 0; col < 81; ++col) {
-      plane.at({row, col}) = 3 + 0.2 * spec.x(col) - 0.1 * spec.y(row);
-      quintic.at({row, col}) = std::pow(spec.x(col), 5) - std::pow(spec.y(row), 4) * spec.x(col);
-    }
+  for (const auto [row, col] : Bins({0, 0}, {81, 81})) {
+    plane.at({row, col}) = 3 + 0.2 * spec.x(col) - 0.1 * spec.y(row);
+    quintic.at({row, col}) = std::pow(spec.x(col), 5) - std::pow(spec.y(row), 4) * spec.x(col);
+  }
   const Grid<double> same = low_pass(plane, 4);
   const Grid<double> inside = low_pass(quintic, 2);
-  for (std::int64_t row = 0; row < 81; ++row)
-    for (std::int64_t col = 0; col < 81; ++col) {
-      ASSERT_NEAR(same.at({row, col}), plane.at({row, col}), 1e-12);
-      if (std::min({row, col, 80 - row, 80 - col}) < 10) continue;
-      ASSERT_NEAR(inside.at({row, col}), quintic.at({row, col}), 1e-9);
-    }
+  for (const auto [row, col] : Bins({0, 0}, {81, 81})) {
+    ASSERT_NEAR(same.at({row, col}), plane.at({row, col}), 1e-12);
+    if (std::min({row, col, 80 - row, 80 - col}) < 10) continue;
+    ASSERT_NEAR(inside.at({row, col}), quintic.at({row, col}), 1e-9);
+  }
 }
 
 TEST(Blur, EqualsItsDefinition) {
@@ -233,16 +224,14 @@ TEST(Blur, EqualsItsDefinition) {
                          [](double v) { return static_cast<float>(v); });
   for (const std::int64_t step : {1, 4}) {
     const Grid<float> found = blur(narrow, step);
-    for (std::int64_t row = 0; row < 13; ++row)
-      for (std::int64_t col = 0; col < 17; ++col) {
-        double sum = 0;
-        for (std::int64_t r = -2; r <= 2; ++r)
-          for (std::int64_t c = -2; c <= 2; ++c)
-            sum += kBlur[static_cast<std::size_t>(r + 2)] * kBlur[static_cast<std::size_t>(c + 2)] / 256 *
-                   map.at({std::clamp<std::int64_t>(row + r * step, 0, 12),
-                           std::clamp<std::int64_t>(col + c * step, 0, 16)});
-        ASSERT_NEAR(found.at({row, col}), sum, 1e-6) << step << ": " << row << ", " << col;
-      }
+    for (const auto [row, col] : Bins({0, 0}, {13, 17})) {
+      double sum = 0;
+      for (const auto [r, c] : Bins({-2, -2}, {3, 3}))
+        sum += kBlur[static_cast<std::size_t>(r + 2)] * kBlur[static_cast<std::size_t>(c + 2)] / 256 *
+               map.at({std::clamp<std::int64_t>(row + r * step, 0, 12),
+                       std::clamp<std::int64_t>(col + c * step, 0, 16)});
+      ASSERT_NEAR(found.at({row, col}), sum, 1e-6) << step << ": " << row << ", " << col;
+    }
   }
 }
 

@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "base/numerics/random.h"
+#include "bins.h"
 #include "chain/hazards/safety.h"
 #include "chain/hazards/sigma_parts.h"
 #include "constants.h"
@@ -162,21 +163,19 @@ TEST(SplitSigma, EqualsItsDefinition) {
   sigma.at({7, 7}) = 0;
   sigma.at({8, 7}) = kNan;
   const SigmaParts parts = split_sigma(sigma, Footprint::square(2));
-  for (std::int64_t row = 0; row < spec.rows; ++row)
-    for (std::int64_t col = 0; col < spec.cols; ++col) {
-      const double here = sigma.at({row, col});
-      if (!(here > 0)) continue;
-      int count = 0;
-      double sum = 0;
-      for (std::int64_t r = row - 2; r <= row + 2; ++r)
-        for (std::int64_t c = col - 2; c <= col + 2; ++c) {
-          if (!spec.contains({r, c}) || !(sigma.at({r, c}) > 0)) continue;
-          sum += 1 / (sigma.at({r, c}) * sigma.at({r, c}));
-          ++count;
-        }
-      EXPECT_NEAR(parts.noise_m.at({row, col}), std::min(here, std::sqrt(1.3 * count / sum)), 1e-8);
-      EXPECT_NEAR(parts.relief_m.at({row, col}), std::sqrt(std::max(here * here - count / sum, 0.0)), 1e-6);
+  for (const auto [row, col] : bins_of(spec)) {
+    const double here = sigma.at({row, col});
+    if (!(here > 0)) continue;
+    int count = 0;
+    double sum = 0;
+    for (const auto [r, c] : Bins({row - 2, col - 2}, {row + 2 + 1, col + 2 + 1})) {
+      if (!spec.contains({r, c}) || !(sigma.at({r, c}) > 0)) continue;
+      sum += 1 / (sigma.at({r, c}) * sigma.at({r, c}));
+      ++count;
     }
+    EXPECT_NEAR(parts.noise_m.at({row, col}), std::min(here, std::sqrt(1.3 * count / sum)), 1e-8);
+    EXPECT_NEAR(parts.relief_m.at({row, col}), std::sqrt(std::max(here * here - count / sum, 0.0)), 1e-6);
+  }
 }
 
 }  // namespace

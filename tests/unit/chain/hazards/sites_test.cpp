@@ -7,6 +7,7 @@
 #include <string>
 
 #include "base/numerics/random.h"
+#include "bins.h"
 #include "chain/hazards/reachable_area.h"
 #include "chain/hazards/sites.h"
 #include "refusal.h"
@@ -125,12 +126,10 @@ TEST(Sites, AreTheBestThatLieApart) {
   };
   for (std::size_t rank = 0; rank < sites.size(); ++rank) {
     EXPECT_TRUE(is_apart(sites[rank], rank));
-    for (std::int64_t row = 0; row < spec.rows; ++row)
-      for (std::int64_t col = 0; col < spec.cols; ++col) {
-        const BinIndex bin{row, col};
-        if (safe.at(bin) != 1 || std::isnan(cost.at(bin)) || !is_apart(bin, rank)) continue;
-        EXPECT_GE(key(bin), key(sites[rank]));
-      }
+    for (const BinIndex bin : bins_of(spec)) {
+      if (safe.at(bin) != 1 || std::isnan(cost.at(bin)) || !is_apart(bin, rank)) continue;
+      EXPECT_GE(key(bin), key(sites[rank]));
+    }
   }
   EXPECT_TRUE(choose_sites(cost, Grid<std::int8_t>(spec), parameters).empty());
 }

@@ -15,6 +15,7 @@
 #include "base/core/error.h"
 #include "base/numerics/random.h"
 #include "base/raster/grid.h"
+#include "bins.h"
 #include "chain/hazards/site_search.h"
 #include "refusal.h"
 
@@ -31,16 +32,14 @@ Grid<double> rocky_ground(const GridSpec& spec, double holes) {
   constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
   const RandomField field(5, RandomStream::range_noise);
   Grid<double> z(spec);
-  for (std::int64_t row = 0; row < spec.rows; ++row)
-    for (std::int64_t col = 0; col < spec.cols; ++col) {
-      const std::size_t i = spec.index({row, col});
-      const std::size_t block = static_cast<std::size_t>(row / 3 * spec.cols + col / 3) + spec.size();
-      z.values()[i] =
-          0.3 * std::sin(0.4 * spec.x(col)) * std::cos(0.3 * spec.y(row)) + 0.004 * field.normal(i);
-      if (field.normal(block) > 2.4) z.values()[i] += 0.4;
-      if (field.normal(block) < -3) z.values()[i] = kNan;
-      if (field.normal(i + 2 * spec.size()) > holes) z.values()[i] = kNan;
-    }
+  for (const auto [row, col] : bins_of(spec)) {
+    const std::size_t i = spec.index({row, col});
+    const std::size_t block = static_cast<std::size_t>(row / 3 * spec.cols + col / 3) + spec.size();
+    z.values()[i] = 0.3 * std::sin(0.4 * spec.x(col)) * std::cos(0.3 * spec.y(row)) + 0.004 * field.normal(i);
+    if (field.normal(block) > 2.4) z.values()[i] += 0.4;
+    if (field.normal(block) < -3) z.values()[i] = kNan;
+    if (field.normal(i + 2 * spec.size()) > holes) z.values()[i] = kNan;
+  }
   return z;
 }
 

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <limits>
 
+#include "bins.h"
 #include "chain/ray/elevation_pyramid.h"
 #include "chain/ray/flat_ground.h"
 #include "chain/ray/packet_walk.h"
@@ -144,8 +145,8 @@ constexpr float kFloatInfinity = std::numeric_limits<float>::infinity();
 // 10 x 7 nodes: 9 x 6 cells, 3 x 2 blocks; the elevation is 10 row + col.
 Grid<double> ramp() {
   Grid<double> nodes(GridSpec{1, 0, 0, 10, 7});
-  for (std::int64_t row = 0; row < 10; ++row)
-    for (std::int64_t col = 0; col < 7; ++col) nodes.at({row, col}) = static_cast<double>(10 * row + col);
+  for (const auto [row, col] : Bins({0, 0}, {10, 7}))
+    nodes.at({row, col}) = static_cast<double>(10 * row + col);
   return nodes;
 }
 

@@ -11,6 +11,7 @@
 #include <fstream>
 
 #include "base/core/error.h"
+#include "bins.h"
 #include "chain/terrain/mesh/triangle_mesh.h"
 #include "chain/terrain/relief/triangulated_grid.h"
 #include "constants.h"
@@ -399,9 +400,8 @@ TEST_F(MeshFileTest, NamesOtherKindsOfContent) {
 // NaN nodes: one lonely corner node, one hole in the middle.
 TriangulatedGrid grid_with_holes() {
   Grid<double> nodes(GridSpec::centered(1.5, 0.5));
-  for (std::int64_t r = 0; r < 7; ++r)
-    for (std::int64_t c = 0; c < 7; ++c)
-      nodes.at({r, c}) = 0.1 * static_cast<double>(r * r) - 1.0 / 3 * static_cast<double>(c);
+  for (const auto [r, c] : Bins({0, 0}, {7, 7}))
+    nodes.at({r, c}) = 0.1 * static_cast<double>(r * r) - 1.0 / 3 * static_cast<double>(c);
   nodes.at({3, 3}) = kNan;
   nodes.at({0, 1}) = kNan;
   nodes.at({1, 0}) = kNan;

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "base/core/error.h"
+#include "bins.h"
 #include "constants.h"
 #include "formats/picture/bitmap_font.h"
 #include "formats/picture/map_picture.h"
@@ -280,11 +281,10 @@ TEST(Relief, LeavesOutWhatHasNoValue) {
 /// Every channel takes every value; rows and columns differ in number.
 RgbImage gradient() {
   RgbImage image(256, 100, {});
-  for (std::int64_t row = 0; row < 100; ++row)
-    for (std::int64_t col = 0; col < 256; ++col)
-      image.set(row, col,
-                {static_cast<std::uint8_t>(col), static_cast<std::uint8_t>(255 - col),
-                 static_cast<std::uint8_t>(2 * row)});
+  for (const auto [row, col] : Bins({0, 0}, {100, 256}))
+    image.set(row, col,
+              {static_cast<std::uint8_t>(col), static_cast<std::uint8_t>(255 - col),
+               static_cast<std::uint8_t>(2 * row)});
   return image;
 }
 

@@ -10,6 +10,7 @@
 #include <limits>
 #include <optional>
 
+#include "bins.h"
 #include "store/files/terrain_file.h"
 #include "temporary_folder.h"
 
@@ -60,9 +61,8 @@ TEST(LargeTerrain, WindowsAreTheWholeFilesNodes) {
   EXPECT_NEAR(large->terrain.highest_m, 1, 1e-4);
   const GridSpec spec{0.5, -350 + 256, -150, 444, 256};
   const Grid<double> window = large->terrain.load(spec);
-  for (std::int64_t row = 0; row < spec.rows; ++row)
-    for (std::int64_t col = 0; col < spec.cols; ++col)
-      ASSERT_EQ(window.at({row, col}), terrain.nodes.at({row + 256, col}));
+  for (const auto [row, col] : bins_of(spec))
+    ASSERT_EQ(window.at({row, col}), terrain.nodes.at({row + 256, col}));
 }
 
 // Larger than one tile in one direction, smaller in the other; not square, not centred.
@@ -112,13 +112,12 @@ TEST(GridFile, EveryLayerHasItsRangeInItsOwnType) {
     layers.write("flags", flags, {"1", "flags"});
     layers.write("none", Grid<float>(spec, kFloatNan), {"m", "none"});
     const auto fill = [](const GridLayerWriter::Tile& tile, std::span<GridLayerWriter::TileValues> values) {
-      for (std::int64_t r = 0; r < tile.rows; ++r)
-        for (std::int64_t c = 0; c < tile.cols; ++c) {
-          const auto at = static_cast<std::size_t>(r * tile.stride + c);
-          const auto row = static_cast<int>(tile.first.row + r);
-          std::get<std::vector<std::int32_t>>(values[0])[at] = 10 + row;
-          std::get<std::vector<float>>(values[1])[at] = c == 3 ? kFloatNan : 0.1F * static_cast<float>(row);
-        }
+      for (const auto [r, c] : bins_of(tile)) {
+        const auto at = static_cast<std::size_t>(r * tile.stride + c);
+        const auto row = static_cast<int>(tile.first.row + r);
+        std::get<std::vector<std::int32_t>>(values[0])[at] = 10 + row;
+        std::get<std::vector<float>>(values[1])[at] = c == 3 ? kFloatNan : 0.1F * static_cast<float>(row);
+      }
     };
     layers.write_tiled({{"count", h5::Type::int32, {"1", "count"}},
                         {"t", h5::Type::float32, {"s", "t"}},

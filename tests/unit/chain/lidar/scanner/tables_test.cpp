@@ -82,7 +82,7 @@ TEST(TablePattern, TakesItsColumnsFromATable) {
   EXPECT_THAT(refusal<FormatError>([&] {
                 const TablePattern pattern({.samples = {{0, 0, 0}}}, "aims.csv: pattern table");
               }),
-              testing::HasSubstr("aims.csv: pattern table: 1 rows"));
+              HasSubstr("aims.csv: pattern table: 1 rows"));
 }
 
 TEST(TablePattern, SaysHowItIsRun) {
@@ -92,20 +92,19 @@ TEST(TablePattern, SaysHowItIsRun) {
 }
 
 TEST(TablePattern, RefusesABadTable) {
-  EXPECT_THAT(message_of({}), testing::HasSubstr("0 rows, at least 2"));
-  EXPECT_THAT(message_of({{0, 1, 1}}), testing::HasSubstr("1 rows, at least 2"));
-  EXPECT_THAT(message_of({{0.5, 0, 0}, {1, 0, 0}}), testing::HasSubstr("row 1: t_s is 0.5, not 0"));
-  EXPECT_THAT(message_of({{0, 0, 0}, {1, 0, 0}, {1, 2, 0}}),
-              testing::HasSubstr("row 3: t_s does not exceed"));
-  EXPECT_THAT(message_of({{0, 0, 0}, {1, std::nan(""), 0}}), testing::HasSubstr("row 2: a value"));
-  EXPECT_THAT(message_of({{0, 0, HUGE_VAL}, {1, 0, 0}}), testing::HasSubstr("row 1: a value"));
-  EXPECT_THAT(message_of({{0, 0, 0}, {HUGE_VAL, 0, 0}}), testing::HasSubstr("row 2: a value"));
+  EXPECT_THAT(message_of({}), HasSubstr("0 rows, at least 2"));
+  EXPECT_THAT(message_of({{0, 1, 1}}), HasSubstr("1 rows, at least 2"));
+  EXPECT_THAT(message_of({{0.5, 0, 0}, {1, 0, 0}}), HasSubstr("row 1: t_s is 0.5, not 0"));
+  EXPECT_THAT(message_of({{0, 0, 0}, {1, 0, 0}, {1, 2, 0}}), HasSubstr("row 3: t_s does not exceed"));
+  EXPECT_THAT(message_of({{0, 0, 0}, {1, std::nan(""), 0}}), HasSubstr("row 2: a value"));
+  EXPECT_THAT(message_of({{0, 0, HUGE_VAL}, {1, 0, 0}}), HasSubstr("row 1: a value"));
+  EXPECT_THAT(message_of({{0, 0, 0}, {HUGE_VAL, 0, 0}}), HasSubstr("row 2: a value"));
 }
 
 TEST(TablePattern, WrapAsksForAClosedTable) {
   EXPECT_EQ(message_of({{0, 0, 0}, {1, 3, 4}, {2, 0.0006, 0.0008}}, AtTableEnd::wrap), "accepted");
   EXPECT_THAT(message_of({{0, 0, 0}, {1, 3, 4}}, AtTableEnd::wrap),
-              testing::HasSubstr("row 2: ends 5 m from the first row"));
+              HasSubstr("row 2: ends 5 m from the first row"));
   EXPECT_EQ(message_of({{0, 0, 0}, {1, 3, 4}}, AtTableEnd::hold), "accepted");
 }
 

@@ -15,6 +15,7 @@
 
 #include "analytic_engines.h"
 #include "base/core/parallel.h"
+#include "bins.h"
 #include "chain/lidar/detector/perspective.h"
 #include "chain/lidar/scanner/scanner.h"
 #include "chain/lidar/simulation/incidence.h"
@@ -33,10 +34,7 @@ using testing::ElementsAre;
 
 /// z = slope_x x on 3 x 3 nodes.
 TriangulatedGrid plane(double slope_x) {
-  Grid<double> nodes(GridSpec::centered(1, 1));
-  for (std::int64_t r = 0; r < 3; ++r)
-    for (std::int64_t c = 0; c < 3; ++c) nodes.at({r, c}) = slope_x * nodes.spec().x(c);
-  return TriangulatedGrid(std::move(nodes));
+  return TriangulatedGrid(grid_of(GridSpec::centered(1, 1), [&](double x, double) { return slope_x * x; }));
 }
 
 /// A beam in the x-z plane, `off_nadir_rad` from straight down towards +x.

@@ -21,6 +21,7 @@ namespace {
 
 using Columns = std::map<std::string, std::vector<double>>;
 using Motion = std::function<Eigen::Vector3d(double)>;
+using testing::HasSubstr;
 
 TEST(ConstantVelocity, DefaultIsThePapersDescent) {
   const ConstantVelocity descent({});
@@ -183,22 +184,21 @@ TEST(TableTrajectory, NormalisesWhatIsNearlyAUnitQuaternion) {
   EXPECT_LT((table.pose(0).rotation.m - rotation_matrix({0.5, 0, 0})).norm(), 1e-15);
   q.coeffs() *= 1.0002;
   EXPECT_THAT(samples_message({{0, {}, Eigen::Quaterniond::Identity()}, {1, {}, q}}),
-              testing::HasSubstr("row 2: the quaternion's norm is 1.001"));
+              HasSubstr("row 2: the quaternion's norm is 1.001"));
 }
 
 TEST(TableTrajectory, RefusesABadTable) {
   const Eigen::Quaterniond one = Eigen::Quaterniond::Identity();
-  EXPECT_THAT(samples_message({}), testing::HasSubstr("0 rows"));
-  EXPECT_THAT(samples_message({{0, {}, one}}), testing::HasSubstr("1 rows"));
-  EXPECT_THAT(samples_message({{0, {}, one}, {1, {}, one}, {1, {}, one}}), testing::HasSubstr("row 3: t_s"));
-  EXPECT_THAT(samples_message({{0, {}, one}, {-1, {}, one}}), testing::HasSubstr("row 2: t_s"));
-  EXPECT_THAT(samples_message({{0, {}, one}, {std::nan(""), {}, one}}), testing::HasSubstr("row 2: a value"));
-  EXPECT_THAT(samples_message({{0, {{0, HUGE_VAL, 0}}, one}, {1, {}, one}}),
-              testing::HasSubstr("row 1: a value"));
+  EXPECT_THAT(samples_message({}), HasSubstr("0 rows"));
+  EXPECT_THAT(samples_message({{0, {}, one}}), HasSubstr("1 rows"));
+  EXPECT_THAT(samples_message({{0, {}, one}, {1, {}, one}, {1, {}, one}}), HasSubstr("row 3: t_s"));
+  EXPECT_THAT(samples_message({{0, {}, one}, {-1, {}, one}}), HasSubstr("row 2: t_s"));
+  EXPECT_THAT(samples_message({{0, {}, one}, {std::nan(""), {}, one}}), HasSubstr("row 2: a value"));
+  EXPECT_THAT(samples_message({{0, {{0, HUGE_VAL, 0}}, one}, {1, {}, one}}), HasSubstr("row 1: a value"));
   EXPECT_THAT(samples_message({{0, {}, one, Vector<DemFrame>{{0, 0, HUGE_VAL}}}, {1, {}, one}}),
-              testing::HasSubstr("row 1: a value"));
+              HasSubstr("row 1: a value"));
   EXPECT_THAT(samples_message({{0, {}, one}, {1, {}, Eigen::Quaterniond(1, 0, 0, std::nan(""))}}),
-              testing::HasSubstr("row 2: a value"));
+              HasSubstr("row 2: a value"));
 }
 
 TEST(TableTrajectory, RefusesTimesOutsideTheTable) {
@@ -231,7 +231,7 @@ TEST(TableTrajectory, IsTheSameOnAnyClock) {
 TEST(TableTrajectory, RefusesRowsThatTheirEpochDoesNotSeparate) {
   const Eigen::Quaterniond one = Eigen::Quaterniond::Identity();
   EXPECT_THAT(samples_message({{-1e9, {}, one}, {1e-10, {}, one}, {2e-10, {}, one}}),
-              testing::HasSubstr("row 3: t_s"));
+              HasSubstr("row 3: t_s"));
 }
 
 NumberTable table_of(const Columns& attitude) {
@@ -320,16 +320,15 @@ TEST(TrajectoryColumnsProperty, RodriguesParametersAndTheirShadowsAreBasilisks) 
 
 TEST(TrajectoryColumns, RefusesAnAttitudeThatIsMissingIncompleteOrGivenTwice) {
   EXPECT_THAT(columns_message({}),
-              testing::HasSubstr("a.csv: has no attitude: add the columns qw,qx,qy,qz, or roll_deg"));
+              HasSubstr("a.csv: has no attitude: add the columns qw,qx,qy,qz, or roll_deg"));
   EXPECT_THAT(columns_message({{"qw", {1, 1}}, {"qx", {0, 0}}, {"qy", {0, 0}}}),
-              testing::HasSubstr("a.csv: no column qz, but has others of qw,qx,qy,qz"));
+              HasSubstr("a.csv: no column qz, but has others of qw,qx,qy,qz"));
   Columns twice = kRollPitchYaw;
   for (const char* const name : {"mrp_1", "mrp_2", "mrp_3"}) twice[name] = {0, 0};
-  EXPECT_THAT(columns_message(twice), testing::HasSubstr("has two attitudes"));
+  EXPECT_THAT(columns_message(twice), HasSubstr("has two attitudes"));
   Columns half = kRollPitchYaw;
   half["vx_mps"] = {0, 0};
-  EXPECT_THAT(columns_message(half),
-              testing::HasSubstr("no column vy_mps, but has others of vx_mps,vy_mps,vz_mps"));
+  EXPECT_THAT(columns_message(half), HasSubstr("no column vy_mps, but has others of vx_mps,vy_mps,vz_mps"));
 }
 
 }  // namespace

@@ -8,6 +8,7 @@
 #include <random>
 
 #include "base/core/error.h"
+#include "bins.h"
 #include "constants.h"
 #include "refusal.h"
 
@@ -19,9 +20,8 @@ using enum Interpolation;
 template <class F>
 DemSamples sampled(const RasterSize& size, const F& f) {
   DemSamples samples{size, {}};
-  for (std::int64_t r = 0; r < size.rows; ++r)
-    for (std::int64_t c = 0; c < size.cols; ++c)
-      samples.values.push_back(f(static_cast<double>(c), static_cast<double>(r)));
+  for (const auto [r, c] : bins_of(size))
+    samples.values.push_back(f(static_cast<double>(c), static_cast<double>(r)));
   return samples;
 }
 

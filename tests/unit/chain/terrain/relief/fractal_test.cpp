@@ -10,6 +10,7 @@
 
 #include "band_law.h"
 #include "base/core/parallel.h"
+#include "bins.h"
 #include "chain/terrain/relief/fractal.h"
 #include "chain/terrain/relief/fractal_spectrum.h"
 #include "chain/terrain/relief/fractal_waves.h"
@@ -94,12 +95,10 @@ TEST(Fractal, AnyReferenceLengthOfALawGivesTheSame) {
 double wave_amplitude(const Grid<double>& z, std::int64_t i, std::int64_t j) {
   std::complex<double> sum = 0;
   const GridSpec& spec = z.spec();
-  for (std::int64_t r = 0; r < spec.rows; ++r)
-    for (std::int64_t c = 0; c < spec.cols; ++c)
-      sum +=
-          z.at({r, c}) * std::polar(1.0, -2 * std::numbers::pi *
-                                             (static_cast<double>(i * c) / static_cast<double>(spec.cols) +
-                                              static_cast<double>(j * r) / static_cast<double>(spec.rows)));
+  for (const auto [r, c] : bins_of(spec))
+    sum += z.at({r, c}) * std::polar(1.0, -2 * std::numbers::pi *
+                                              (static_cast<double>(i * c) / static_cast<double>(spec.cols) +
+                                               static_cast<double>(j * r) / static_cast<double>(spec.rows)));
   return std::abs(sum) / static_cast<double>(spec.size());
 }
 
@@ -112,16 +111,15 @@ TEST(FractalWaves, HaveNothingOutsideTheirBand) {
   waves.draw({3, 1});
   Grid<double> z(GridSpec{0.5, 0, 0, 96, 96});
   waves.add_to(z, 1);
-  for (std::int64_t i = 0; i < 14; ++i)
-    for (std::int64_t j = -12; j < 12; ++j) {
-      const double wave = std::hypot(static_cast<double>(i), static_cast<double>(j));
-      if (wave > 4 && wave < 8) {
-        EXPECT_GT(wave_amplitude(z, i, j), 1e-3) << i << ' ' << j;
-      }
-      if (wave < 4 - 0.71 || wave > 8 + 0.71) {
-        EXPECT_LT(wave_amplitude(z, i, j), 1e-12) << i << ' ' << j;
-      }
+  for (const auto [i, j] : Bins({0, -12}, {14, 12})) {
+    const double wave = std::hypot(static_cast<double>(i), static_cast<double>(j));
+    if (wave > 4 && wave < 8) {
+      EXPECT_GT(wave_amplitude(z, i, j), 1e-3) << i << ' ' << j;
     }
+    if (wave < 4 - 0.71 || wave > 8 + 0.71) {
+      EXPECT_LT(wave_amplitude(z, i, j), 1e-12) << i << ' ' << j;
+    }
+  }
 }
 
 // Waves far longer than the grid tilt it; they do not lift it.
@@ -156,14 +154,14 @@ TEST(Fractal, LayersAreUncorrelated) {
   double ab = 0;
   double aa = 0;
   double bb = 0;
-  for (std::int64_t r = 0; r < spec.rows; ++r)
-    for (std::int64_t c = 1; c < spec.cols; ++c) {  // differences, which hardly correlate in space
-      const double da = a.at({r, c}) - a.at({r, c - 1});
-      const double db = b.at({r, c}) - b.at({r, c - 1});
-      ab += da * db;
-      aa += da * da;
-      bb += db * db;
-    }
+  for (const auto [r, c] :
+       Bins({0, 1}, {spec.rows, spec.cols})) {  // differences, which hardly correlate in space
+    const double da = a.at({r, c}) - a.at({r, c - 1});
+    const double db = b.at({r, c}) - b.at({r, c - 1});
+    ab += da * db;
+    aa += da * da;
+    bb += db * db;
+  }
   EXPECT_LT(std::abs(ab) / std::sqrt(aa * bb), 0.02);  // 5 sigma of 65,792 independent pairs
 }
 
@@ -197,10 +195,9 @@ constexpr std::int64_t kGridNodes = 120;  // nodes of the grid, half the domain
 double squared_difference(const FractalSpectrum& spectrum, double amplitude_m, double dx, double dy) {
   const std::int64_t half = spectrum.domain().nodes / 2;
   double sum = spectrum.slope_power() * (dx * dx + dy * dy);
-  for (std::int64_t i = -half + 1; i <= half; ++i)
-    for (std::int64_t j = -half + 1; j <= half; ++j)
-      sum += 2 * spectrum.power(i, j) *
-             (1 - std::cos(spectrum.wave_number(i) * dx + spectrum.wave_number(j) * dy));
+  for (const auto [i, j] : Bins({-half + 1, -half + 1}, {half + 1, half + 1}))
+    sum += 2 * spectrum.power(i, j) *
+           (1 - std::cos(spectrum.wave_number(i) * dx + spectrum.wave_number(j) * dy));
   for (const LongWave& wave : spectrum.long_waves())
     sum += 2 * 2 * wave.power * (1 - std::cos(wave.kx * dx + wave.ky * dy));
   return sum * amplitude_m * amplitude_m;
@@ -263,8 +260,7 @@ INSTANTIATE_TEST_SUITE_P(Laws, Spectrum,
 TEST(Spectrum, WithoutWavesLongerThanTwoNodesIsEmpty) {
   for (const double longest_m : {1.0, 1.0 + 1e-7}) {
     const FractalSpectrum spectrum({0.5, 64}, {0, longest_m}, 0.7);
-    for (std::int64_t i = 0; i <= 32; ++i)
-      for (std::int64_t j = 0; j <= 32; ++j) ASSERT_EQ(spectrum.power(i, j), 0);
+    for (const auto [i, j] : Bins({0, 0}, {33, 33})) ASSERT_EQ(spectrum.power(i, j), 0);
     EXPECT_TRUE(spectrum.long_waves().empty());
     EXPECT_EQ(spectrum.slope_power(), 0);
   }

@@ -10,6 +10,7 @@
 
 #include "base/core/error.h"
 #include "base/core/parallel.h"
+#include "bins.h"
 #include "chain/terrain/relief/albedo_map.h"
 #include "chain/terrain/relief/ground_albedo.h"
 #include "chain/terrain/relief/terrain_generator.h"
@@ -276,11 +277,7 @@ float albedo_of(double x_m, double y_m) { return static_cast<float>(0.5 + 0.01 *
 AlbedoMap map_of(std::vector<GridSpec>& windows, const BinIndex& tile) {
   return {kNodes, tile, [&windows](const GridSpec& window) {
             windows.push_back(window);
-            Grid<float> nodes(window);
-            for (std::int64_t row = 0; row < window.rows; ++row)
-              for (std::int64_t col = 0; col < window.cols; ++col)
-                nodes.at({row, col}) = albedo_of(window.x(col), window.y(row));
-            return nodes;
+            return grid_of<float>(window, albedo_of);
           }};
 }
 
@@ -288,11 +285,10 @@ TEST(AlbedoMap, IsThatOfTheNearestNode) {
   for (const BinIndex& tile : {BinIndex{4, 3}, BinIndex{1, 1}, BinIndex{256, 256}}) {
     std::vector<GridSpec> windows;
     const AlbedoMap map = map_of(windows, tile);
-    for (std::int64_t row = 0; row < kNodes.rows; ++row)
-      for (std::int64_t col = 0; col < kNodes.cols; ++col)
-        for (const double off_m : {-0.24, 0.0, 0.24})
-          EXPECT_EQ(map.at(kNodes.x(col) + off_m, kNodes.y(row) - off_m),
-                    static_cast<double>(albedo_of(kNodes.x(col), kNodes.y(row))));
+    for (const auto [row, col] : bins_of(kNodes))
+      for (const double off_m : {-0.24, 0.0, 0.24})
+        EXPECT_EQ(map.at(kNodes.x(col) + off_m, kNodes.y(row) - off_m),
+                  static_cast<double>(albedo_of(kNodes.x(col), kNodes.y(row))));
   }
 }
 

@@ -10,6 +10,7 @@
 
 #include "base/core/error.h"
 #include "base/core/parallel.h"
+#include "bins.h"
 #include "chain/terrain/relief/fractal.h"
 #include "constants.h"
 #include "refusal.h"
@@ -41,11 +42,10 @@ TEST(GenerateTerrain, ConeOnAPlaneIsExact) {
   TerrainModel model;
   model.features = {{1, -2, Cone{3, 10}}};
   const Grid<double> z = nodes_of(model, GridSpec::centered(6, 0.25));
-  for (std::int64_t r = 0; r < z.spec().rows; ++r)
-    for (std::int64_t c = 0; c < z.spec().cols; ++c) {
-      const double distance_m = std::hypot(z.spec().x(c) - 1, z.spec().y(r) + 2);
-      EXPECT_EQ(z.at({r, c}), distance_m <= 3 ? 10 * (1 - distance_m / 3) : 0);
-    }
+  for (const auto [r, c] : bins_of(z.spec())) {
+    const double distance_m = std::hypot(z.spec().x(c) - 1, z.spec().y(r) + 2);
+    EXPECT_EQ(z.at({r, c}), distance_m <= 3 ? 10 * (1 - distance_m / 3) : 0);
+  }
 }
 
 TEST(GenerateTerrain, BasesAreSummed) {

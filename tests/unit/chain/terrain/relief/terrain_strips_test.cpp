@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "base/core/error.h"
+#include "bins.h"
 #include "chain/terrain/relief/terrain_generator.h"
 #include "refusal.h"
 #include "relief/no_raster.h"
@@ -103,13 +104,12 @@ TEST(TerrainStrips, FeaturesStandOnTheGroundUnderTheirCentre) {
   strips.make([&](const TerrainStrip& part) {
     const Grid<double>& strip = part.nodes;
     const GridSpec& spec = strip.spec();
-    for (std::int64_t r = 0; r < spec.rows; ++r)
-      for (std::int64_t c = 0; c < spec.cols; ++c) {
-        const double square = 3600 - std::pow(spec.x(c), 2) - std::pow(spec.y(r) - 31.25, 2);
-        const double ground_m = 0.5 * spec.y(r);
-        const double expected_m = square >= 0 ? std::max(ground_m, 15.625 + std::sqrt(square)) : ground_m;
-        ASSERT_NEAR(strip.at({r, c}), expected_m, 1e-9);
-      }
+    for (const auto [r, c] : bins_of(spec)) {
+      const double square = 3600 - std::pow(spec.x(c), 2) - std::pow(spec.y(r) - 31.25, 2);
+      const double ground_m = 0.5 * spec.y(r);
+      const double expected_m = square >= 0 ? std::max(ground_m, 15.625 + std::sqrt(square)) : ground_m;
+      ASSERT_NEAR(strip.at({r, c}), expected_m, 1e-9);
+    }
   });
 }
 
