@@ -133,7 +133,7 @@ class BesideARawHeader : public LoadDem {
   DemBase image(const char* driver, const char* extension) {
     GDALAllRegister();
     const auto value = [](int col, int) { return 100 + col; };
-    DemBase dem = written({16, 16, value, "Byte", {}, "", {}, 1, 0, {}});
+    DemBase dem = written({16, 16, value, "Byte"});
     const auto source = GDALDatasetUniquePtr(GDALDataset::Open(dem.path.c_str()));
     dem.path = (folder_ / "site").string() + extension;
     const auto copy = GDALDatasetUniquePtr(GetGDALDriverManager()->GetDriverByName(driver)->CreateCopy(
@@ -239,7 +239,7 @@ TEST_F(LoadDem, RefusesADtedCellWithAWrongChecksum) {
 TEST_F(LoadDem, RefusesATruncatedJpeg) {
   GDALAllRegister();
   const auto value = [](int col, int row) { return 40 + (col * row) % 80; };
-  DemBase dem = written({256, 256, value, "Byte", {}, "", {}, 1, 0, {}});
+  DemBase dem = written({256, 256, value, "Byte"});
   const auto source = GDALDatasetUniquePtr(GDALDataset::Open(dem.path.c_str()));
   dem.path = (folder_ / "site.jpg").string();
   ASSERT_NE(GDALDatasetUniquePtr(GetGDALDriverManager()->GetDriverByName("JPEG")->CreateCopy(
