@@ -37,6 +37,11 @@ std::string map_refusal(HazardInput input, const HazardParameters& parameters) {
   return kind_and_refusal([&] { return map_hazards(input, parameters, kAtOnce); });
 }
 
+/// On 21 x 21 bins of 0.1 m.
+std::string level_refusal(const HazardParameters& parameters) {
+  return map_refusal(level_ground(1, 0.1), parameters);
+}
+
 TEST(HazardParameters, DefaultsAreThoseOfTheDocumentation) {
   const HazardParameters parameters;
   EXPECT_EQ(parameters.region_radius_m, 50);
@@ -114,26 +119,23 @@ TEST(MapHazards, FilledTruthCountsInTheRegionOnly) {
 TEST(MapHazards, ALanderThatTheMapCannotHoldIsRefused) {
   HazardParameters parameters = small_lander();
   parameters.lander.body_radius_m = 1;  // 21 bins, all of the map
-  EXPECT_EQ(map_refusal(level_ground(1, 0.1), parameters), "accepted");
+  EXPECT_EQ(level_refusal(parameters), "accepted");
   parameters.lander.body_radius_m = 1.1;
-  EXPECT_EQ(map_refusal(level_ground(1, 0.1), parameters),
+  EXPECT_EQ(level_refusal(parameters),
             "usage: lander/body_radius_m: a lander of 23 bins across is larger than the map of 21 x 21 bins "
             "of 0.1 m");
   parameters = small_lander();
   parameters.lander.leg_radius_m = 1;
-  EXPECT_EQ(map_refusal(level_ground(1, 0.1), parameters), "accepted");  // pads of one bin
-  parameters.lander.leg_radius_m = 1.05 - 0.5e-10;                       // stand 11 bins away
-  EXPECT_THAT(map_refusal(level_ground(1, 0.1), parameters),
-              HasSubstr("usage: lander/leg_radius_m: a lander of 23"));
+  EXPECT_EQ(level_refusal(parameters), "accepted");  // pads of one bin
+  parameters.lander.leg_radius_m = 1.05 - 0.5e-10;   // stand 11 bins away
+  EXPECT_THAT(level_refusal(parameters), HasSubstr("usage: lander/leg_radius_m: a lander of 23"));
   parameters.lander.leg_radius_m = 1;
   parameters.lander.pad_diameter_m = 0.2;
-  EXPECT_THAT(map_refusal(level_ground(1, 0.1), parameters),
-              HasSubstr("usage: lander/leg_radius_m: a lander of 23"));
+  EXPECT_THAT(level_refusal(parameters), HasSubstr("usage: lander/leg_radius_m: a lander of 23"));
   parameters.method = HazardMethod::plane;  // has no legs
-  EXPECT_EQ(map_refusal(level_ground(1, 0.1), parameters), "accepted");
+  EXPECT_EQ(level_refusal(parameters), "accepted");
   parameters.lander.body_radius_m = 1.1;
-  EXPECT_THAT(map_refusal(level_ground(1, 0.1), parameters),
-              HasSubstr("usage: lander/body_radius_m: a lander of 23"));
+  EXPECT_THAT(level_refusal(parameters), HasSubstr("usage: lander/body_radius_m: a lander of 23"));
 }
 
 TEST(MapHazards, TheShorterSideOfTheMapHoldsTheLander) {
@@ -147,57 +149,54 @@ TEST(MapHazards, TheShorterSideOfTheMapHoldsTheLander) {
 TEST(MapHazards, TheBodyIsNamedIfOthersReachAsFar) {
   HazardParameters parameters = small_lander();
   parameters.lander.leg_radius_m = parameters.lander.body_radius_m = 1.1;
-  EXPECT_THAT(map_refusal(level_ground(1, 0.1), parameters), HasSubstr("usage: lander/body_radius_m"));
+  EXPECT_THAT(level_refusal(parameters), HasSubstr("usage: lander/body_radius_m"));
   parameters.method = HazardMethod::range_difference;
   parameters.lander.body_radius_m = parameters.limits.roughness_m = 0.5;
-  EXPECT_THAT(map_refusal(level_ground(1, 0.1), parameters), HasSubstr("usage: lander/body_radius_m"));
+  EXPECT_THAT(level_refusal(parameters), HasSubstr("usage: lander/body_radius_m"));
 }
 
 TEST(MapHazards, ALanderThatTheMapCannotResolveIsRefused) {
   HazardParameters parameters = small_lander();
   parameters.lander.leg_radius_m = 0.19;
-  EXPECT_THAT(map_refusal(level_ground(1, 0.1), parameters),
-              HasSubstr("usage: lander/leg_radius_m: 0.19 is less"));
+  EXPECT_THAT(level_refusal(parameters), HasSubstr("usage: lander/leg_radius_m: 0.19 is less"));
   parameters.method = HazardMethod::plane;
-  EXPECT_EQ(map_refusal(level_ground(1, 0.1), parameters), "accepted");
+  EXPECT_EQ(level_refusal(parameters), "accepted");
   parameters.lander.body_radius_m = 0.099;
   EXPECT_THAT(
-      map_refusal(level_ground(1, 0.1), parameters),
+      level_refusal(parameters),
       HasSubstr("usage: lander/body_radius_m: 0.099 is less than 1 bin of 0.1 m, and the method is plane"));
   parameters.method = HazardMethod::range_difference;
-  EXPECT_THAT(map_refusal(level_ground(1, 0.1), parameters), HasSubstr("and the method is range_difference"));
+  EXPECT_THAT(level_refusal(parameters), HasSubstr("and the method is range_difference"));
   parameters.method = HazardMethod::plane;
   parameters.lander.body_radius_m = 0.1;
-  EXPECT_EQ(map_refusal(level_ground(1, 0.1), parameters), "accepted");
+  EXPECT_EQ(level_refusal(parameters), "accepted");
   parameters.method = HazardMethod::lmeds;
-  EXPECT_THAT(map_refusal(level_ground(1, 0.1), parameters),
-              HasSubstr("usage: lander/body_radius_m: 0.1 is less than 2 bins"));
+  EXPECT_THAT(level_refusal(parameters), HasSubstr("usage: lander/body_radius_m: 0.1 is less than 2 bins"));
   parameters.lander.body_radius_m = 0.2;
-  EXPECT_EQ(map_refusal(level_ground(1, 0.1), parameters), "accepted");
+  EXPECT_EQ(level_refusal(parameters), "accepted");
 }
 
 TEST(MapHazards, WindowsThatTheMapCannotHoldOrResolveAreRefused) {
   HazardParameters parameters = small_lander();
   parameters.method = HazardMethod::range_difference;
-  EXPECT_EQ(map_refusal(level_ground(1, 0.1), parameters), "accepted");
+  EXPECT_EQ(level_refusal(parameters), "accepted");
   parameters.limits.roughness_m = 0.6;  // 3 + 6 + 1 bins to each side
-  EXPECT_EQ(map_refusal(level_ground(1, 0.1), parameters), "accepted");
+  EXPECT_EQ(level_refusal(parameters), "accepted");
   parameters.limits.roughness_m = 0.7;
-  EXPECT_EQ(map_refusal(level_ground(1, 0.1), parameters),
+  EXPECT_EQ(level_refusal(parameters),
             "usage: limits/roughness_m: a window of 23 bins across is larger than the map of 21 x 21 bins of "
             "0.1 m");
   parameters.limits.roughness_m = 0.1;
-  EXPECT_EQ(map_refusal(level_ground(1, 0.1), parameters), "accepted");
+  EXPECT_EQ(level_refusal(parameters), "accepted");
   parameters.limits.roughness_m = 0.09;
-  EXPECT_THAT(map_refusal(level_ground(1, 0.1), parameters),
+  EXPECT_THAT(level_refusal(parameters),
               HasSubstr("usage: limits/roughness_m: 0.09 is less than 1 bin of 0.1 m"));
   parameters.method = HazardMethod::contact;  // has no windows
-  EXPECT_EQ(map_refusal(level_ground(1, 0.1), parameters), "accepted");
+  EXPECT_EQ(level_refusal(parameters), "accepted");
   parameters.method = HazardMethod::range_difference;
   parameters.limits.roughness_m = 0.3;
   parameters.lander.body_radius_m = 0.8;
-  EXPECT_THAT(map_refusal(level_ground(1, 0.1), parameters),
-              HasSubstr("usage: lander/body_radius_m: a window of 25 bins"));
+  EXPECT_THAT(level_refusal(parameters), HasSubstr("usage: lander/body_radius_m: a window of 25 bins"));
 }
 
 TEST(MapHazards, EachMethodHasItsProbability) {
