@@ -50,7 +50,7 @@ class Bench:
         self.run("terrain-gen", "-c", os.path.join(PRESETS, "paper.terrain.json"), "-o", self.path("terrain.h5"))
         self.run("scan-sim", "-c", os.path.join(PRESETS, "paper.scan.json"), "--terrain", self.path("terrain.h5"), "-o", self.path("scan.h5"))
 
-    def campaign(self, metrics):
+    def run_draws(self, metrics):
         """Seconds a draw, peak memory."""
         vary = {f"scan.{VELOCITY}{axis}": {"type": "normal", "sigma": SIGMA_MPS} for axis in range(3)}
         with open(self.path("mc.json"), "w", encoding="utf-8") as file:
@@ -87,7 +87,7 @@ def main():
     with tempfile.TemporaryDirectory(prefix="landfall-draws-", dir=options.folder) as folder:
         bench = Bench(options, folder)
         bench.prepare()
-        ways = {"verdict": lambda: bench.campaign("verdict"), "full": lambda: bench.campaign("full"), "chain": bench.chain}
+        ways = {"verdict": lambda: bench.run_draws("verdict"), "full": lambda: bench.run_draws("full"), "chain": bench.chain}
         rows = {way: [] for way in ways}
         print("                s a draw  draws/s  peak GB")
         for _ in range(options.turns):

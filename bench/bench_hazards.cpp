@@ -27,7 +27,7 @@ namespace {
 constexpr std::int64_t kEvery = 16;  ///< the obvious loops measure one place in so many rows and columns
 const GridSpec kSpec = GridSpec::centered(25, 0.05);
 
-Grid<double> ground(const std::function<double(double x, double y)>& height_m) {
+Grid<double> terrain(const std::function<double(double x, double y)>& height_m) {
   const RandomField noise(5, RandomStream::range_noise);
   Grid<double> z(kSpec);
   for (std::int64_t row = 0; row < kSpec.rows; ++row)
@@ -37,12 +37,12 @@ Grid<double> ground(const std::function<double(double x, double y)>& height_m) {
 }
 
 Grid<double> noise() {
-  return ground([](double, double) { return 0; });
+  return terrain([](double, double) { return 0; });
 }
 
 /// 400 hemispheres of 0.1 to 0.5 m on long waves.
 Grid<double> rocks() {
-  Grid<double> z = ground([](double x, double y) { return 0.5 * std::sin(0.3 * x) * std::cos(0.2 * y); });
+  Grid<double> z = terrain([](double x, double y) { return 0.5 * std::sin(0.3 * x) * std::cos(0.2 * y); });
   const RandomField random(7, RandomStream::dropout);
   for (std::uint64_t rock = 0; rock < 400; ++rock) {
     const double radius_m = 0.1 + 0.4 * random.uniform(rock, 0);
@@ -83,16 +83,16 @@ class ObviousLoops {
   };
 
   [[nodiscard]] Measures contact(BinIndex place) const {
-    Measures most;
+    Measures maximum;
     for (const PadOffsets& pads : lander_.yaws) {
       std::array<double, 4> height;
       for (std::size_t leg = 0; leg < 4; ++leg) height[leg] = pad_height(place, pads[leg]);
       const std::size_t first = height[0] + height[2] >= height[1] + height[3] ? 0 : 1;
       for (const std::size_t third : {first + 1, (first + 3) % 4})
         stand({pads[first], height[first]}, {pads[first + 2], height[first + 2]},
-              {pads[third], height[third]}, place, most);
+              {pads[third], height[third]}, place, maximum);
     }
-    return most;
+    return maximum;
   }
 
   [[nodiscard]] Measures plane(BinIndex place) const {
@@ -108,12 +108,12 @@ class ObviousLoops {
     const double east = (p * d - q * b) / (a * d - b * b);
     const double north = (q * a - p * b) / (a * d - b * b);
     const double height = (z - east * x - north * y) / n;
-    double most = 0;
+    double maximum = 0;
     for (const BinOffset& bin : body_)
-      most = std::max(most, std::abs(at(place, bin) - (height + east * static_cast<double>(bin.cols) +
-                                                       north * static_cast<double>(bin.rows))));
+      maximum = std::max(maximum, std::abs(at(place, bin) - (height + east * static_cast<double>(bin.cols) +
+                                                             north * static_cast<double>(bin.rows))));
     const double gradient = std::hypot(east, north) / lander_.resolution_m;
-    return {slope_deg(gradient), most / std::hypot(1, gradient)};
+    return {slope_deg(gradient), maximum / std::hypot(1, gradient)};
   }
 
  private:
@@ -132,7 +132,7 @@ class ObviousLoops {
     return highest;
   }
 
-  void stand(const Pad& p, const Pad& q, const Pad& r, BinIndex place, Measures& most) const {
+  void stand(const Pad& p, const Pad& q, const Pad& r, BinIndex place, Measures& maximum) const {
     const auto x = [&](const Pad& pad) { return static_cast<double>(pad.bin.cols - p.bin.cols); };
     const auto y = [&](const Pad& pad) { return static_cast<double>(pad.bin.rows - p.bin.rows); };
     const double determinant = x(q) * y(r) - x(r) * y(q);
@@ -141,12 +141,12 @@ class ObviousLoops {
     const double height =
         p.height - east * static_cast<double>(p.bin.cols) - north * static_cast<double>(p.bin.rows);
     const double gradient = std::hypot(east, north) / lander_.resolution_m;
-    most.slope_deg = std::max(most.slope_deg, slope_deg(gradient));
+    maximum.slope_deg = std::max(maximum.slope_deg, slope_deg(gradient));
     double highest = -std::numeric_limits<double>::infinity();
     for (const BinOffset& bin : body_)
       highest = std::max(highest, at(place, bin) - (height + east * static_cast<double>(bin.cols) +
                                                     north * static_cast<double>(bin.rows)));
-    most.roughness_m = std::max(most.roughness_m, highest / std::hypot(1, gradient));
+    maximum.roughness_m = std::max(maximum.roughness_m, highest / std::hypot(1, gradient));
   }
 
   const Grid<double>& z_;

@@ -161,11 +161,11 @@ const RayEngine& engine_over(const Scene& scene, const EngineKind& kind) {
 void trace(benchmark::State& state, const Scene& scene, const EngineKind& kind) {
   const RayEngine& engine = engine_over(scene, kind);
   const std::vector<Ray> rays = scan_of(scene);
-  constexpr std::size_t most = kPulseRays;
+  constexpr std::size_t maximum = kPulseRays;
   std::vector<double> ranges(rays.size());
   for (auto _ : state)
-    for (std::size_t begin = 0; begin < rays.size(); begin += most) {
-      const std::size_t count = std::min(most, rays.size() - begin);
+    for (std::size_t begin = 0; begin < rays.size(); begin += maximum) {
+      const std::size_t count = std::min(maximum, rays.size() - begin);
       engine.first_hits(std::span(rays).subspan(begin, count), std::span(ranges).subspan(begin, count));
       benchmark::DoNotOptimize(ranges.data());
     }

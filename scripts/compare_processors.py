@@ -65,10 +65,10 @@ EDGES = {"detector": {"rows": 33, "columns": 1, "ifov_rad": 0.003}, "laser": {"p
 
 def chain(name, terrain, scan, *scan_options, regrid=(), evaluate=True, hazard=()):
     """terrain-gen to hazard-map; a terrain that is a text is that of an earlier case."""
-    ground = terrain if isinstance(terrain, str) else f"{name}.terrain.h5"
-    steps = [] if isinstance(terrain, str) else [["terrain-gen", "-o", ground, *sets(terrain)]]
-    steps.append(["scan-sim", "-c", scan, "--terrain", ground, "-o", f"{name}.scan.h5", *scan_options])
-    steps.append(["regrid", f"{name}.scan.h5", "--terrain", ground, "-o", f"{name}.dem.h5", *sets(AREA), *regrid])
+    terrain_file = terrain if isinstance(terrain, str) else f"{name}.terrain.h5"
+    steps = [] if isinstance(terrain, str) else [["terrain-gen", "-o", terrain_file, *sets(terrain)]]
+    steps.append(["scan-sim", "-c", scan, "--terrain", terrain_file, "-o", f"{name}.scan.h5", *scan_options])
+    steps.append(["regrid", f"{name}.scan.h5", "--terrain", terrain_file, "-o", f"{name}.dem.h5", *sets(AREA), *regrid])
     if evaluate:
         steps.append(["dem-eval", f"{name}.dem.h5", "-o", f"{name}.eval.h5", "--metrics", f"{name}.metrics.json", *sets(EVAL)])
     steps += [["hazard-map", f"{name}.dem.h5", "-o", f"{name}.hazards.h5", "--sites", f"{name}.sites.json", *sets(HAZARD), *more] for more in hazard]

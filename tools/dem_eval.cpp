@@ -13,7 +13,7 @@
 #include "app/cli/outcomes.h"
 #include "app/cli/result_tables.h"
 #include "app/cli/tool.h"
-#include "app/report/page.h"
+#include "app/report/evaluation_page.h"
 #include "formats/gdal/gdal_loader.h"
 #include "store/config/dem_config.h"
 #include "store/files/evaluation_file.h"

@@ -6,15 +6,15 @@
 #include <optional>
 #include <vector>
 
-#include "app/cli/campaign_options.h"
+#include "app/cli/draws_options.h"
 #include "app/cli/meeting_options.h"
 #include "app/cli/outcomes.h"
 #include "app/cli/result_tables.h"
 #include "app/cli/tool.h"
 #include "app/exports/terrain_output.h"
 #include "app/report/draws_page.h"
-#include "app/runs/campaign.h"
-#include "app/runs/campaign_run.h"
+#include "app/runs/draw_series.h"
+#include "app/runs/draws_run.h"
 #include "store/config/dem_config.h"
 #include "store/config/draws_config.h"
 #include "store/config/import_config.h"
@@ -49,7 +49,7 @@ The output has one row per draw, and maps: the probability that a bin is empty a
 
 A run that was ended resumes when it is started again with the same configuration. --draws A:B runs a part; merge joins the parts of one campaign. With --pair, repeated, the draws run over several scans: a verdict for each and one for all of them, and no maps.)";
 
-void check_config(const cli::Session& session, const cli::CampaignOptions& o) {
+void check_config(const cli::Session& session, const cli::DrawsOptions& o) {
   if (o.merges()) return;
   std::optional<NumberTable> samples;
   if (!o.samples.empty()) samples = read_number_table(o.samples, {.all = true});
@@ -65,8 +65,7 @@ void write_report(OutputPath& file, const std::string& title, const Draws& draws
   write_text(file, html_report::draws_page({draws, verdict, parameters, traces}, provenance, title));
 }
 
-ExitCode conclude(cli::Session& session, const cli::CampaignOptions& o,
-                  const nlohmann::ordered_json& verdict) {
+ExitCode conclude(cli::Session& session, const cli::DrawsOptions& o, const nlohmann::ordered_json& verdict) {
   session.count("verdict", verdict);
   if (session.options().shows_table(o.table)) std::cout << cli::draws_table(verdict);
   const nlohmann::ordered_json& all = verdict.at("rates").back();
@@ -84,7 +83,7 @@ void commit_verdict(const std::unique_ptr<OutputPath>& file, const nlohmann::ord
   file->commit();
 }
 
-ExitCode merge(cli::Session& session, const cli::CampaignOptions& o) {
+ExitCode merge(cli::Session& session, const cli::DrawsOptions& o) {
   const std::vector<std::string> parts(o.inputs.begin() + 1, o.inputs.end());
   const OutputOptions output = session.output(parts);
   const auto report_file = session.side_output("--report", o.report, parts);
@@ -103,10 +102,10 @@ ExitCode merge(cli::Session& session, const cli::CampaignOptions& o) {
   return conclude(session, o, verdict);
 }
 
-ExitCode run(cli::Session& session, const cli::CampaignOptions& o) {
-  cli::check_campaign(session.options(), o);
+ExitCode run(cli::Session& session, const cli::DrawsOptions& o) {
+  cli::check_draws_options(session.options(), o);
   if (o.merges()) return merge(session, o);
-  CampaignSources sources = o.sources();
+  DrawsSources sources = o.sources();
   sources.make_terrain = [&o](const TerrainConfig& config, Provenance& provenance, const auto& warn) {
     return make_terrain(config, o.rules, provenance, warn);
   };
@@ -118,21 +117,21 @@ ExitCode run(cli::Session& session, const cli::CampaignOptions& o) {
   const auto verdict_file = session.side_output("--verdict", o.verdict, inputs);
   Provenance base = session.provenance();
   cli::add_meeting_options(base.options, o.rules);
-  CampaignOutput campaign{output,
-                          session.config(),
-                          std::move(base),
-                          session.config_name(),
-                          session.phases(),
-                          [&](const std::string& text) { session.warn(text); },
-                          [&](const std::string& text) { session.log(text); },
-                          [&](const std::string& text) { session.note(text); },
-                          [&] { return session.elapsed_s(); }};
+  DrawsOutput draws_output{output,
+                           session.config(),
+                           std::move(base),
+                           session.config_name(),
+                           session.phases(),
+                           [&](const std::string& text) { session.warn(text); },
+                           [&](const std::string& text) { session.log(text); },
+                           [&](const std::string& text) { session.note(text); },
+                           [&] { return session.elapsed_s(); }};
   if (report_file)
-    campaign.report = [&](const Draws& draws, const nlohmann::ordered_json& verdict,
-                          const Provenance& provenance) {
+    draws_output.report = [&](const Draws& draws, const nlohmann::ordered_json& verdict,
+                              const Provenance& provenance) {
       write_report(*report_file, o.title, draws, verdict, provenance);
     };
-  const CampaignResult result = run_campaign(sources, part, std::move(campaign));
+  const DrawsSummary result = run_draws(sources, part, std::move(draws_output));
   if (report_file) report_file->commit();
   commit_verdict(verdict_file, result.verdict);
   session.count("draws_per_s", result.draws_per_s);
@@ -143,13 +142,13 @@ ExitCode run(cli::Session& session, const cli::CampaignOptions& o) {
 }  // namespace
 
 int start(int argc, const char* const* argv, cli::Invocation* invocation) {
-  cli::CampaignOptions options;
+  cli::DrawsOptions options;
   cli::Tool tool("monte-carlo");
   tool.description = kDescription;
   tool.examples = kExamples;
   tool.has_seed = true;
   tool.seed_key = "/scan/seed";
-  tool.bind = [&](CLI::App& app) { cli::bind_campaign(app, options); };
+  tool.bind = [&](CLI::App& app) { cli::bind_draws_options(app, options); };
   tool.expand = [](JsonSource& source, const cli::CommonOptions&) { expand_stage_sections(source); };
   tool.complete = [](JsonSource& source) {
     expand_stage_sections(source);

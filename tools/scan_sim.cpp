@@ -105,9 +105,9 @@ Scene scanned_scene(cli::Session& session, const Options& o, const RangeFile* ra
 }
 
 void require_echoes_to_keep(const Receiver& receiver, const std::string& config_name) {
-  if (!receiver.sees_waveforms())
+  if (!receiver.uses_waveforms())
     throw UsageError(config_name + ": /receiver/type: \"none\" has no echoes for --keep-echoes");
-  if (!receiver.hears_kept_echoes())
+  if (!receiver.accepts_kept_echoes())
     throw UsageError(
         config_name +
         ": /receiver: --keep-echoes keeps the echoes of first, last and strongest; /receiver/type "

@@ -177,11 +177,11 @@ class _Checker:
             self.fail(where, f"{shown(value)} does not match {schema['pattern']}")
 
     def check_bounds(self, value, schema, where):
-        least, most = schema.get("minimum"), schema.get("maximum")
-        if (least is None or value >= least) and (most is None or value <= most):
+        minimum, maximum = schema.get("minimum"), schema.get("maximum")
+        if (minimum is None or value >= minimum) and (maximum is None or value <= maximum):
             return
-        both = f"in [{least}, {most}]"
-        self.fail(where, f"{shown(value)} is not {f'>= {least}' if most is None else f'<= {most}' if least is None else both}")
+        both = f"in [{minimum}, {maximum}]"
+        self.fail(where, f"{shown(value)} is not {f'>= {minimum}' if maximum is None else f'<= {maximum}' if minimum is None else both}")
 
     def check_object(self, value, schema, where):
         properties, other = schema.get("properties", {}), schema.get("additionalProperties", {})
@@ -199,9 +199,9 @@ class _Checker:
             self.check(inner, properties.get(key, other), f"{where}/{key}")
 
     def check_array(self, value, schema, where):
-        least, most = schema.get("minItems", 0), schema.get("maxItems", len(value))
-        if not least <= len(value) <= most:
-            expected = most if least == most else f"at least {least}" if len(value) < least else f"at most {most}"
+        minimum, maximum = schema.get("minItems", 0), schema.get("maxItems", len(value))
+        if not minimum <= len(value) <= maximum:
+            expected = maximum if minimum == maximum else f"at least {minimum}" if len(value) < minimum else f"at most {maximum}"
             self.fail(where, f"an array of {len(value)} elements; expected {expected}")
         if schema.get("uniqueItems") and len({json.dumps(entry) for entry in value}) < len(value):
             self.fail(where, f"{shown(value)} has a duplicate element")

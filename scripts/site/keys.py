@@ -107,8 +107,8 @@ def type_of(node, root):
 def array_of(node, root):
     inner = resolved(node.get("items", {}), root)
     of = inner["type"] + "s" if isinstance(inner.get("type"), str) and "enum" not in inner else "objects" if "oneOf" in inner else "values"
-    least, most = node.get("minItems"), node.get("maxItems")
-    count = f"{least} " if least is not None and least == most else ""
+    minimum, maximum = node.get("minItems"), node.get("maxItems")
+    count = f"{minimum} " if minimum is not None and minimum == maximum else ""
     return f"array of {count}{of.replace('strings', 'texts')}"
 
 

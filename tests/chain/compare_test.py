@@ -9,7 +9,7 @@ import h5py
 import numpy as np
 from scipy import stats
 
-from harness import DRAWS, CampaignTest, ChainTest, columns, returns_of, run
+from harness import DRAWS, ChainTest, MonteCarloTest, columns, returns_of, run
 
 LAYERS = ["z_est", "count", "weight_sum", "x_true", "y_true", "z_true", "z_spread"]
 
@@ -169,7 +169,7 @@ class At(ChainTest):
         self.assertEqual(run("landfall-info", self.chain.dem, "--scan", self.chain.scan).returncode, 2)
 
 
-class Draws(CampaignTest):
+class Draws(MonteCarloTest):
     def draw(self, name, judged, dropout, **scan):
         config = self.config({**DRAWS, "draws": 24, "metrics": "verdict", "layers": False, "eval": judged,
                               "scan": {"noise": {"dropout_frac": dropout}, **scan}}, name + ".json")

@@ -11,7 +11,7 @@ import h5py
 import numpy as np
 
 from harness import SCAN, ToolTest, columns, config_of, with_values
-from monte_carlo_test import ERRORS, REQUIREMENTS, VARY, DrawsTest, campaign, merged
+from monte_carlo_test import ERRORS, REQUIREMENTS, VARY, DrawsTest, draws_config, merged
 
 STUDIES = os.path.join(os.environ["LANDFALL_ROOT"], "studies")
 SCENES = 24
@@ -45,7 +45,7 @@ class FarDraws(DrawsTest):
         return {**vary, **VARY, "scan.noise.false_range_m.1": {"type": "uniform", "low": 50, "high": 60}}
 
     def test_draws_0_7_and_298_with_every_key_varied(self):
-        config = campaign(draws=299, scan=with_values(ERRORS, navigation_error__attitude="commanded"), vary=self.every_key(), layers=False)
+        config = draws_config(draws=299, scan=with_values(ERRORS, navigation_error__attitude="commanded"), vary=self.every_key(), layers=False)
         rows = self.draws(config)
         self.assertEqual(len(rows["seed"]), 299)
         for key in config["vary"]:
@@ -63,7 +63,7 @@ class FarDraws(DrawsTest):
             "--terrain", self.chain.terrain, "--keep-misses", "--keep-echoes", "-o", scan)
         receiver = {f"scan.receiver.{key}": {"type": "uniform", "low": 0, "high": high} for key, high in [
             ("jitter_sigma_s", 1e-10), ("pixel_offset_sigma_m", 0.02), ("clock_scale_ppm", 20), ("timer_step_s", 5e-10)]}
-        config = campaign(draws=299, scan=with_values(ERRORS, navigation_error__attitude="commanded"), layers=False,
+        config = draws_config(draws=299, scan=with_values(ERRORS, navigation_error__attitude="commanded"), layers=False,
                           vary={**self.every_key(), **receiver})
         rows = self.draws(config, scan=scan)
         for key in receiver:

@@ -16,7 +16,7 @@ PROBABILITIES = ["p_invalid", "p_fail_rel_z", "p_fail_rel_x", "p_fail_rel_y", "p
 MAPS = [*PROBABILITIES, "e_z_mean", "e_z_std", "e_map_std", "z_sigma_abs", "e_map_std_over_sigma", "z_true_map"]
 VELOCITY = "scan.navigation_error.velocity_mps.0"
 NOISE = "scan.noise.range_sigma_m"
-CAMPAIGN = {"draws": 8, "metrics": "full", "sigma": True, "regrid": {**REGRID, "uncertainty": {"navigation_sigma": {}}},
+DRAWS_CONFIG = {"draws": 8, "metrics": "full", "sigma": True, "regrid": {**REGRID, "uncertainty": {"navigation_sigma": {}}},
             "eval": with_values(EVAL, limits__relative_elevation_m=0.12, limits__invalid_frac=0.04),
             "vary": {VELOCITY: {"type": "normal", "sigma": 0.3}, NOISE: {"type": "uniform", "low": 0.005, "high": 0.08},
                      "scan.navigation_error.rpy_rate_radps.2": {"type": "normal", "sigma": 1e-5}}}
@@ -42,7 +42,7 @@ class DrawsReportTest(PageTest):
         os.symlink(self.chain.terrain, self.path("terrain.h5"))
         self.succeed("scan-sim", *self.chain.inputs("scan-sim"), "--keep-misses", "-o", self.path("scan.h5"))
 
-    def campaign(self, *arguments, config=CAMPAIGN, output="draws.h5"):
+    def run_draws(self, *arguments, config=DRAWS_CONFIG, output="draws.h5"):
         """Runs a campaign and opens its report; the draws by column, and the layers."""
         self.succeed("monte-carlo", self.path("scan.h5"), "--terrain", self.path("terrain.h5"), "-c", self.config(config), "-o",
                      self.path(output), "--report", self.path("draws.html"), "-O", *arguments)
@@ -53,7 +53,7 @@ class DrawsReportTest(PageTest):
             return {name: item[()] for name, item in file["draws"].items()}, layers
 
     def test_numbers_maps_and_layout(self):
-        draws, layers = self.campaign()
+        draws, layers = self.run_draws()
         passed = int(np.count_nonzero(draws["pass"]))
         self.assertTrue(0 < passed < 8, "the case must have both")
         self.assertEqual(self.window.run("return [...document.querySelectorAll('main > section')].map((s) => s.id)"), SECTIONS)
@@ -77,7 +77,7 @@ class DrawsReportTest(PageTest):
             self.window.run("document.getElementById('theme').click()")
 
     def test_failed_draws_and_the_points_of_the_diagrams(self):
-        draws, _ = self.campaign()
+        draws, _ = self.run_draws()
         failed = np.flatnonzero(draws["pass"] == 0)
         rows = self.cells("#failed-draws")
         self.assertEqual([row[0] for row in rows], [str(i) for i in failed])
@@ -91,7 +91,7 @@ class DrawsReportTest(PageTest):
         self.assertEqual([self.window.run(colors).count(f"var(--{color})") for color in ("vermilion", "blue")], [expected, 8 - expected])
 
     def test_the_requirement_that_decides_comes_first_as_a_length_against_its_limit(self):
-        draws, _ = self.campaign()
+        draws, _ = self.run_draws()
         failures = {name: np.count_nonzero(draws[f"requirements.{name}.pass"] == 0) for name in (rate["requirement"] for rate in self.verdict["rates"][:-1])}
         shown = self.window.run("return [...document.querySelectorAll('#distributions figcaption')].map((c) => c.textContent)")
         self.assertEqual([failures[name] for name in shown], sorted(failures.values(), reverse=True))
@@ -108,7 +108,7 @@ class DrawsReportTest(PageTest):
         self.assertIn("accuracy.relative.z.max_m", options)
 
     def test_the_commands_give_the_same_draw(self):
-        draws, _ = self.campaign()
+        draws, _ = self.run_draws()
         self.window.run(SET_VALUE, "draw", "5", "input")
         commands = f"set -e\n{self.text('#configurations')}\n{self.text('#commands')}\n"
         self.assertEqual(commands.count("--set"), 4)
@@ -129,11 +129,11 @@ class DrawsReportTest(PageTest):
         self.assertEqual(metrics["pass"], bool(draws["pass"][5]))
 
     def test_parts_and_merge(self):
-        self.campaign()
+        self.run_draws()
         whole = read_bytes(self.path("draws.html"))
-        self.campaign("--draws", "0:3", output="a.h5")
+        self.run_draws("--draws", "0:3", output="a.h5")
         self.assertEqual(self.cells("#rates")[0][1].split(" of ")[1], "3")
-        self.campaign("--draws", "3:8", output="b.h5")
+        self.run_draws("--draws", "3:8", output="b.h5")
         self.window.run(SET_VALUE, "draw", "3", "input")
         self.assertIn("-o draw-3-scan.h5", self.text("#commands"))
         self.succeed("monte-carlo", "merge", self.path("b.h5"), self.path("a.h5"), "-o", self.path("c.h5"), "--report", self.path("c.html"))
@@ -141,9 +141,9 @@ class DrawsReportTest(PageTest):
         self.assertEqual(read_bytes(self.path("c.h5")), read_bytes(self.path("draws.h5")))
 
     def test_a_sequential_test_and_no_maps(self):
-        config = {**with_values(CAMPAIGN, sigma=False), "layers": False, "metrics": "verdict", "vary": {},
+        config = {**with_values(DRAWS_CONFIG, sigma=False), "layers": False, "metrics": "verdict", "vary": {},
                   "stop": {"type": "sprt", "p0": 0.9, "p1": 0.5}}
-        self.campaign("--title", "Cones & <rocks>", config=config)
+        self.run_draws("--title", "Cones & <rocks>", config=config)
         self.assertEqual(self.text("h1"), "Cones & <rocks>")
         self.assertIn(f"sequential test: {self.verdict['sprt']}", self.text("#verdict"))
         for row in self.cells("#rates"):
@@ -153,7 +153,7 @@ class DrawsReportTest(PageTest):
         self.check_log_and_requests()
         self.check_layout()
 
-    def test_grounds_that_vary(self):
+    def test_terrains_that_vary(self):
         """Without a ground that all draws share, probabilities have their plain colours."""
         config = {"draws": 3, "metrics": "verdict", "terrain": TERRAIN, "scan": SCAN, "regrid": REGRID, "eval": EVAL,
                   "vary": {"terrain.features.0.x_m": {"type": "uniform", "low": -3, "high": 3}}}

@@ -31,7 +31,7 @@ def scan_of(half_width_m, rows):
 
 
 class SpreadTest(ToolTest):
-    def campaign(self, slope, scan, changes):
+    def run_draws(self, slope, scan, changes):
         """The layers of a campaign on a plane, and the paths of its inputs."""
         terrain, source, draws = self.path("terrain.h5"), self.path("scan.h5"), self.path("draws.h5")
         self.succeed("terrain-gen", "-c", self.config({
@@ -68,7 +68,7 @@ class SpreadTest(ToolTest):
     def test_range_noise_alone_on_planes(self):
         for degrees in (0, 45):
             with self.subTest(degrees=degrees):
-                layers = self.campaign(math.tan(math.radians(degrees)), scan_of(2.2, 20), {})
+                layers = self.run_draws(math.tan(math.radians(degrees)), scan_of(2.2, 20), {})
                 with h5py.File(self.path("scan.h5")) as file:
                     z = file["pulses/pz_true"][0]
                 # Rays within 1.2 degrees of the vertical: |n_z| of the bin's direction from the lidar.
@@ -79,7 +79,7 @@ class SpreadTest(ToolTest):
                 self.check_median(layers["e_z_std"] / expected, 1500)
 
     def test_the_prediction_is_that_of_regrid(self):
-        layers = self.campaign(0.3, scan_of(2.2, 20), {"draws": 2})
+        layers = self.run_draws(0.3, scan_of(2.2, 20), {"draws": 2})
         self.succeed("regrid", self.path("scan.h5"), "-c", self.config(REGRID, "regrid.json"), "--uncertainty", "--terrain",
                      self.path("terrain.h5"), "-o", self.path("dem.h5"))
         with h5py.File(self.path("dem.h5")) as file:
@@ -90,7 +90,7 @@ class SpreadTest(ToolTest):
 
     def test_navigation_sigmas_come_from_the_varied_keys(self):
         error = "scan.navigation_error."
-        self.campaign(0.3, scan_of(2.2, 20), {"draws": 3, "vary": {
+        self.run_draws(0.3, scan_of(2.2, 20), {"draws": 3, "vary": {
             error + "velocity_mps.2": {"type": "normal", "sigma": 0.25}, error + "position_m.0": {"type": "uniform", "low": -0.3, "high": 0.3},
             error + "rpy_rad.1": {"type": "list", "values": [0.001, 0.002, 0.003]}}})
         self.assertEqual(self.resolved["regrid"]["uncertainty"], {"range_sigma_m": RANGE_SIGMA_M, "navigation_sigma": {
@@ -120,7 +120,7 @@ class SpreadTest(ToolTest):
         scan = self.dithered_scan(dither_m)
         for degrees in (0, 45):
             with self.subTest(degrees=degrees):
-                layers = self.campaign(math.tan(math.radians(degrees)), scan, {
+                layers = self.run_draws(math.tan(math.radians(degrees)), scan, {
                     "regrid": {**REGRID, "uncertainty": {"navigation_sigma": NO_NAVIGATION}},
                     "vary": {"scan.navigation_error.position_m.1": {"type": "list", "values": list(steps)}}})
                 # The bins of a column meet the same strip of the ground, those of other columns do not.
@@ -131,7 +131,7 @@ class SpreadTest(ToolTest):
                 self.assertLess(abs(median - EXPECTED), ALLOWED * error, f"median {median}, standard error {error}")
 
     def test_what_is_refused(self):
-        self.campaign(0.3, scan_of(2.2, 20), {"draws": 2})
+        self.run_draws(0.3, scan_of(2.2, 20), {"draws": 2})
         for changes, message in ((["--set", "layers=false"], "/sigma: is a map, and /layers is false"),
                                  (["--set", 'regrid.method="mean"'], "/sigma: needs the method bilinear_nearest, not mean"),
                                  (["--set", "scan.noise.range_sigma_per_m=0.001"], "has range noise that is not uniform")):

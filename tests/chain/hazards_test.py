@@ -391,10 +391,10 @@ class Interface(ChainTest):
         nowhere = ["--set", "limits.slope_deg=0.001", "--sites", self.path("sites.json")]
         self.succeed("hazard-map", *self.arguments(*nowhere))
         self.assertEqual(json.loads(read_bytes(self.path("sites.json"))), {"format": "landfall.sites", "version": 1, "probability": False, "sites": []})
-        for least in (0.5, 0):
-            result = run("hazard-map", *self.arguments(*nowhere, "-O", "--require-safe", "--set", f"sites.min_p={least}"))
+        for minimum in (0.5, 0):
+            result = run("hazard-map", *self.arguments(*nowhere, "-O", "--require-safe", "--set", f"sites.min_p={minimum}"))
             self.assertEqual((result.returncode, result.stdout), (3, ""))
-            self.check_message("hazard-map", result.stderr, [self.chain.dem, f"no site has a p_touchdown of {least}"])
+            self.check_message("hazard-map", result.stderr, [self.chain.dem, f"no site has a p_touchdown of {minimum}"])
 
     def test_a_safe_place_is_required(self):
         self.succeed("hazard-map", *self.arguments("--require-safe", "--sites", self.path("sites.json")))
@@ -457,10 +457,10 @@ class Interface(ChainTest):
     def test_pictures_have_the_colours_of_the_figures(self):
         self.succeed("hazard-map", *self.arguments("--view", self.path("safe.png")))
         self.succeed("landfall-export", self.path("h.h5"), "-o", self.path("outcome.png"), "--layers", "outcome")
-        for layer, least in (("safe", 3), ("outcome", 4)):
+        for layer, minimum in (("safe", 3), ("outcome", 4)):
             with h5py.File(self.path("h.h5")) as file:
                 classes = file[layer][()]
-            self.assertGreaterEqual(len(np.unique(classes)), least)
+            self.assertGreaterEqual(len(np.unique(classes)), minimum)
             rows, cols = classes.shape
             zoom = 600 // max(rows, cols)
             # The map begins at (88, 120), from the north (lib/formats/picture/map_picture.cpp).

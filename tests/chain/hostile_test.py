@@ -17,7 +17,7 @@ import h5py
 import numpy as np
 
 from faults import page
-from harness import DRAWS, HAZARD, INPUTS, REGRID, SCAN, TOOLS, CampaignTest, read_bytes, run, with_values
+from harness import DRAWS, HAZARD, INPUTS, REGRID, SCAN, TOOLS, MonteCarloTest, read_bytes, run, with_values
 
 WRITES = "--write" in sys.argv
 
@@ -98,7 +98,7 @@ def shortened(text):
     return re.sub("n{100,}", "nn..nn", text)
 
 
-class Hostile(CampaignTest):
+class Hostile(MonteCarloTest):
     @classmethod
     def setUpClass(cls):
         super().setUpClass()

@@ -18,7 +18,7 @@ ARMS = ("landing", "blind")
 Z95 = 1.959963984540054
 
 
-def campaign(**values):
+def draws_config(**values):
     return {"draws": 4, "scan": STILL, "regrid": REGRID, "eval": EVAL, "hazard": HAZARD, "terrain": FLAT, "landing": {}, "vary": {},
             "metrics": "verdict", "layers": False, **values}
 
@@ -57,7 +57,7 @@ class Judgement(LandingTest):
         scan = with_values(SCAN, navigation_error={"velocity_mps": [0.5, -0.3, 0], "gauss_markov": {"position_sigma_m": [0.3, 0.3, 0.1]}},
                            pointing_error={"time_stamp_sigma_s": 1e-3})
         for legs, method in ((4, "contact"), (3, "plane")):
-            config = campaign(scan=scan, terrain=FRACTAL, vary=DISPERSED, landing={"drift_time_s": 1.5, "blind_sigma_m": 0.7},
+            config = draws_config(scan=scan, terrain=FRACTAL, vary=DISPERSED, landing={"drift_time_s": 1.5, "blind_sigma_m": 0.7},
                               hazard={**HAZARD, "method": method, "lander": {**HAZARD["lander"], "legs": legs}})
             rows, verdict = self.landings(config)
             self.chain_draw(config, rows, 2)
@@ -77,13 +77,13 @@ class Judgement(LandingTest):
         self.assertEqual(rows["landing.safe"].dtype, np.int8)
 
     def test_seeds_share_no_touchdown(self):
-        rows = [self.landings(campaign(scan={**STILL, "seed": seed}))[0] for seed in (1, 2)]
+        rows = [self.landings(draws_config(scan={**STILL, "seed": seed}))[0] for seed in (1, 2)]
         for name in ("landing.x_m", "landing.y_m", "landing.yaw_deg", "blind.x_m", "blind.y_m"):
             self.assertEqual(len({*rows[0][name], *rows[1][name]}), 8, name)
 
     def test_over_a_traced_scan(self):
         """Landings of redrawn errors."""
-        config = {key: value for key, value in campaign(scan={}, vary={"scan.navigation_error.position_m.0": {"type": "normal", "sigma": 0.5}}).items()
+        config = {key: value for key, value in draws_config(scan={}, vary={"scan.navigation_error.position_m.0": {"type": "normal", "sigma": 0.5}}).items()
                   if key != "terrain"}
         self.succeed("monte-carlo", self.chain.source, "--terrain", self.chain.terrain, *self.arguments(config, "draws.h5"))
         rows, ground = columns(self.path("draws.h5"), "draws"), columns(self.chain.terrain)
@@ -94,7 +94,7 @@ class ClosedForms(LandingTest):
     def test_plane_and_drift(self):
         """Flat ground is safe. A velocity error of 0.3 m/s for 2 s moves a touchdown by 0.6 m."""
         error = {"navigation_error": {"velocity_mps": [0.3, 0, 0]}}
-        rows, verdict = self.landings(campaign(scan={**STILL, **error}, hazard={**HAZARD, "touchdown_sigma_m": 0}, landing={"drift_time_s": 2, "yaw_deg": 30}))
+        rows, verdict = self.landings(draws_config(scan={**STILL, **error}, hazard={**HAZARD, "touchdown_sigma_m": 0}, landing={"drift_time_s": 2, "yaw_deg": 30}))
         np.testing.assert_allclose(rows["blind.x_m"], 0.6 + 0.3 * 399 / 2000, atol=1e-9)
         np.testing.assert_array_equal(rows["landing.yaw_deg"], 30)
         for arm in ARMS:
@@ -105,7 +105,7 @@ class ClosedForms(LandingTest):
     def cliff(self, **values):
         """A hazard for a lander whose centre is between two values of x: a ridge along y beside the origin."""
         terrain = {**FLAT, "features": [{"type": "cone", "x_m": 1, "y_m": y / 2, "radius_m": 0.5, "height_m": 1} for y in range(-8, 9)]}
-        return campaign(terrain=terrain, hazard={**HAZARD, "lander": {"leg_radius_m": 0.4, "body_radius_m": 0.4}}, **values)
+        return draws_config(terrain=terrain, hazard={**HAZARD, "lander": {"leg_radius_m": 0.4, "body_radius_m": 0.4}}, **values)
 
     def test_dispersion_is_the_integral_of_a_normal(self):
         """The edges of a strip of hazard are found by landings without dispersion; the share of safe landings is that of the erf."""
@@ -126,7 +126,7 @@ class ClosedForms(LandingTest):
         ground decides."""
         terrain = {**FLAT, "features": [{"type": "cone", "x_m": x, "y_m": y, "radius_m": 0.4, "height_m": 1} for x in (-2, 0, 2) for y in (-2, 0, 2)]}
         hazard = {**HAZARD, "touchdown_sigma_m": 0, "lander": {"leg_radius_m": 0.4, "body_radius_m": 0.4}}
-        rows, verdict = self.landings(campaign(draws=60, terrain=terrain, hazard=hazard, landing={"blind_sigma_m": 1}))
+        rows, verdict = self.landings(draws_config(draws=60, terrain=terrain, hazard=hazard, landing={"blind_sigma_m": 1}))
         self.assertEqual(verdict["safe"]["passed"], 60)
         self.assertTrue(10 < verdict["blind"]["passed"] < 50)
         self.assertEqual(verdict["only_lidar"], 60 - verdict["blind"]["passed"])
@@ -157,7 +157,7 @@ class ClosedForms(LandingTest):
 
     def test_beyond_the_terrain(self):
         """Counted and not safe, with a warning for each arm."""
-        config = campaign(scan=with_values(STILL, navigation_error={"velocity_mps": [0, 0.01, 0]}), landing={"drift_time_s": 2000})
+        config = draws_config(scan=with_values(STILL, navigation_error={"velocity_mps": [0, 0.01, 0]}), landing={"drift_time_s": 2000})
         result = run("monte-carlo", *self.arguments(config, "draws.h5", "--verdict", self.path("v.json")))
         self.assertEqual(result.returncode, 0, result.stderr)
         landing = json.loads(read_bytes(self.path("v.json")))["landing"]
@@ -168,7 +168,7 @@ class ClosedForms(LandingTest):
         self.assertTrue(np.isnan(rows["blind.slope_deg"]).all() and np.isnan(rows["blind.roughness_m"]).all())
 
     def test_sequential_test_of_the_landings(self):
-        config = campaign(draws=200, stop={"type": "sprt", "of": "landing", "p0": 0.9, "p1": 0.5},
+        config = draws_config(draws=200, stop={"type": "sprt", "of": "landing", "p0": 0.9, "p1": 0.5},
                           scan=with_values(STILL, navigation_error={"position_m": [0.02, 0, 0]}), eval=with_values(EVAL, limits__absolute_horizontal_m=0.001))
         rows, verdict = self.landings(config)
         self.assertLess(len(rows["seed"]), 20)
@@ -184,7 +184,7 @@ class Refusals(LandingTest):
                                ({"landing": {"drift_time_s": -1}}, ["/landing/drift_time_s"]), ({"landing": {"yaw": 3}}, ["/landing/yaw"]),
                                ({"hazard": {**HAZARD, "method": "plane", "lander": {"leg_radius_m": 0.15}}}, ["/hazard/lander/leg_radius_m", "2 bins"])):
             with self.subTest(changes):
-                self.refuse(2, "monte-carlo", *self.arguments(campaign(**changes), "draws.h5"), words=words, output=self.path("draws.h5"))
+                self.refuse(2, "monte-carlo", *self.arguments(draws_config(**changes), "draws.h5"), words=words, output=self.path("draws.h5"))
 
 
 if __name__ == "__main__":

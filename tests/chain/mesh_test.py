@@ -22,7 +22,7 @@ def placed(points):
     return 2 * np.stack([-points[:, 1], points[:, 0], points[:, 2]], axis=1) + [0.5, -0.25, 0.125]
 
 
-def rolling_ground_with_a_roof():
+def rolling_terrain_with_a_roof():
     """An irregular sheet of 41 x 41 vertices, and a slab that overhangs it."""
     random = np.random.default_rng(5)
     x, y = np.meshgrid(np.linspace(-4, 4, 41), np.linspace(-4, 4, 41))
@@ -141,7 +141,7 @@ class MeshTest(ToolTest):
         return h5py.File(self.path(output), "r")
 
     def test_chain(self):
-        vertices, faces = rolling_ground_with_a_roof()
+        vertices, faces = rolling_terrain_with_a_roof()
         terrain, summary = self.terrain(vertices, faces, **PLACEMENT)
         corners = placed(vertices)[fans(faces)]
         self.assertEqual([summary[k] for k in ["vertex_count", "triangle_count", "welded_vertex_count"]],
@@ -180,7 +180,7 @@ class MeshTest(ToolTest):
             self.assertLess(np.nanmedian(np.abs(evaluation["e_z"][:])), 0.05)
 
     def test_the_same_bytes_at_any_thread_count(self):
-        vertices, faces = rolling_ground_with_a_roof()
+        vertices, faces = rolling_terrain_with_a_roof()
         self.terrain(vertices, faces, **PLACEMENT)
         config = with_values(SCAN, noise__incidence_sigma_rad=1e-4)
         scan, grid = self.config(config, "scan.json"), self.config(REGRID, "regrid.json")
@@ -195,7 +195,7 @@ class MeshTest(ToolTest):
                 self.assertEqual(made.setdefault(name, read_bytes(self.path(name))), read_bytes(self.path(name)))
 
     def test_ranges_from(self):
-        terrain, _ = self.terrain(*rolling_ground_with_a_roof(), **PLACEMENT)
+        terrain, _ = self.terrain(*rolling_terrain_with_a_roof(), **PLACEMENT)
         clean = with_values(SCAN, noise={})
         self.scan(terrain, clean, "clean.h5").close()
         self.scan(terrain, with_values(SCAN, noise={"range_sigma_m": 0.02, "incidence_sigma_rad": 1e-3}), "noisy.h5").close()
@@ -212,7 +212,7 @@ class MeshTest(ToolTest):
             self.assertEqual(len(scan["points/z_true"]), 256)
 
     def test_refusals(self):
-        vertices, faces = rolling_ground_with_a_roof()
+        vertices, faces = rolling_terrain_with_a_roof()
         terrain, _ = self.terrain(vertices, faces)
         scan, out = self.config(SCAN, "scan.json"), self.path("out.h5")
         self.refuse(2, "scan-sim", "-c", scan, "--terrain", terrain, "-o", out, "--engine", "heightfield",
@@ -236,7 +236,7 @@ class MeshTest(ToolTest):
         self.assertEqual(first, again)
 
     def test_a_mesh_that_stands_on_edge(self):
-        vertices, faces = rolling_ground_with_a_roof()
+        vertices, faces = rolling_terrain_with_a_roof()
         plain, turned, said = self.path("plain.off"), self.path("turned.off"), self.path("said.off")
         for path, points, head in ((plain, vertices, ""), (turned, vertices[:, [0, 2, 1]] * [1, 1, -1], ""), (said, vertices, "# Blender v2.93\n")):
             with open(path, "w", encoding="ascii") as file:
@@ -262,7 +262,7 @@ class MeshTest(ToolTest):
             self.refuse(2, "terrain-gen", *arguments, "--up", "y", "-o", self.path("x.ply"), words=[expected], output=self.path("x.ply"))
 
     def test_import_and_export_by_options(self):
-        vertices, faces = rolling_ground_with_a_roof()
+        vertices, faces = rolling_terrain_with_a_roof()
         source = self.write("m.off", off_text(vertices, faces))
         placement = ["--set", "mesh.scale_m=2", "--set", "mesh.rotate_rpy_deg=[0,0,90]", "--set",
                     "mesh.translate_m=[0.5,-0.25,0.125]"]
@@ -305,7 +305,7 @@ class MeshTest(ToolTest):
         np.testing.assert_array_equal(facets_of(self.path("holes.ply")), expected)
 
     def test_damaged_terrain_files(self):
-        vertices, faces = rolling_ground_with_a_roof()
+        vertices, faces = rolling_terrain_with_a_roof()
         terrain, _ = self.terrain(vertices, faces)
         scan, out = self.config(SCAN, "scan.json"), self.path("out.h5")
         whole = read_bytes(terrain)

@@ -8,18 +8,18 @@ import unittest
 import h5py
 import numpy as np
 
-from harness import EVAL, REGRID, CampaignTest, as_of_0_2_0, read_bytes
+from harness import EVAL, REGRID, MonteCarloTest, as_of_0_2_0, read_bytes
 
 DROPOUT = "scan.noise.dropout_frac"
 BIAS = "scan.noise.range_bias_m"
 
 
-class FaultsTest(CampaignTest):
+class FaultsTest(MonteCarloTest):
     def arguments(self, *options, scan=None, terrain=None, **values):
         config = {"draws": 3, "regrid": {**REGRID, "resolution_m": 0.2}, "eval": EVAL, **values}
         return [scan or self.chain.scan, "--terrain", terrain or self.chain.terrain, "-c", self.config(config, "mc.json"), *options]
 
-    def refuse_campaign(self, code, words, *options, **values):
+    def refuse_run(self, code, words, *options, **values):
         """With an old output and the state of an earlier run, which must stay as they are."""
         kept = {name: self.config("old " + name, name) for name in ("draws.h5", ".draws.h5.state")}
         self.refuse(code, "monte-carlo", *self.arguments("-O", "-o", kept["draws.h5"], *options, **values), words=words)
@@ -45,7 +45,7 @@ class Samples(FaultsTest):
                 (2, ["draw 1: /scan: /noise/dropout_frac: 1.5 is not in [0, 1]"], f"{DROPOUT}\n0\n1.5\n"),
                 (1, ["100001 rows", "at most 100000 draws"], BIAS + "\n" + 100001 * "0\n")]:
             with self.subTest(words):
-                self.refuse_campaign(code, ["samples.csv" if "draw 1" not in words[0] else "mc.json", *words], "--samples",
+                self.refuse_run(code, ["samples.csv" if "draw 1" not in words[0] else "mc.json", *words], "--samples",
                                      self.config(text, "samples.csv"))
 
     def test_tables_in_hdf5(self):
@@ -59,7 +59,7 @@ class Samples(FaultsTest):
                 with h5py.File(self.path("samples.h5"), "w") as file:
                     for name, values in columns.items():
                         file[name] = values
-                self.refuse_campaign(code, ["samples.h5", *words], "--samples", self.path("samples.h5"))
+                self.refuse_run(code, ["samples.h5", *words], "--samples", self.path("samples.h5"))
 
 
 class Inputs(FaultsTest):
@@ -71,8 +71,8 @@ class Inputs(FaultsTest):
                     path = self.path(f"bad_{name}.h5")
                     with open(path, "wb") as file:
                         file.write(content)
-                    self.refuse_campaign(1, [f"bad_{name}.h5"], **{name: path})
-            self.refuse_campaign(1, [f"none_{name}.h5"], **{name: self.path(f"none_{name}.h5")})
+                    self.refuse_run(1, [f"bad_{name}.h5"], **{name: path})
+            self.refuse_run(1, [f"none_{name}.h5"], **{name: self.path(f"none_{name}.h5")})
 
     def test_true_ranges(self):
         def change(value):
@@ -80,7 +80,7 @@ class Inputs(FaultsTest):
                 file["points/range_true"][5] = value
             return edit
         for value in (-1.0, np.inf):  # NaN is a miss
-            self.refuse_campaign(1, ["edited.h5: /points/range_true[5] is not a finite range >= 0"], scan=self.edited(self.chain.scan, change(value)))
+            self.refuse_run(1, ["edited.h5: /points/range_true[5] is not a finite range >= 0"], scan=self.edited(self.chain.scan, change(value)))
 
     def test_keys_that_change_the_rays_or_the_bins(self):
         for assignment, words in [("scan.scanner.pattern.rows=21", ["/scanner/pattern/rows differs: 20 in the scan, 21 in this configuration"]),
@@ -92,13 +92,13 @@ class Inputs(FaultsTest):
                                   ("regrid.resolution_m=-1", ["mc.json: /regrid: /resolution_m: -1 is not in"]),
                                   ("eval.quantile=1.5", ["mc.json: /eval: /quantile: 1.5 is not in [0, 1]"])]:
             with self.subTest(assignment):
-                self.refuse_campaign(2, words, "--set", assignment)
+                self.refuse_run(2, words, "--set", assignment)
 
     def test_all_keys_of_the_rays_are_known(self):
         """Keys of a scan beyond its errors cannot vary."""
         for key in ("detector.roll_deg", "laser.scan_time_s", "scanner.incidence_deg", "scanner.pattern.half_width_m", "mount.rpy_deg.0",
                     "trajectory.position_m.2", "pointing_error.jitter_sigma_rad"):
-            self.refuse_campaign(2, ["mc.json", f"/vary/scan.{key}: changes the rays"],
+            self.refuse_run(2, ["mc.json", f"/vary/scan.{key}: changes the rays"],
                                  vary={"scan." + key: {"type": "uniform", "low": 0, "high": 1}})
 
 
@@ -158,7 +158,7 @@ class EditedParts(FaultsTest):
         self.refuse(1, "monte-carlo", "merge", part, self.parts[1], "-o", self.path("out.h5"), words=["its columns or its grid are not those of"])
 
 
-class OldCampaigns(FaultsTest):
+class OldDraws(FaultsTest):
     WORDS = ["version 0.2.0", "other random numbers"]
 
     def test_read_and_compared(self):

@@ -14,8 +14,8 @@ VARY = {"scan.noise.range_sigma_m": {"type": "uniform", "low": 0, "high": 0.1}}
 OUTCOMES = {"known": (0, 1, 2, 3), "judged_safe": (1, 2), "missed": (2,)}
 
 
-def campaign(**values):
-    return base.campaign(draws=4, vary=VARY, hazard=HAZARD, metrics="verdict", **values)
+def draws_config(**values):
+    return base.draws_config(draws=4, vary=VARY, hazard=HAZARD, metrics="verdict", **values)
 
 
 class Hazards(base.DrawsTest):
@@ -30,7 +30,7 @@ class Hazards(base.DrawsTest):
 
     def test_each_draw_is_that_of_the_chain(self):
         """Small holes are filled with the terrain's elevations, in some draws in the judged region."""
-        config = campaign(scan={"noise": {"dropout_frac": 0.3}})
+        config = draws_config(scan={"noise": {"dropout_frac": 0.3}})
         rows = self.draws(config)
         counts = {name: 0 for name in OUTCOMES}
         for draw in range(4):
@@ -55,23 +55,23 @@ class Hazards(base.DrawsTest):
 
     def test_metrics_do_not_change(self):
         for metrics in ("full", "verdict"):
-            rows = self.draws({**campaign(), "metrics": metrics})
-            without = self.draws({**campaign(), "metrics": metrics, "hazard": None})
+            rows = self.draws({**draws_config(), "metrics": metrics})
+            without = self.draws({**draws_config(), "metrics": metrics, "hazard": None})
             for name, values in without.items():
                 np.testing.assert_array_equal(rows[name], values, name)
 
     def test_threads_and_parts(self):
-        self.draws(campaign(), "-t", 1, output="whole.h5")
+        self.draws(draws_config(), "-t", 1, output="whole.h5")
         whole = read_bytes(self.path("whole.h5"))
-        self.draws(campaign(), "-t", 7)
+        self.draws(draws_config(), "-t", 7)
         self.assertEqual(read_bytes(self.path("draws.h5")), whole)
         for part in ("0:1", "1:4"):
-            self.draws(campaign(), "--draws", part, output=f"{part[0]}.h5")
+            self.draws(draws_config(), "--draws", part, output=f"{part[0]}.h5")
         self.succeed("monte-carlo", "merge", self.path("0.h5"), self.path("1.h5"), "-o", self.path("merged.h5"))
         self.assertEqual(read_bytes(self.path("merged.h5")), whole)
 
     def test_no_safe_place(self):
-        rows = self.draws({**campaign(), "hazard": with_values(HAZARD, limits__slope_deg=1e-3)})
+        rows = self.draws({**draws_config(), "hazard": with_values(HAZARD, limits__slope_deg=1e-3)})
         for name, values in rows.items():
             if name.startswith("site."):
                 self.assertTrue(np.isnan(values).all(), name)
@@ -80,7 +80,7 @@ class Hazards(base.DrawsTest):
 
     def test_draws_with_nothing_to_judge_count(self):
         """A draw whose map has no place that can be judged has no site and no score, and the campaign continues."""
-        config = {**campaign(), "hazard": with_values(HAZARD, region_radius_m=1)}
+        config = {**draws_config(), "hazard": with_values(HAZARD, region_radius_m=1)}
         config["vary"] = {**config.get("vary", {}), "scan.noise.dropout_frac": {"type": "list", "values": [0.05, 0.995, 0.05, 0.995]}}
         config["draws"] = 4
         rows = self.draws(config)
@@ -91,7 +91,7 @@ class Hazards(base.DrawsTest):
         self.assertEqual(self.verdict()["hazard"]["draws_with_site"], int(np.isfinite(rows["site.p_touchdown"]).sum()))
 
     def test_table_and_report(self):
-        result = base.run("monte-carlo", *self.arguments(campaign(), "draws.h5", "--table", "--report", self.path("draws.html")))
+        result = base.run("monte-carlo", *self.arguments(draws_config(), "draws.h5", "--table", "--report", self.path("draws.html")))
         self.assertEqual(result.returncode, 0, result.stderr)
         self.assertRegex(result.stdout, r"chosen_place_safe +\d of 4")
         page = read_bytes(self.path("draws.html")).decode()
@@ -100,7 +100,7 @@ class Hazards(base.DrawsTest):
 
     def test_bad_hazards(self):
         def refuse(hazard, *words):
-            self.refuse(2, "monte-carlo", *self.arguments({**campaign(), "hazard": hazard}, "no.h5"), words=["mc.json: /hazard", *words])
+            self.refuse(2, "monte-carlo", *self.arguments({**draws_config(), "hazard": hazard}, "no.h5"), words=["mc.json: /hazard", *words])
         refuse({"lander": {"legs": 5}}, "/lander/legs")
         refuse({"landers": 1}, "landers")
         refuse(with_values(HAZARD, lander__body_radius_m=5.2), "/lander/body_radius_m", "101 x 101")
@@ -108,7 +108,7 @@ class Hazards(base.DrawsTest):
 
 
 class Pairs(base.DrawsTest):
-    CONFIG = base.campaign(draws=3, vary=VARY, metrics="verdict")
+    CONFIG = base.draws_config(draws=3, vary=VARY, metrics="verdict")
 
     @classmethod
     def setUpClass(cls):
@@ -144,7 +144,7 @@ class Pairs(base.DrawsTest):
             for key in ("passed", "draws"):
                 self.assertEqual(pooled[key], sum(rate[key] for rate in each))
 
-    def test_one_pair_is_a_campaign_with_maps(self):
+    def test_one_pair_gives_draws_with_maps(self):
         self.draws(self.CONFIG)
         self.succeed("monte-carlo", *self.pairs()[:2], "-c", self.path("mc.json"), "-o", self.path("pair.h5"))
         self.assertEqual(read_bytes(self.path("pair.h5")), read_bytes(self.path("draws.h5")))

@@ -12,7 +12,7 @@ import unittest
 import h5py
 import numpy as np
 
-from harness import EVAL, REGRID, SCAN, CampaignTest, columns, config_of, read_bytes, run, with_values
+from harness import EVAL, REGRID, SCAN, MonteCarloTest, columns, config_of, read_bytes, run, with_values
 
 NORMAL = {"type": "normal", "mean": 0}
 LAYERS = ["p_invalid", "p_fail_rel_x", "p_fail_rel_y", "p_fail_rel_z", "p_fail_absolute", "e_z_mean", "e_z_std", "e_map_std", "count_mean"]
@@ -50,7 +50,7 @@ VARY = {
 }
 
 
-def campaign(**values):
+def draws_config(**values):
     return {"draws": 6, "scan": {}, "regrid": REGRID, "eval": EVAL, "vary": {}, **values}
 
 
@@ -78,7 +78,7 @@ def flat(value, path=""):
     return {path: math.nan if value is None else float(value)}
 
 
-class DrawsTest(CampaignTest):
+class DrawsTest(MonteCarloTest):
     def arguments(self, config, output, *options, scan=None):
         return [scan or self.chain.scan, "--terrain", self.chain.terrain, "-c", self.config(config, "mc.json"), "-o", self.path(output),
                 *options]
@@ -125,7 +125,7 @@ class Equality(DrawsTest):
     """Draws equal the chain's."""
 
     def test_every_error_varied(self):
-        config = campaign(draws=12, scan=ERRORS, vary=VARY)
+        config = draws_config(draws=12, scan=ERRORS, vary=VARY)
         rows = self.draws(config)
         self.assertEqual((set(rows["seed"]), list(rows["draw"])), ({SCAN["seed"]}, list(range(12))))
         self.assertEqual({key for key in rows if key.split(".")[0] in ("scan", "regrid", "eval")}, set(VARY))
@@ -146,18 +146,18 @@ class Equality(DrawsTest):
     def test_seeds_share_no_random_number(self):
         """Nor do the draws of one campaign; the number of a draw, not its place, decides."""
         vary = {**VARY, "scan.noise.range_bias_m": {"type": "uniform", "low": -0.01, "high": 0.01}}
-        rows = [self.draws(campaign(draws=12, scan={**ERRORS, "seed": seed}, vary=vary), output=f"{seed}.h5") for seed in (1, 2)]
+        rows = [self.draws(draws_config(draws=12, scan={**ERRORS, "seed": seed}, vary=vary), output=f"{seed}.h5") for seed in (1, 2)]
         for name in [*vary, "accuracy.absolute.z.mean_m", "accuracy.relative.z.max_m"]:
             self.assertEqual(len({*rows[0][name], *rows[1][name]}), 24, name)
 
     def test_the_draw_of_a_scan_has_no_effect(self):
         """Nor has that of the configuration, with a warning."""
-        rows = self.draws(campaign(draws=3, scan=ERRORS))
+        rows = self.draws(draws_config(draws=3, scan=ERRORS))
         self.succeed("scan-sim", *self.chain.inputs("scan-sim"), "--set", "draw=5", "-o", self.path("fifth.h5"))
-        again = self.draws(campaign(draws=3, scan=ERRORS), scan=self.path("fifth.h5"), output="again.h5")
+        again = self.draws(draws_config(draws=3, scan=ERRORS), scan=self.path("fifth.h5"), output="again.h5")
         for name, column in rows.items():
             np.testing.assert_array_equal(again[name], column, name)
-        result = run("monte-carlo", *self.arguments(campaign(draws=1, scan={"draw": 7}), "warned.h5"))
+        result = run("monte-carlo", *self.arguments(draws_config(draws=1, scan={"draw": 7}), "warned.h5"))
         self.assertEqual(result.returncode, 0)
         self.assertIn("mc.json: /scan/draw has no effect", result.stderr)
 
@@ -168,7 +168,7 @@ class Equality(DrawsTest):
                      "--set", "scanner.pattern.half_width_m=6", "--keep-misses", "-o", scan)
         for regrid in ({"method": "bilinear4"}, {"method": "mean"}, {"method": "median"}, {"truth_at": "centroid"}):
             with self.subTest(regrid):
-                config = campaign(draws=2, regrid={**REGRID, **regrid}, scan={"noise": {"dropout_frac": 0.02}, "seed": 90})
+                config = draws_config(draws=2, regrid={**REGRID, **regrid}, scan={"noise": {"dropout_frac": 0.02}, "seed": 90})
                 rows = self.draws(config, scan=scan)
                 self.assertEqual((list(rows["seed"]), list(rows["draw"])), ([90, 90], [0, 1]))
                 self.check_draw(rows, config, 1, scan=scan)
@@ -176,7 +176,7 @@ class Equality(DrawsTest):
     def test_list_and_samples(self):
         """A list and a column of a table, CSV or HDF5, with the same values give the same draws."""
         values = {"scan.noise.range_sigma_m": [0.01, 0.1, 0.02], "scan.navigation_error.velocity_mps.1": [0.1, -0.7, 1 / 3]}
-        listed = campaign(draws=3, vary={key: {"type": "list", "values": each} for key, each in values.items()})
+        listed = draws_config(draws=3, vary={key: {"type": "list", "values": each} for key, each in values.items()})
         rows = self.draws(listed)
         for key, each in values.items():
             self.assertEqual(list(rows[key]), each)
@@ -187,18 +187,18 @@ class Equality(DrawsTest):
             for key, each in values.items():
                 file[key] = each
         for table in (csv, self.path("samples.h5")):
-            again = self.draws(campaign(draws=299), "--samples", table, output="again.h5")
+            again = self.draws(draws_config(draws=299), "--samples", table, output="again.h5")
             for name, column in rows.items():
                 np.testing.assert_array_equal(again[name], column, name)
-        mixed = self.draws(campaign(vary={"scan.noise.dropout_frac": {"type": "uniform", "low": 0, "high": 0.3}}), "--samples", csv)
+        mixed = self.draws(draws_config(vary={"scan.noise.dropout_frac": {"type": "uniform", "low": 0, "high": 0.3}}), "--samples", csv)
         self.assertEqual(len(mixed["seed"]), 3)
-        self.check_draw(mixed, campaign(), 1)
+        self.check_draw(mixed, draws_config(), 1)
 
 
 class Division(DrawsTest):
     """How a campaign is run does not change its file."""
 
-    CONFIG = campaign(draws=9, scan={"noise": {"dropout_frac": 0.2}}, vary={"scan.navigation_error.velocity_mps.0": {**NORMAL, "sigma": 0.1}})
+    CONFIG = draws_config(draws=9, scan={"noise": {"dropout_frac": 0.2}}, vary={"scan.navigation_error.velocity_mps.0": {**NORMAL, "sigma": 0.1}})
 
     def whole(self, *options, config=None):
         self.draws(config or self.CONFIG, *options, output="whole.h5")
@@ -272,7 +272,7 @@ class Results(DrawsTest):
 
     def test_maps(self):
         """Against numpy over the chain's DEMs. Errors are rounded to 2^-30 m."""
-        config = campaign(draws=12, scan={"noise": {"dropout_frac": 0.2}},
+        config = draws_config(draws=12, scan={"noise": {"dropout_frac": 0.2}},
                           eval=with_values(EVAL, limits__relative_horizontal_m=0.025, limits__absolute_horizontal_m=0.1),
                           vary={"scan.navigation_error.velocity_mps.0": {**NORMAL, "sigma": 2},
                                 "scan.noise.range_bias_m": {**NORMAL, "sigma": 0.05}})
@@ -307,7 +307,7 @@ class Results(DrawsTest):
             self.assertEqual(file["draws"].attrs["first_draw"], 0)
 
     # A draw passes if its share of empty bins, which is random, is below a random limit.
-    HALF = campaign(draws=40, eval={**EVAL, "limits": dict.fromkeys(["relative_elevation_m", "relative_horizontal_m", "absolute_horizontal_m",
+    HALF = draws_config(draws=40, eval={**EVAL, "limits": dict.fromkeys(["relative_elevation_m", "relative_horizontal_m", "absolute_horizontal_m",
                                                                       "distance_bins", "hole_bins"], 1000)},
                     scan={"noise": {"dropout_frac": 0.2}}, metrics="verdict", layers=False,
                     vary={"eval.limits.invalid_frac": {"type": "uniform", "low": 0, "high": 0.05}})
@@ -382,7 +382,7 @@ class Refusals(DrawsTest):
     """Each message names file, key and value; nothing is written."""
 
     def refuse_draws(self, code, words, *options, scan=None, **values):
-        self.refuse(code, "monte-carlo", *self.arguments(campaign(**values), "draws.h5", *options, scan=scan), words=words,
+        self.refuse(code, "monte-carlo", *self.arguments(draws_config(**values), "draws.h5", *options, scan=scan), words=words,
                     output=self.path("draws.h5"))
         self.assertEqual([entry for entry in self.entries() if "draws.h5" in entry], [])
 
@@ -425,7 +425,7 @@ class Refusals(DrawsTest):
             self.refuse(2, "monte-carlo", "--check", "--set", assignment, words=[word])
         shown = json.loads(self.succeed("scan-sim", "--print-config", "--set", "navigation_error.velocity_mps.0=0.1").stdout)
         self.assertEqual(shown["navigation_error"]["velocity_mps"], [0.1, 0, 0])
-        config = {**campaign(draws=1), "scan": {}}
+        config = {**draws_config(draws=1), "scan": {}}
         self.draws(config, "--set", "scan.navigation_error.velocity_mps.1=0.5")
         velocity = SCAN["navigation_error"]["velocity_mps"]
         self.assertEqual(config_of(self.path("draws.h5"))["scan"]["navigation_error"]["velocity_mps"], [velocity[0], 0.5, velocity[2]])
@@ -455,7 +455,7 @@ class Refusals(DrawsTest):
         self.refuse_draws(1, ["dem.h5", "landfall.scan"], scan=self.chain.dem)
         terrain = self.path("terrain.h5")
         self.succeed("terrain-gen", "-c", self.chain.config("terrain-gen"), "--set", "base.elevation_m=1", "-o", terrain)
-        self.refuse(2, "monte-carlo", self.chain.scan, "--terrain", terrain, "-c", self.config(campaign()), "-o", self.path("draws.h5"),
+        self.refuse(2, "monte-carlo", self.chain.scan, "--terrain", terrain, "-c", self.config(draws_config()), "-o", self.path("draws.h5"),
                     words=["scan.h5", "terrain"], output=self.path("draws.h5"))
 
     def test_a_full_disk_keeps_the_state(self):
@@ -463,12 +463,12 @@ class Refusals(DrawsTest):
         def limit():
             resource.setrlimit(resource.RLIMIT_FSIZE, (20000, 20000))
             signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
-        self.draws(campaign(), output="whole.h5")
-        self.draws(campaign(), "--draws", "0:4", output="part.h5")
+        self.draws(draws_config(), output="whole.h5")
+        self.draws(draws_config(), "--draws", "0:4", output="part.h5")
         os.rename(self.path("part.h5"), self.path(".draws.h5.state"))
-        self.refuse(1, "monte-carlo", *self.arguments(campaign(), "draws.h5"), words=["draws.h5"], output=self.path("draws.h5"),
+        self.refuse(1, "monte-carlo", *self.arguments(draws_config(), "draws.h5"), words=["draws.h5"], output=self.path("draws.h5"),
                     preexec_fn=limit)
-        self.assertIn("resumes after 4 draws", run("monte-carlo", *self.arguments(campaign(), "draws.h5", "-v")).stderr)
+        self.assertIn("resumes after 4 draws", run("monte-carlo", *self.arguments(draws_config(), "draws.h5", "-v")).stderr)
         self.assertEqual(read_bytes(self.path("draws.h5")), read_bytes(self.path("whole.h5")))
 
 

@@ -6,7 +6,7 @@ import json
 import os
 import unittest
 
-from harness import EVAL, HAZARD, REGRID, SANITIZED, CampaignTest, read_bytes
+from harness import EVAL, HAZARD, REGRID, SANITIZED, MonteCarloTest, read_bytes
 from harness.opencl import build_faulty_opencl, no_device
 
 # Every error that a device draws.
@@ -29,11 +29,11 @@ VARY = {
 NO_DEVICE = no_device()
 
 
-def campaign(**values):
+def draws_config(**values):
     return {"draws": 5, "scan": {}, "regrid": REGRID, "eval": EVAL, "vary": {}, **values}
 
 
-class DeviceDraws(CampaignTest):
+class DeviceDraws(MonteCarloTest):
     def arguments(self, engine, config, *options, scan=None):
         return [scan or self.chain.scan, "--terrain", self.chain.terrain, "-c", self.config(config, "mc.json"), "--engine", engine,
                 "-o", self.path(engine + ".h5"), "--json", "-O", *options]
@@ -54,7 +54,7 @@ class DeviceDraws(CampaignTest):
 class SameBytes(DeviceDraws):
     def test_every_error(self):
         for metrics in ("verdict", "full"):
-            found = self.compare("opencl", campaign(scan=ERRORS, vary=VARY, metrics=metrics))
+            found = self.compare("opencl", draws_config(scan=ERRORS, vary=VARY, metrics=metrics))
             self.assertEqual(found["device_draw_count"], 5)
             self.assertNotIn("warnings", {key: value for key, value in found.items() if value})
 
@@ -62,7 +62,7 @@ class SameBytes(DeviceDraws):
         for regrid in ({"method": "bilinear4"}, {"method": "mean"}, {"truth_at": "centroid"}, {"method": "bilinear4", "truth_at": "centroid"}):
             for metrics in ("verdict", "full"):
                 with self.subTest(regrid, metrics=metrics):
-                    self.compare("opencl", campaign(draws=2, scan=ERRORS, regrid={**REGRID, **regrid}, metrics=metrics))
+                    self.compare("opencl", draws_config(draws=2, scan=ERRORS, regrid={**REGRID, **regrid}, metrics=metrics))
 
     def test_verdicts(self):
         """Rules that decide each requirement both ways, some of them varied; with and without maps."""
@@ -72,7 +72,7 @@ class SameBytes(DeviceDraws):
                      {**EVAL, "limits": {"relative_horizontal_m": 0.001, "absolute_horizontal_m": 0.15, "invalid_frac": 0.2}}):
             for layers in (True, False):
                 with self.subTest(rule, layers=layers):
-                    found = self.compare("opencl", campaign(scan=ERRORS, vary=vary, eval=rule, metrics="verdict", layers=layers))
+                    found = self.compare("opencl", draws_config(scan=ERRORS, vary=vary, eval=rule, metrics="verdict", layers=layers))
                     self.assertEqual(found["device_draw_count"], 5)
 
     def test_a_mesh_is_judged_by_the_cpu(self):
@@ -81,13 +81,13 @@ class SameBytes(DeviceDraws):
             file.write("v -20 -20 0\nv 20 -20 1\nv 20 20 0\nv -20 20 1\nf 1 2 3\nf 1 3 4\n")
         self.succeed("terrain-gen", "--from", self.path("mesh.obj"), "-o", mesh)
         self.succeed("scan-sim", *self.chain.inputs("scan-sim")[2:], "--terrain", mesh, "--keep-misses", "-o", scan)
-        arguments = ["monte-carlo", scan, "--terrain", mesh, "-c", self.config(campaign(draws=2, metrics="verdict"), "mc.json")]
+        arguments = ["monte-carlo", scan, "--terrain", mesh, "-c", self.config(draws_config(draws=2, metrics="verdict"), "mc.json")]
         for engine in ("cpu", "opencl"):
             self.succeed(*arguments, "--engine", engine, "-o", self.path(engine + ".h5"))
         self.assertEqual(read_bytes(self.path("opencl.h5")), read_bytes(self.path("cpu.h5")))
 
     def test_hazards(self):
-        self.compare("opencl", campaign(draws=2, scan={"noise": {"dropout_frac": 0.02}}, hazard=HAZARD, metrics="verdict"))
+        self.compare("opencl", draws_config(draws=2, scan={"noise": {"dropout_frac": 0.02}}, hazard=HAZARD, metrics="verdict"))
 
     def test_misses_and_threads(self):
         """A scan with misses, dropouts and dead pixels of its own, far beyond the map."""
@@ -95,10 +95,10 @@ class SameBytes(DeviceDraws):
         self.succeed("scan-sim", *self.chain.inputs("scan-sim"), "--set", "noise.dropout_frac=0.1", "--set", "noise.dead_pixel_frac=0.1",
                      "--set", "scanner.pattern.half_width_m=6", "--keep-misses", "-o", scan)
         for threads in (1, 5):
-            self.compare("opencl", campaign(draws=2, scan=ERRORS), "-t", threads, scan=scan)
+            self.compare("opencl", draws_config(draws=2, scan=ERRORS), "-t", threads, scan=scan)
 
     def test_parts(self):
-        config = campaign(scan=ERRORS, vary=VARY)
+        config = draws_config(scan=ERRORS, vary=VARY)
         self.draws("cpu", config)
         for part in ("0:2", "2:5"):
             self.draws("opencl", config, "--draws", part)
@@ -107,7 +107,7 @@ class SameBytes(DeviceDraws):
         self.assertEqual(read_bytes(self.path("merged.h5")), read_bytes(self.path("cpu.h5")))
 
     def test_opencl_or_cpu_uses_the_device(self):
-        self.assertEqual(self.compare("opencl-or-cpu", campaign(scan=ERRORS))["device_draw_count"], 5)
+        self.assertEqual(self.compare("opencl-or-cpu", draws_config(scan=ERRORS))["device_draw_count"], 5)
 
 
 @unittest.skipIf(NO_DEVICE, NO_DEVICE)
@@ -117,19 +117,19 @@ class NotOnADevice(DeviceDraws):
 
     def test_is_refused(self):
         for values, reason in self.CASES:
-            self.refuse(2, "monte-carlo", *self.arguments("opencl", campaign(**values)), output=self.path("opencl.h5"),
+            self.refuse(2, "monte-carlo", *self.arguments("opencl", draws_config(**values)), output=self.path("opencl.h5"),
                         words=[f"mc.json: draw 0: {reason}; opencl-or-cpu uses the CPU instead (--engine)"])
 
     def test_a_varied_key_is_refused_before_the_first_draw(self):
         vary = {"scan.receiver.timer_step_s": {"type": "list", "values": [0, 0, 0, 1e-9, 0]}}
-        self.refuse(2, "monte-carlo", *self.arguments("opencl", campaign(vary=vary)), output=self.path("opencl.h5"),
+        self.refuse(2, "monte-carlo", *self.arguments("opencl", draws_config(vary=vary)), output=self.path("opencl.h5"),
                     words=["mc.json: draw 3: /scan/receiver: a device draws no jitter"])
-        found = self.compare("opencl-or-cpu", campaign(vary=vary))
+        found = self.compare("opencl-or-cpu", draws_config(vary=vary))
         self.assertEqual(found["device_draw_count"], 4)
 
     def test_the_cpu_instead(self):
         for values, reason in self.CASES:
-            found = self.compare("opencl-or-cpu", campaign(**values))
+            found = self.compare("opencl-or-cpu", draws_config(**values))
             self.assertEqual(found["warnings"], [f"{reason}; the CPU made the draws instead"])
             self.assertEqual(found["device_draw_count"], 0)
 
@@ -138,10 +138,10 @@ class WithoutADevice(DeviceDraws):
     def test_no_driver(self):
         nowhere = {**os.environ, "OCL_ICD_VENDORS": "/nowhere"}
         reason = "OpenCL: there is no device, or no driver of it is installed; "
-        found = self.compare("opencl-or-cpu", campaign(), env=nowhere)
+        found = self.compare("opencl-or-cpu", draws_config(), env=nowhere)
         self.assertEqual(found["warnings"], [reason + "the CPU made the draws instead"])
         self.assertNotIn("device", found)
-        self.refuse(1, "monte-carlo", *self.arguments("opencl", campaign()), env=nowhere, output=self.path("opencl.h5"),
+        self.refuse(1, "monte-carlo", *self.arguments("opencl", draws_config()), env=nowhere, output=self.path("opencl.h5"),
                     words=[reason + "opencl-or-cpu uses the CPU instead (--engine)"])
 
 
@@ -166,14 +166,14 @@ class AFaultyDevice(DeviceDraws):
         build_faulty_opencl(self.path("faulty_opencl.so"))
         self.faulty = {**os.environ, "LD_PRELOAD": self.path("faulty_opencl.so")}
 
-    def campaigns(self):
-        return (campaign(scan=ERRORS), self.FAULTS), (campaign(scan=ERRORS, metrics="verdict"), self.VERDICT_FAULTS)
+    def configs_and_faults(self):
+        return (draws_config(scan=ERRORS), self.FAULTS), (draws_config(scan=ERRORS, metrics="verdict"), self.VERDICT_FAULTS)
 
     def test_that_works_draws(self):
-        self.assertEqual(self.compare("opencl", campaign(), env=self.faulty)["device"], "faulty device")
+        self.assertEqual(self.compare("opencl", draws_config(), env=self.faulty)["device"], "faulty device")
 
     def test_leaves_the_draws_to_the_cpu(self):
-        for config, faults in self.campaigns():
+        for config, faults in self.configs_and_faults():
             for fault, made, reason in faults:
                 with self.subTest(fault):
                     found = self.compare("opencl-or-cpu", config, env={**self.faulty, "FAULTY_OPENCL": fault})
@@ -181,7 +181,7 @@ class AFaultyDevice(DeviceDraws):
                     self.assertEqual(found.get("device_draw_count", 0), made)
 
     def test_leaves_no_file(self):
-        for config, faults in self.campaigns():
+        for config, faults in self.configs_and_faults():
             for fault, _, reason in faults:
                 with self.subTest(fault):
                     self.refuse(1, "monte-carlo", *self.arguments("opencl", config), output=self.path("opencl.h5"),

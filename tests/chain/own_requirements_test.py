@@ -113,7 +113,7 @@ class Own(base.DrawsTest):
 
 class Draws(base.DrawsTest):
     def test_each_draw_is_that_of_the_chain(self):
-        config = base.campaign(metrics="full", eval={**EVAL, "requirements": [LE90, VALID]}, vary={"eval.requirements.0.max": {
+        config = base.draws_config(metrics="full", eval={**EVAL, "requirements": [LE90, VALID]}, vary={"eval.requirements.0.max": {
             "type": "list", "values": 3 * [0.051, 0.053]}})
         rows = self.draws(config)
         passes = [json.loads(json.dumps(self.chain_metrics(config, rows, draw)["own_requirements"]))["vertical LE90"] for draw in range(6)]
@@ -134,14 +134,14 @@ class Draws(base.DrawsTest):
     def test_verdict_metrics(self):
         """The counts of `verdict` can be required; a percentile cannot."""
         holes = {"name": "holes", "metric": "coverage.hole_count", "max": 1000000}
-        config = base.campaign(metrics="verdict", eval={**EVAL, "limits": WIDE, "requirements": [holes]})
+        config = base.draws_config(metrics="verdict", eval={**EVAL, "limits": WIDE, "requirements": [holes]})
         self.draws(config, "--require-pass")
         config["eval"]["requirements"].append({**LE90, "name": "le90"})
         self.refuse(2, "monte-carlo", *self.arguments(config, "d.h5"), words=["/requirements/1/metric", 'set /metrics to "full"'])
 
     def test_hazards_and_parts(self):
         none = {**MISSED, "name": "none", "max": -1}
-        config = base.campaign(metrics="verdict", draws=3, eval={**EVAL, "limits": WIDE}, hazard={**HAZARD, "requirements": [MISSED, none]})
+        config = base.draws_config(metrics="verdict", draws=3, eval={**EVAL, "limits": WIDE}, hazard={**HAZARD, "requirements": [MISSED, none]})
         rows = self.draws(config)
         self.assertFalse(rows["pass"].any())
         self.assertFalse(rows["score.own_requirements.none.pass"].any())
@@ -159,14 +159,14 @@ class Draws(base.DrawsTest):
         self.refuse(2, "monte-carlo", *self.arguments(config, "d.h5"), words=["/hazard/requirements", '"none"'])
 
     def test_tampered_verdict(self):
-        config = base.campaign(draws=2, metrics="verdict", eval={**EVAL, "requirements": [{"name": "holes", "metric": "coverage.hole_count", "max": -1}]})
+        config = base.draws_config(draws=2, metrics="verdict", eval={**EVAL, "requirements": [{"name": "holes", "metric": "coverage.hole_count", "max": -1}]})
         self.draws(config)
         with h5py.File(self.path("draws.h5"), "r+") as file:
             file["draws/own_requirements.holes.pass"][1] = 2
         self.refuse(1, "landfall-info", "--compare", self.path("draws.h5"), self.path("draws.h5"), words=["own_requirements.holes.pass"])
 
     def test_figure(self):
-        self.draws(base.campaign(draws=2, metrics="full", eval={**EVAL, "requirements": [LE90, VALID]}))
+        self.draws(base.draws_config(draws=2, metrics="full", eval={**EVAL, "requirements": [LE90, VALID]}))
         done = run_command("plot_draws", self.path("draws.h5"), "-o", self.path("f.png"))
         self.assertEqual(done.returncode, 0, done.stderr)
         self.assertEqual(read_bytes(self.path("f.png"))[1:4], b"PNG")

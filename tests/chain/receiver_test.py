@@ -11,7 +11,7 @@ import h5py
 import numpy as np
 
 from harness import SCAN, Chain, ToolTest, columns, read_bytes, with_values
-from monte_carlo_test import DrawsTest, campaign
+from monte_carlo_test import DrawsTest, draws_config
 
 LIGHT_MPS = 299792458
 FWHM_S = 1e-9
@@ -435,7 +435,7 @@ class Draws(ReceiverTest):
             self.assertEqual(sorted(warned), sorted(keys), config)
 
 
-class Campaigns(DrawsTest):
+class ReceiverDraws(DrawsTest):
     """Draws of monte-carlo with a receiver equal the chain's."""
 
     def test_draws_equal_the_chain(self):
@@ -446,7 +446,7 @@ class Campaigns(DrawsTest):
             scan = self.path("scan.h5")
             self.succeed("scan-sim", "-c", self.config({**SCAN, **receiver, "detector": {**SCAN["detector"], "subpixels": 2}}),
                          "--terrain", self.chain.terrain, "--keep-misses", "--keep-echoes", "-O", "-o", scan)
-            config = campaign(draws=3, vary={"scan.noise.range_bias_m": {"type": "normal", "mean": 0, "sigma": 0.01},
+            config = draws_config(draws=3, vary={"scan.noise.range_bias_m": {"type": "normal", "mean": 0, "sigma": 0.01},
                                              "scan.receiver.jitter_sigma_s": {"type": "uniform", "low": 0, "high": 1e-9}})
             rows = self.draws(config, scan=scan)
             for draw in (0, 2):

@@ -16,7 +16,7 @@ from harness.page import CANVAS, WIDTHS, PageTest
 
 ROOT = os.environ["LANDFALL_ROOT"]
 PRINT_WIDTH = 702  # A4 less two margins of 12 mm, pixels of 1/96 inch
-CAMPAIGN = {"draws": 4, "metrics": "full", "regrid": REGRID, "eval": with_values(EVAL, limits__relative_elevation_m=0.12), "hazard": HAZARD,
+DRAWS_CONFIG = {"draws": 4, "metrics": "full", "regrid": REGRID, "eval": with_values(EVAL, limits__relative_elevation_m=0.12), "hazard": HAZARD,
             "vary": {"scan.noise.range_sigma_m": {"type": "uniform", "low": 0.005, "high": 0.08}}}
 STUDY = {"title": "Range noise", "base": {
     "terrain": {"grid": {"half_width_m": 6, "resolution_m": 0.1}},
@@ -84,7 +84,7 @@ class ScreensTest(PageTest):
         self.check_page("hazards.html")
 
     def test_draws(self):
-        self.succeed("monte-carlo", self.chain.source, "--terrain", self.chain.terrain, "-c", self.config(CAMPAIGN), "-o", self.path("d.h5"),
+        self.succeed("monte-carlo", self.chain.source, "--terrain", self.chain.terrain, "-c", self.config(DRAWS_CONFIG), "-o", self.path("d.h5"),
                      "--report", self.path("draws.html"))
         self.check_page("draws.html")
 

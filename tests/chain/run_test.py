@@ -333,7 +333,7 @@ class Run(ToolTest):
         self.succeed("terrain-gen", "-c", self.config({"mesh": {"path": self.path("mesh.obj"), "scale_m": 2}}), "-o", self.path("single.h5"))
         self.assertEqual(read_bytes(self.out("terrain.h5")), read_bytes(self.path("single.h5")))
 
-    def test_campaigns_take_the_raster_of_a_chain_file(self):
+    def test_draws_take_the_raster_of_a_chain_file(self):
         self.ground()
         common = {"draws": 2, "area": CHAIN["area"], "scan": SCAN, "eval": CHAIN["eval"], "layers": False}
         named = self.config({**common, "terrain": {"from": "ground.tif", "center": [3, 2]}}, "chains/mc.json")

@@ -22,11 +22,11 @@ DISPERSED = {**{f"scan.trajectory_dispersion.{key}.{i}": {"type": "normal", "sig
              "scan.navigation_error.velocity_mps.0": {"type": "normal", "sigma": 0.3},
              "scan.trajectory.velocity_mps.2": {"type": "uniform", "low": -6, "high": -4},
              "eval.quantile": {"type": "uniform", "low": 0.8, "high": 1}}
-GROUND = {"terrain.features.0.height_m": {"type": "uniform", "low": 0.5, "high": 2}, "terrain.base.slope_x": {"type": "normal", "sigma": 0.05}}
+TERRAIN_KEYS = {"terrain.features.0.height_m": {"type": "uniform", "low": 0.5, "high": 2}, "terrain.base.slope_x": {"type": "normal", "sigma": 0.05}}
 FRACTAL = {**TERRAIN, "base": [{"type": "plane", "slope_x": 0.03}, {"type": "fractal", "hurst_exponent": 0.7, "rms_deviation_m": 0.05, "reference_length_m": 1}]}
 
 
-def campaign(**values):
+def draws_config(**values):
     return {"draws": 3, "scan": SCAN, "regrid": REGRID, "eval": EVAL, "terrain": TERRAIN, "vary": {}, **values}
 
 
@@ -81,7 +81,7 @@ class Equality(TracedTest):
         """Ground, path, attitude, jitter, aim from an estimate with random errors, noise."""
         scan = with_values(SCAN, scanner__pattern=dict(PATTERN, aim="estimate"),
                            navigation_error={"gauss_markov": {"velocity_sigma_mps": [0.2, 0.2, 0.1]}, "random_walk": {"rpy_rad_per_sqrt_s": [1e-3] * 3}})
-        config = campaign(scan=scan, terrain=FRACTAL, terrain_seed="each", vary={**DISPERSED, "terrain.features.0.height_m": GROUND["terrain.features.0.height_m"]},
+        config = draws_config(scan=scan, terrain=FRACTAL, terrain_seed="each", vary={**DISPERSED, "terrain.features.0.height_m": TERRAIN_KEYS["terrain.features.0.height_m"]},
                           hazard=HAZARD)
         rows = self.draws(config)
         self.assertEqual((list(rows["seed"]), list(rows["draw"])), ([7, 7, 7], [0, 1, 2]))
@@ -99,7 +99,7 @@ class Equality(TracedTest):
 
     def test_a_terrain_file_and_a_fixed_ground(self):
         """All draws have one ground, so that the maps of it exist."""
-        config = campaign(vary=DISPERSED)
+        config = draws_config(vary=DISPERSED)
         rows = self.draws(config)
         self.check_draw(config, rows, 1)
         self.assertLessEqual({*LAYERS, "z_true_map"}, set(columns(self.path("draws.h5"))))
@@ -116,7 +116,7 @@ class Equality(TracedTest):
         for name, values in scanners.items():
             with self.subTest(name):
                 scan = {**SCAN, "scanner": {"type": name, **values}}
-                config = campaign(scan=scan, draws=2, vary={**GROUND, **DISPERSED})
+                config = draws_config(scan=scan, draws=2, vary={**TERRAIN_KEYS, **DISPERSED})
                 self.check_draw(config, self.draws(config), 1)
         self.assertEqual(config_of(self.path("draws.h5"))["scan"]["scanner"]["path"], "sweep.csv", "files must not reveal folders")
 
@@ -127,14 +127,14 @@ class Equality(TracedTest):
         terrain = {**TERRAIN, "albedo": {"ground": {"type": "patches", "albedo": 0.9, "albedo_between": 0.4, "cover_frac": 0.4, "longest_wavelength_m": 4}}}
         for receiver in ({"type": "leading_edge", "threshold_pe": 30}, {"type": "centroid", "threshold_pe": 20, "returns": "all"}, {"type": "geiger"}):
             with self.subTest(receiver):
-                config = campaign(scan={**SCAN, **light, "receiver": receiver}, terrain=terrain, draws=2,
+                config = draws_config(scan={**SCAN, **light, "receiver": receiver}, terrain=terrain, draws=2,
                                   vary={"scan.beam.divergence_rad": {"type": "uniform", "low": 0.005, "high": 0.015}})
                 self.check_draw(config, self.draws(config), 1)
 
     def test_methods_and_index_of_a_default(self):
         for regrid in ({"method": "median"}, {"method": "bilinear4"}, {"truth_at": "centroid"}):
             with self.subTest(regrid):
-                config = campaign(regrid={**REGRID, **regrid}, draws=1, scan={key: value for key, value in SCAN.items() if key != "navigation_error"},
+                config = draws_config(regrid={**REGRID, **regrid}, draws=1, scan={key: value for key, value in SCAN.items() if key != "navigation_error"},
                                   vary={"scan.navigation_error.position_m.1": {"type": "list", "values": [0.4]}})
                 rows = self.draws(config)
                 self.assertEqual(rows["scan.navigation_error.position_m.1"][0], 0.4)
@@ -143,7 +143,7 @@ class Equality(TracedTest):
     def test_one_sigma_maps(self):
         """Hazards have p_safe, and metrics.json judges the sigmas."""
         none = {"position_m": [0, 0, 0], "velocity_mps": [0, 0, 0], "rpy_rad": [0, 0, 0], "rpy_rate_radps": [0, 0, 0]}
-        config = campaign(draws=2, uncertainty=True, hazard={**HAZARD, "region_radius_m": 2}, vary={**GROUND, "scan.trajectory_dispersion.position_m.0": {"type": "normal", "sigma": 0.2}},
+        config = draws_config(draws=2, uncertainty=True, hazard={**HAZARD, "region_radius_m": 2}, vary={**TERRAIN_KEYS, "scan.trajectory_dispersion.position_m.0": {"type": "normal", "sigma": 0.2}},
                           regrid={**REGRID, "uncertainty": {"range_sigma_m": 0.01, "navigation_sigma": none}})
         rows = self.draws(config)
         self.check_draw(config, rows, 1)
@@ -153,7 +153,7 @@ class Equality(TracedTest):
     def test_places_within_reach(self):
         """The drift at the start of the divert varies, so that draws have other sites; also in the landing."""
         reach = {"height_m": 20, "descent_mps": 4, "position_m": [-1, 0], "tilt_deg": 2, "thrust_accel_mps2": 3, "gravity_mps2": 1.3}
-        config = campaign(hazard=with_values({**HAZARD, "region_radius_m": 3}, sites__reach=reach), landing={"yaw_deg": 10},
+        config = draws_config(hazard=with_values({**HAZARD, "region_radius_m": 3}, sites__reach=reach), landing={"yaw_deg": 10},
                           vary={"hazard.sites.reach.velocity_mps.0": {"type": "list", "values": [0.3, -0.3, 0]}})
         rows = self.draws(config)
         for draw in range(3):
@@ -163,7 +163,7 @@ class Equality(TracedTest):
     def test_a_value_that_decides_a_default(self):
         """The period of a spiral follows the scan time of the draw."""
         scan = {**SCAN, "scanner": {"type": "fsm", "pattern": {"type": "spiral", "radius_m": 4, "pitch_m": 0.4}}}
-        config = campaign(scan=scan, draws=2, vary={"scan.laser.scan_time_s": {"type": "list", "values": [0.2, 0.1]}})
+        config = draws_config(scan=scan, draws=2, vary={"scan.laser.scan_time_s": {"type": "list", "values": [0.2, 0.1]}})
         self.check_draw(config, self.draws(config), 1)
 
     def test_sections(self):
@@ -174,7 +174,7 @@ class Equality(TracedTest):
         self.assertEqual(config["scan"]["seed"], 9)
         self.assertEqual(config["hazard"]["region_radius_m"], 3)
         self.assertEqual(config["hazard"]["lander"]["legs"], 4)
-        rows = self.draws(campaign(draws=1), "--set", "scan.navigation_error.velocity_mps.1=0.5", "--seed", 11)
+        rows = self.draws(draws_config(draws=1), "--set", "scan.navigation_error.velocity_mps.1=0.5", "--seed", 11)
         self.assertEqual(list(rows["seed"]), [11])
 
 
@@ -182,8 +182,8 @@ class Division(TracedTest):
     """How a campaign is run does not change its file."""
 
     def test_threads_parts_and_a_state(self):
-        for vary, seed in ((DISPERSED, "fixed"), ({**DISPERSED, "terrain.base.0.slope_x": GROUND["terrain.base.slope_x"]}, "each")):
-            config = campaign(draws=5, vary=vary, metrics="verdict", terrain=FRACTAL, terrain_seed=seed)
+        for vary, seed in ((DISPERSED, "fixed"), ({**DISPERSED, "terrain.base.0.slope_x": TERRAIN_KEYS["terrain.base.slope_x"]}, "each")):
+            config = draws_config(draws=5, vary=vary, metrics="verdict", terrain=FRACTAL, terrain_seed=seed)
             self.draws(config, "-t", 1)
             whole = read_bytes(self.path("draws.h5"))
             self.draws(config, "-t", 3)
@@ -201,7 +201,7 @@ class Division(TracedTest):
             self.assertEqual(read_bytes(self.path("draws.h5")), whole)
 
     def test_sequential(self):
-        config = campaign(draws=100, metrics="verdict", layers=False, eval={**EVAL, "limits": dict.fromkeys(EVAL["limits"], 1000)},
+        config = draws_config(draws=100, metrics="verdict", layers=False, eval={**EVAL, "limits": dict.fromkeys(EVAL["limits"], 1000)},
                           stop={"type": "sprt", "p0": 0.9, "p1": 0.5})
         config["eval"]["limits"].update(invalid_frac=1, absolute_horizontal_frac=0)
         rows = self.draws(config)
@@ -223,24 +223,24 @@ class Refusals(TracedTest):
                            "eval.region_radius_m": "bins", "hazard.region_radius_m": "bins", "terrain.grid.resolution_m": "grid of the ground",
                            "landing.drift_time_s": "the same in all draws", "scan.noise.nothing": "unknown key of scan",
                            "hazard.limits.slope_deg": "no section hazard", "other.key": "first part"}.items():
-            self.refused(campaign(vary={key: uniform}), words=[key, words])
-        self.refused(campaign(vary={"scan.noise.dropout_frac": {"type": "list", "values": [0, 0.1, 1.5]}}), words=["draw 2", "/noise/dropout_frac"])
+            self.refused(draws_config(vary={key: uniform}), words=[key, words])
+        self.refused(draws_config(vary={"scan.noise.dropout_frac": {"type": "list", "values": [0, 0.1, 1.5]}}), words=["draw 2", "/noise/dropout_frac"])
 
     def test_a_divert_that_cannot_be_flown(self):
         reach = {"height_m": 20, "descent_mps": 4, "tilt_deg": 2, "thrust_accel_mps2": 3, "gravity_mps2": 1.3}
-        config = campaign(hazard=with_values(HAZARD, sites__reach=reach),
+        config = draws_config(hazard=with_values(HAZARD, sites__reach=reach),
                           vary={"hazard.sites.reach.thrust_accel_mps2": {"type": "list", "values": [3, 2, 1.6]}})
         self.refused(config, words=["mc.json: draw 2: /hazard: /sites/reach/thrust_accel_mps2: 1.6"])
 
-    def test_grounds(self):
-        self.refused(campaign(), "--terrain", self.chain.terrain, words=["--terrain", "section terrain", "one of them"])
-        self.refused(campaign(terrain=None), words=["--terrain", "section terrain"])
-        self.refused(campaign(terrain=None, terrain_seed="each"), "--terrain", self.chain.terrain, words=["/terrain_seed"])
-        self.refused(campaign(sigma=True, vary=GROUND), words=["/sigma", "ground varies"])
-        self.refused(campaign(terrain="europa"), words=["/terrain", "preset:NAME"])
-        self.refused(campaign(terrain="preset:nowhere"), words=["/terrain", "no such preset"])
-        self.refused(campaign(), "--engine", "opencl", words=["--engine opencl", "without a scan"])
-        self.refused(campaign(uncertainty=True, regrid={**REGRID, "method": "median"}), words=["/uncertainty", "bilinear_nearest"])
+    def test_terrains(self):
+        self.refused(draws_config(), "--terrain", self.chain.terrain, words=["--terrain", "section terrain", "one of them"])
+        self.refused(draws_config(terrain=None), words=["--terrain", "section terrain"])
+        self.refused(draws_config(terrain=None, terrain_seed="each"), "--terrain", self.chain.terrain, words=["/terrain_seed"])
+        self.refused(draws_config(sigma=True, vary=TERRAIN_KEYS), words=["/sigma", "ground varies"])
+        self.refused(draws_config(terrain="europa"), words=["/terrain", "preset:NAME"])
+        self.refused(draws_config(terrain="preset:nowhere"), words=["/terrain", "no such preset"])
+        self.refused(draws_config(), "--engine", "opencl", words=["--engine opencl", "without a scan"])
+        self.refused(draws_config(uncertainty=True, regrid={**REGRID, "method": "median"}), words=["/uncertainty", "bilinear_nearest"])
 
     def test_over_a_scan(self):
         """Sections for draws that trace, and a key that moves the beams: the message says what to do."""
@@ -252,7 +252,7 @@ class Refusals(TracedTest):
 
     def test_aim_from_an_estimate(self):
         pattern = dict(PATTERN, aim="estimate")
-        self.refused(campaign(scan=with_values(SCAN, scanner__pattern=dict(pattern, compensated=False))), words=["/scanner/pattern/aim", "compensated"])
+        self.refused(draws_config(scan=with_values(SCAN, scanner__pattern=dict(pattern, compensated=False))), words=["/scanner/pattern/aim", "compensated"])
         scan = self.path("aimed.h5")
         self.succeed("scan-sim", "-c", self.config(with_values(SCAN, scanner__pattern=pattern, noise={})), "--terrain", self.chain.terrain, "-o", scan)
         over = [scan, "--terrain", self.chain.terrain, "-o", self.path("draws.h5"), "-c"]
@@ -264,7 +264,7 @@ class Refusals(TracedTest):
     def test_a_path_below_the_ground(self):
         """The third draw begins under it; which of its pulses is named depends on the threads."""
         heights = {"scan.trajectory_dispersion.position_m.2": {"type": "list", "values": [0, 5, -80]}}
-        self.refused(campaign(vary=heights), code=1, words=["draw 2", "pulse ", "below the terrain"])
+        self.refused(draws_config(vary=heights), code=1, words=["draw 2", "pulse ", "below the terrain"])
 
 
 if __name__ == "__main__":

@@ -102,12 +102,12 @@ def run_quietly(*arguments):
         raise AssertionError(f"{arguments}: {result.stderr}")
 
 
-def make_campaigns():
+def make_draws():
     write("mc.json", json.dumps({"draws": 3, "metrics": "verdict", "regrid": REGRID, "eval": EVAL}))
-    campaign = ["monte-carlo", "full_scan.h5", "--terrain", "terrain.h5", "-c", "mc.json"]
+    draws_config = ["monte-carlo", "full_scan.h5", "--terrain", "terrain.h5", "-c", "mc.json"]
     for name, draws in (("a", "0:1"), ("b", "1:3"), ("b_again", "0:2"), ("c", "2:3")):
-        run_quietly(*campaign, "--draws", draws, "-o", f"part_{name}.h5")
-    run_quietly(*campaign, "--set", "scan.seed=8", "--draws", "1:3", "-o", "part_other.h5")
+        run_quietly(*draws_config, "--draws", draws, "-o", f"part_{name}.h5")
+    run_quietly(*draws_config, "--set", "scan.seed=8", "--draws", "1:3", "-o", "part_other.h5")
 
     def too_many(file):
         file["state/invalid"][7] = 2
@@ -139,7 +139,7 @@ def make_chain():
     run_quietly("dem-eval", "dem.h5", "-c", "eval.json", "-o", "eval.h5")
     run_quietly("dem-eval", "dem.h5", "-c", "eval.json", "--metrics-only", "-o", "metrics_only.h5")
     run_quietly("hazard-map", "dem.h5", "-o", "hazards.h5")
-    make_campaigns()
+    make_draws()
     write("tetra.obj", TETRAHEDRON)
     run_quietly("terrain-gen", "--from", "tetra.obj", "-o", "mesh.h5")
 

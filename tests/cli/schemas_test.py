@@ -41,8 +41,8 @@ class Writer:
         if kind in ("number", "integer"):
             return self.number(node, kind == "integer")
         if kind == "array":
-            least = node.get("minItems", 0)
-            return [self.value(node.get("items", {})) for _ in range(self.chance.randint(least, min(node.get("maxItems", 9), least + 2)))]
+            minimum = node.get("minItems", 0)
+            return [self.value(node.get("items", {})) for _ in range(self.chance.randint(minimum, min(node.get("maxItems", 9), minimum + 2)))]
         if kind == "object":
             return {key: self.value(inner) for key, inner in node.get("properties", {}).items()
                     if key in node.get("required", []) or key == "type" or self.chance.random() < 0.3}

@@ -25,7 +25,7 @@ SCAN = ["--set", "laser.scan_time_s=0.02", "--set", "noise.range_sigma_m=0.01",
         "--set", 'scanner.pattern={"type":"line_search","rows":20,"columns":20,"half_width_m":4}']
 RECEIVER = ["--set", "receiver.type=peak", "--set", 'link={"reference_pe":1000,"reference_range_m":500}']
 MAP = ["--set", "half_width_m=5", "--set", "resolution_m=0.1"]
-CAMPAIGN = ["--set", "draws=2", "--set", 'regrid={"half_width_m":5,"resolution_m":0.1}', "--set", "eval.region_radius_m=3",
+DRAWS_CONFIG = ["--set", "draws=2", "--set", 'regrid={"half_width_m":5,"resolution_m":0.1}', "--set", "eval.region_radius_m=3",
             "--set", 'hazard={"region_radius_m":3}', "--set", 'vary={"scan.noise.range_sigma_m":{"type":"uniform","low":0,"high":0.02}}']
 RASTER = os.path.abspath(os.path.join(os.environ["LANDFALL_ROOT"], "testdata", "rasters", "polar_stereographic.tif"))
 OWN = ["--set", 'requirements=[{"name":"NAME","metric":"statistics.z.le90_m","max":1}]']
@@ -47,9 +47,9 @@ RUNS = {
     "hazards.h5": ("hazards.md", ["hazard-map", "dem.h5", "--sites", "sites.json", "--score", "score.json", "--set", "region_radius_m=3"]),
     "moon.h5": ("terrain.md", ["terrain-gen", "--from", RASTER, "--half-width", "10", "--resolution", "0.5"]),
     "placed.h5": ("hazards.md", ["hazard-map", "moon.h5", "--set", "limits.slope_deg=80", "--set", "limits.roughness_m=50", "--set", "lander.leg_radius_m=1.5"]),
-    "draws.h5": ("draws.md", ["monte-carlo", "scan.h5", "--terrain", "terrain.h5", *CAMPAIGN, "--set", "sigma=true"]),
-    "landed.h5": ("draws.md", ["monte-carlo", "scan.h5", "--terrain", "terrain.h5", *CAMPAIGN, "--set", "landing={}"]),
-    "pairs.h5": ("draws.md", ["monte-carlo", "--pair", "scan.h5:terrain.h5", "--pair", "scan.h5:terrain.h5", *CAMPAIGN]),
+    "draws.h5": ("draws.md", ["monte-carlo", "scan.h5", "--terrain", "terrain.h5", *DRAWS_CONFIG, "--set", "sigma=true"]),
+    "landed.h5": ("draws.md", ["monte-carlo", "scan.h5", "--terrain", "terrain.h5", *DRAWS_CONFIG, "--set", "landing={}"]),
+    "pairs.h5": ("draws.md", ["monte-carlo", "--pair", "scan.h5:terrain.h5", "--pair", "scan.h5:terrain.h5", *DRAWS_CONFIG]),
     "unjudged.h5": ("evaluation.md", ["dem-eval", "blind.h5", "--metrics", "unjudged.json", "--set", "region_radius_m=3"]),
 }
 BEFORE = {"unjudged.h5": ["regrid", "scan.h5", "-o", "blind.h5", *MAP]}

@@ -71,7 +71,7 @@ def ends(rule, p):
     """The exact distribution of the test's end: probability accepted, rejected, mean draws, draws within which 95 % of tests end."""
     p0, p1, alpha, beta = rule
     accept, reject = math.log(beta / (1 - alpha)), math.log((1 - beta) / alpha)
-    live, n, accepted, rejected, draws, most = {0: 1.0}, 0, 0, 0, 0, None
+    live, n, accepted, rejected, draws, maximum = {0: 1.0}, 0, 0, 0, 0, None
     while sum(live.values()) > 1e-13:
         n, following = n + 1, {}
         for fails, mass in live.items():
@@ -85,8 +85,8 @@ def ends(rule, p):
                 continue
             draws += n * mass
             accepted, rejected = (accepted + mass, rejected) if ratio <= accept else (accepted, rejected + mass)
-        most = n if most is None and accepted + rejected >= 0.95 else most
-    return accepted, rejected, draws, most
+        maximum = n if maximum is None and accepted + rejected >= 0.95 else maximum
+    return accepted, rejected, draws, maximum
 
 
 def share(probability):
@@ -106,8 +106,8 @@ def wald_mean(rule):
 def sprt_table():
     rows = []
     for p in sorted(PROBABILITIES + (0.98, 0.985)):
-        accepted, rejected, draws, most = ends((0.99, 0.97, 0.05, 0.05), p)
-        rows.append([p, share(accepted), share(rejected), f"{draws:.0f}", f"{most:,}"])
+        accepted, rejected, draws, maximum = ends((0.99, 0.97, 0.05, 0.05), p)
+        rows.append([p, share(accepted), share(rejected), f"{draws:.0f}", f"{maximum:,}"])
     return table(["p", "accepted", "rejected", "draws, mean", "draws, 95 % of campaigns"], rows)
 
 
@@ -122,11 +122,11 @@ def rules_table():
     return table(["p0", "p1", "alpha", "beta", "true alpha", "true beta", "straight passes", "draws, mean, at p0", "at p1"], rows)
 
 
-def wrong_by_looking(p, most):
+def wrong_by_looking(p, maximum):
     """The probability that a campaign of draws that pass with probability p, which stops as soon as its exact 95 % bound reaches p,
     does so within `most` draws."""
     live, stopped = {0: 1.0}, 0
-    for n in range(1, most + 1):
+    for n in range(1, maximum + 1):
         following = {}
         for fails, mass in live.items():
             following[fails] = following.get(fails, 0) + mass * p

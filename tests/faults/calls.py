@@ -44,17 +44,17 @@ class FailingCalls:
             return tuple(map(int, file.read().split()))
 
 
-def spread(count, most):
+def spread(count, maximum):
     """About `most` of the numbers 1 .. count or all of them, including the first and the last ones."""
-    if count <= most:
+    if count <= maximum:
         return list(range(1, count + 1))
-    edge = most // 5
-    middle = most - 2 * edge
+    edge = maximum // 5
+    middle = maximum - 2 * edge
     inner = [edge + round((i + 0.5) * (count - 2 * edge) / middle) for i in range(middle)]
     return sorted({*range(1, edge + 1), *inner, *range(count - edge + 1, count + 1)})
 
 
-def try_calls(workshop, library, kind, action, *, what, ended_by=0, sticky=False, old=False, tasks=None, most=MAX_PER_TASK):
+def try_calls(workshop, library, kind, action, *, what, ended_by=0, sticky=False, old=False, tasks=None, maximum=MAX_PER_TASK):
     """A Judge of one run for each call, or a selection of calls, of each task."""
     judge, calls = Judge(workshop, what), FailingCalls(workshop, library, kind)
     for one in tasks or TASKS:
@@ -65,17 +65,17 @@ def try_calls(workshop, library, kind, action, *, what, ended_by=0, sticky=False
         # Only half of the bytes is required, because an HDF5 file has space that is never written.
         if kind == "write" and size < sum(map(len, workshop.whole[one].values())) / 2:
             judge.broken.append(f"{what}: {one.label}: only {size} bytes went through the calls that were watched")
-        for at in spread(number, most):
+        for at in spread(number, maximum):
             run, _ = calls.run(one, at, action, old=old, sticky=sticky)
             judge.take(one, run, old=old, ended_by=ended_by, parts_may_stay=ended_by in (signal.SIGKILL, signal.SIGQUIT),
                        how=f"call {at} of {number}")
     return judge
 
 
-def try_all_calls(workshop, library, most=MAX_PER_TASK):
+def try_all_calls(workshop, library, maximum=MAX_PER_TASK):
     """The judges for the table of the page."""
     def trial(kind, action, what, **options):
-        return try_calls(workshop, library, kind, action, what=what, most=most, **options)
+        return try_calls(workshop, library, kind, action, what=what, maximum=maximum, **options)
     yield trial("write", errno.ENOSPC, "no space, from one call on", sticky=True, old=True)
     yield trial("write", errno.EIO, "one call fails with EIO", old=False)
     yield trial("write", "short", "one write takes half of the bytes")

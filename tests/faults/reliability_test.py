@@ -97,8 +97,8 @@ class Calls(Reliability):
         if "runtime does not come first" in run.stderr:
             raise unittest.SkipTest("sanitizers must be preloaded themselves")
 
-    def try_calls(self, kind, action, what, most=3, tasks=None, **options):
-        self.check([calls.try_calls(self.workshop, self.library, kind, action, what=what, tasks=tasks or FEW, most=most, **options)])
+    def try_calls(self, kind, action, what, maximum=3, tasks=None, **options):
+        self.check([calls.try_calls(self.workshop, self.library, kind, action, what=what, tasks=tasks or FEW, maximum=maximum, **options)])
 
     def test_a_full_disk_from_one_call_on(self):
         self.try_calls("write", errno.ENOSPC, "ENOSPC", sticky=True, old=True)
@@ -109,11 +109,11 @@ class Calls(Reliability):
 
     def test_a_signal_during_each_of_the_last_calls(self):
         """They include the calls that rename the output."""
-        self.try_calls("write", -signal.SIGTERM, "SIGTERM", most=20, ended_by=signal.SIGTERM)
+        self.try_calls("write", -signal.SIGTERM, "SIGTERM", maximum=20, ended_by=signal.SIGTERM)
 
     def test_no_output_is_renamed_before_all_are_on_the_disk(self):
         """The last calls include those that flush the outputs to the disk."""
-        self.try_calls("write", errno.EIO, "EIO", most=30, tasks=SEVERAL_OUTPUTS)
+        self.try_calls("write", errno.EIO, "EIO", maximum=30, tasks=SEVERAL_OUTPUTS)
 
     @unittest.skipIf(os.environ.get("LANDFALL_SANITIZE"), "sanitizers need a larger stack")
     def test_a_small_stack_is_enough(self):

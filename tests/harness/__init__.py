@@ -242,6 +242,6 @@ def as_of_0_2_0(file):
     del file["draws/draw"]
 
 
-class CampaignTest(ChainTest):
+class MonteCarloTest(ChainTest):
     """Tests of draws over the Chain's scan, which has a row for every pixel that hit."""
     CHANGES = {"noise__dropout_frac": 0, "noise__dead_pixel_frac": 0}

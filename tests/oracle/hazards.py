@@ -7,7 +7,7 @@ import numpy as np
 from oracle.draws import uniform
 from oracle.evaluate import components
 
-LEAST_MEDIAN = 31  # the stream of random numbers
+LMEDS = 31  # the stream of random numbers
 HAZARD, SAFE, UNKNOWN = 0, 1, 2
 
 
@@ -18,14 +18,14 @@ def ring(shape, bin_, distance):
             if max(abs(r - row), abs(c - column)) == distance and 0 <= r < shape[0] and 0 <= c < shape[1]]
 
 
-def small_holes(z, most):
+def small_holes(z, maximum):
     """{bin: the bins of its ring that have a value} for the holes that are filled."""
     ids = components(np.isnan(z))
     result = {}
     for number in range(1, ids.max() + 1):
         rows, columns = np.nonzero(ids == number)
         inside = rows.min() > 0 and columns.min() > 0 and rows.max() < z.shape[0] - 1 and columns.max() < z.shape[1] - 1
-        if len(rows) > most or not inside:
+        if len(rows) > maximum or not inside:
             continue
         for bin_ in zip(rows, columns):
             result[bin_] = next(values for distance in itertools.count(1)
@@ -96,18 +96,18 @@ def median_plane(body):
     stride = max(1, half // 4)
     samples = sorted(((i, j) for i, j in body if i % stride == 0 and j % stride == 0), key=lambda bin_: bin_[::-1])
     heights = np.stack([body[bin_] for bin_ in samples])
-    draws = ([int(np.floor(uniform(1, LEAST_MEDIAN, draw, k) * len(samples))) for k in range(3)] for draw in itertools.count())
+    draws = ([int(np.floor(uniform(1, LMEDS, draw, k) * len(samples))) for k in range(3)] for draw in itertools.count())
     matrices = ((chosen, np.array([[*samples[k], 1] for k in chosen])) for chosen in draws)
     triples = itertools.islice(((chosen, matrix) for chosen, matrix in matrices if round(np.linalg.det(matrix)) != 0), 35)
     planes = np.stack([np.einsum("ij,jrc->irc", np.linalg.inv(matrix), heights[chosen]) for chosen, matrix in triples])
     medians = np.stack([np.median(np.abs(heights - sum(np.multiply.outer(axis, p) for axis, p in zip([*zip(*samples), [1] * len(samples)], plane))),
                                   axis=0) for plane in planes])
-    least, chosen = np.full(body[0, 0].shape, np.inf), np.full((3, *body[0, 0].shape), np.nan)
+    minimum, chosen = np.full(body[0, 0].shape, np.inf), np.full((3, *body[0, 0].shape), np.nan)
     for plane, median in zip(planes, medians):
-        gain = least - median
+        gain = minimum - median
         assert not (abs(gain - 1e-9) < 1e-12).any(), "a median that rounding decides"
         chosen = np.where(gain > 1e-9, plane, chosen)
-        least = np.where(gain > 1e-9, median, least)
+        minimum = np.where(gain > 1e-9, median, minimum)
     return chosen
 
 
@@ -187,13 +187,13 @@ def within_reach(x, y, config):
         return crossings % 2 == 1
     time = 2 * reach["height_m"] / reach["descent_mps"]
     upward = reach["gravity_mps2"] + reach["descent_mps"] / time
-    most = min(upward * np.tan(np.radians(reach["tilt_deg"])), np.sqrt(reach["thrust_accel_mps2"] ** 2 - upward ** 2))
+    maximum = min(upward * np.tan(np.radians(reach["tilt_deg"])), np.sqrt(reach["thrust_accel_mps2"] ** 2 - upward ** 2))
     phases = []
     for place, start, speed in zip((x, y), reach.get("position_m", (0, 0)), reach.get("velocity_mps", (0, 0))):
         # speed + (first + second) T/2 = 0 and start + speed T + first 3 T^2/8 + second T^2/8 = place
         phases.append(np.linalg.solve([[time / 2, time / 2], [3 * time ** 2 / 8, time ** 2 / 8]],
                                       np.array([np.full(place.size, -speed), (place - start - speed * time).ravel()])))
-    return (np.hypot(*phases) <= most).all(axis=0).reshape(x.shape)
+    return (np.hypot(*phases) <= maximum).all(axis=0).reshape(x.shape)
 
 
 def sites(cost, safe, x, y, config):

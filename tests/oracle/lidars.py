@@ -34,7 +34,7 @@ class Lidars(Mechanisms):
         """In half of the scans the true path departs from the configured one; half of the compensated patterns aim from the estimate. From
         numbers of its own, so that these keys change no other one."""
         rng = np.random.default_rng([config["seed"], 1])
-        around = lambda most: [float(value) for value in rng.uniform(-most, most, 3)]
+        around = lambda maximum: [float(value) for value in rng.uniform(-maximum, maximum, 3)]
         if rng.random() < 0.5:
             config["trajectory_dispersion"] = {"position_m": around(0.2), "velocity_mps": around(1), "rpy_rad": around(5e-3), "rpy_rate_radps": around(0.02)}
         pattern = config["scanner"].get("pattern", {})

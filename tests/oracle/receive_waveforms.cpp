@@ -53,11 +53,11 @@ class Bench {
     waveforms.clear(waveform.counts.size());
     receiver_.add_pixel(waveform.ranges_m, waveform.counts, waveforms);
     receiver_.time(waveforms);
-    Reception reception;
-    receiver_.receive(0, waveforms, std::span(&reception, 1));
+    Detection detection;
+    receiver_.receive(0, waveforms, std::span(&detection, 1));
     double height = 0;
     for (const Echo& echo : waveforms.echoes) height = std::max(height, echo.signal_pe * echo.peak);
-    return {height, ns_of(reception.range_m)};
+    return {height, ns_of(detection.range_m)};
   }
 
  private:

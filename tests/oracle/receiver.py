@@ -80,11 +80,11 @@ class Receiver:
         self.background = config["link"]["background_pe"]
         self.fwhm = range_of(self.c["pulse_fwhm_s"])
         self.sigma = self.fwhm / FWHM_PER_SIGMA
-        self.most = self.c["max_returns"] if self.c["returns"] == "all" else 1
+        self.maximum = self.c["max_returns"] if self.c["returns"] == "all" else 1
 
     def reports(self, ranges, signals):
         """From the ranges and signals of all sub-rays (pulses, pixels, sub-rays); NaN, or no signal, for those without."""
-        shape = (*ranges.shape[:2], self.most)
+        shape = (*ranges.shape[:2], self.maximum)
         self.range, self.intensity = np.full(shape, np.nan), np.full(shape, np.nan)
         self.is_background, self.doubtful = np.zeros(shape, bool), np.zeros(shape[:2], bool)
         pixels, echoes = [], []
@@ -124,7 +124,7 @@ class Receiver:
         for row, r, n in zip(chosen, *self.received(echoes, at, edge, owner, number, np.array(chosen, int))):
             where = tuple(owner[row])
             free = int(np.isfinite(self.range[where]).sum())
-            if np.isfinite(r) and free < self.most:
+            if np.isfinite(r) and free < self.maximum:
                 self.range[where][free], self.intensity[where][free] = r, n
 
     def edges(self, echoes):
@@ -207,7 +207,7 @@ class Receiver:
             if from_background or background < armed:
                 background = next_background(armed)
             self.doubtful[where] |= any(abs(r - armed) < 1e-9 for r in photons)
-        events = events[-1:] if self.c["returns"] == "last" else events[:self.most]
+        events = events[-1:] if self.c["returns"] == "last" else events[:self.maximum]
         for n, (at, from_background) in enumerate(events):
             self.range[where][n], self.intensity[where][n], self.is_background[where][n] = at, 1, from_background
 
@@ -221,9 +221,9 @@ class Receiver:
 def clocked(config, ranges):
     """Ranges (pulses, pixels, returns) as the clock measures them, and where rounding decides."""
     c, seed = config["receiver"], draws.seed_of(config)
-    n, m, most = ranges.shape
+    n, m, maximum = ranges.shape
     pixel = np.arange(m)[:, None]
-    draw = pixel + np.arange(most) * NUMBER
+    draw = pixel + np.arange(maximum) * NUMBER
     jitter = draws.normal(seed, draws.TIMING_JITTER, np.arange(n)[:, None, None], draw)
     offset = draws.normal(seed, draws.PIXEL_OFFSET, pixel)
     r = (1 + 1e-6 * c["clock_scale_ppm"]) * (

@@ -141,9 +141,9 @@ class Uncertainty:
             mean = lambda a: (weights * a).sum(-1) / total
             spread = lambda a, b: mean(a * b) - mean(a) * mean(b)
             xx, xy, yy, xz, yz = spread(x, x), spread(x, y), spread(y, y), spread(x, z), spread(y, z)
-            least = (xx + yy) / 2 - np.hypot((xx - yy) / 2, xy)
-            self.near_limit[~done & (abs(least / (0.1 * self.bins.s**2) - 1) < 1e-6)] = 1
-            fits = ~done & ((weights > 0).sum(-1) >= enough) & (least >= 0.1 * self.bins.s**2)
+            minimum = (xx + yy) / 2 - np.hypot((xx - yy) / 2, xy)
+            self.near_limit[~done & (abs(minimum / (0.1 * self.bins.s**2) - 1) < 1e-6)] = 1
+            fits = ~done & ((weights > 0).sum(-1) >= enough) & (minimum >= 0.1 * self.bins.s**2)
             determinant = np.where(fits, xx * yy - xy * xy, 1)
             fitted = np.stack([(xz * yy - yz * xy) / determinant, (yz * xx - xz * xy) / determinant], -1)
             result = np.where(fits[..., None], fitted, result)

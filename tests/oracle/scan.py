@@ -148,9 +148,9 @@ def columns(config, surface, albedo=None):
 
 def returns_of(scan, ranges, status, measured, seen):
     """Status, range, intensity and number of the returns of pixels (pulses, pixels, returns), and which of them exist."""
-    n, m, most = measured.shape
+    n, m, maximum = measured.shape
     false = false_ranges(scan.config["noise"], scan.seed, n, m, ranges, status)
-    status = np.repeat(status[..., None], most, 2)
+    status = np.repeat(status[..., None], maximum, 2)
     from_background = seen.is_background if seen else np.zeros(measured.shape, bool)
     has_range = (status == RETURN) | (from_background & (status == MISS))
     has_range &= np.isfinite(measured)
@@ -163,8 +163,8 @@ def returns_of(scan, ranges, status, measured, seen):
     return {"status": np.where(is_false, FALSE_RETURN, status),
             "range_measured": np.where(is_false, false[..., None], measured),
             "intensity": np.where(is_false, np.nan, intensity),
-            "return_number": np.where(has_range, np.arange(most) + 1, 0),
-            "exists": has_range | (np.arange(most) == 0)}
+            "return_number": np.where(has_range, np.arange(maximum) + 1, 0),
+            "exists": has_range | (np.arange(maximum) == 0)}
 
 
 def sub_rays(scan, surface, lidar):
@@ -224,11 +224,11 @@ def near_total_reflection(scan, pixels):
 
 def measured_ranges(noise, seed, ranges, slope):
     """Reported ranges (pulses, pixels, returns) with the errors of /noise."""
-    n, m, most = ranges.shape
+    n, m, maximum = ranges.shape
     sigma = np.sqrt(noise["range_sigma_m"]**2 + (noise["range_sigma_per_m"] * ranges)**2
                     + (noise["incidence_sigma_rad"] * ranges * slope[..., None])**2)
     return ranges + noise["range_bias_m"] + sigma * draws.normal(
-        seed, draws.RANGE_NOISE, np.arange(n)[:, None, None], np.arange(m)[:, None] + np.arange(most) * receiver.NUMBER)
+        seed, draws.RANGE_NOISE, np.arange(n)[:, None, None], np.arange(m)[:, None] + np.arange(maximum) * receiver.NUMBER)
 
 
 def statuses(scan, dead, lost, ranges, unseen):
@@ -245,8 +245,8 @@ def false_ranges(noise, seed, n, m, ranges, status):
     """Ranges of the reported false detections; NaN elsewhere."""
     k, pixel = np.arange(n)[:, None], np.arange(m)
     drawn = draws.uniform(seed, draws.FALSE_RETURN, k, pixel) < noise["false_return_frac"]
-    least, greatest = noise["false_range_m"]
-    false = least + draws.uniform(seed, draws.FALSE_RETURN, k, pixel + 2**32) * (greatest - least)
+    minimum, greatest = noise["false_range_m"]
+    false = minimum + draws.uniform(seed, draws.FALSE_RETURN, k, pixel + 2**32) * (greatest - minimum)
     silent = np.isin(status, (MISS, UNDETECTED, DROPOUT))
     with np.errstate(invalid="ignore"):
         first = silent | ((status == RETURN) & (false < ranges))

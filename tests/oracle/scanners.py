@@ -267,19 +267,19 @@ class Risley(Scanner):
     def traced(self, angles, pixels):
         """Directions, exit points, and the smallest radicand of Snell's law at the four faces."""
         d = np.tile(pixels, (len(angles), 1, 1))
-        p, least = np.zeros(d.shape), np.ones(d.shape[:-1])
+        p, minimum = np.zeros(d.shape), np.ones(d.shape[:-1])
         for normal, vertex, (before, behind) in self.faces(angles):
             mu, c = before / behind, dot(d, normal)
             with np.errstate(divide="ignore", invalid="ignore"):
                 p = p + d * (dot(vertex - p, normal) / c)[..., None]
             radicand = 1 - mu**2 * (1 - c**2)
-            least = np.minimum(least, radicand)
+            minimum = np.minimum(minimum, radicand)
             d = mu * d + (np.sqrt(np.maximum(radicand, 0)) - mu * c)[..., None] * normal
-        return d, p, least
+        return d, p, minimum
 
     def beams(self, angles, pixels):
-        d, p, least = self.traced(angles, pixels)
-        return d, p, least < 0
+        d, p, minimum = self.traced(angles, pixels)
+        return d, p, minimum < 0
 
     def doubtful(self, angles, pixels):
         """Rays near total reflection, whose rounding error grows as 1/sqrt(radicand)."""

@@ -16,11 +16,11 @@ def of_file(path):
         return Grid(file["x"][()], file["y"][()], file["z"][()])
 
 
-def paint(path, least, greatest, seed):
+def paint(path, minimum, greatest, seed):
     """Adds a random layer /albedo to a terrain file."""
     with h5py.File(path, "r+") as file:
         shape = file["z"].shape
-        values = np.random.default_rng(seed).uniform(least, greatest, shape).astype(np.float32)
+        values = np.random.default_rng(seed).uniform(minimum, greatest, shape).astype(np.float32)
         file["albedo"] = np.where(np.isnan(file["z"][()]), np.float32(np.nan), values)
         file["albedo"].attrs.update(dict(file["z"].attrs))
 
@@ -75,13 +75,13 @@ class Grid:
         """The section of each ray over the grid and between its lowest and highest elevation."""
         low, high = np.zeros(len(origins)), np.full(len(origins), np.inf)
         bounds = [(self.x[0], self.x[-1]), (self.y[0], self.y[-1]), (np.nanmin(self.z), np.nanmax(self.z))]
-        for axis, (least, greatest) in enumerate(bounds):
+        for axis, (minimum, greatest) in enumerate(bounds):
             margin = 1e-6 if axis == 2 else 0
             d, o = directions[:, axis], origins[:, axis]
             with np.errstate(divide="ignore", invalid="ignore"):
-                a, b = (least - margin - o) / d, (greatest + margin - o) / d
+                a, b = (minimum - margin - o) / d, (greatest + margin - o) / d
             flat = d == 0
-            out = flat & ((o < least - margin) | (o > greatest + margin))
+            out = flat & ((o < minimum - margin) | (o > greatest + margin))
             low = np.where(flat, low, np.maximum(low, np.minimum(a, b)))
             high = np.where(out, -1, np.where(flat, high, np.minimum(high, np.maximum(a, b))))
         return low, high

@@ -132,7 +132,7 @@ class Grids(Chain):
             self.assertEqual(plan["count"].encoding["preferred_chunks"], {"y": 256, "x": 256})
             self.assertIn("coverage", json.loads(plan["plan_json"].item()))
 
-    def test_a_campaign_has_a_verdict(self):
+    def test_draws_have_a_verdict(self):
         draws = landfall.run("monte-carlo", {"draws": 2, "regrid": REGRID, "eval": {"region_radius_m": 1.5}}, self.path("scan.h5"),
                              terrain=self.path("terrain.h5"), output=self.path("draws.h5"), verdict=self.path("verdict.json"))
         with draws:

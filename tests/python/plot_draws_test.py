@@ -21,7 +21,7 @@ from landfall import dictionary
 from landfall.plot import plot_draws
 import matplotlib.pyplot as plt
 
-CAMPAIGN = {"draws": 6, "metrics": "verdict", "sigma": True, "regrid": {**harness.REGRID, "uncertainty": {"navigation_sigma": {}}},
+DRAWS_CONFIG = {"draws": 6, "metrics": "verdict", "sigma": True, "regrid": {**harness.REGRID, "uncertainty": {"navigation_sigma": {}}},
             "eval": harness.with_values(harness.EVAL, limits__relative_elevation_m=0.12, limits__invalid_frac=0.04),
             "vary": {"scan.noise.range_sigma_m": {"type": "uniform", "low": 0.005, "high": 0.08}}}
 
@@ -34,7 +34,7 @@ class DrawsTest(harness.ChainTest):
         scan = os.path.join(folder, "traced.h5")
         cls.draws = os.path.join(folder, "campaign.h5")
         with open(os.path.join(folder, "mc.json"), "w", encoding="utf-8") as file:
-            json.dump(CAMPAIGN, file)
+            json.dump(DRAWS_CONFIG, file)
         for arguments in (["scan-sim", *cls.chain.inputs("scan-sim"), "--keep-misses", "-o", scan],
                           ["monte-carlo", scan, "--terrain", cls.chain.terrain, "-c", file.name, "-o", cls.draws]):
             done = harness.run(*arguments)
@@ -64,7 +64,7 @@ class DrawsTest(harness.ChainTest):
     def test_probabilities_over_the_ground(self):
         p = self.values("p_fail_rel_z")
         self.assertTrue(0 < np.nanmax(p) and np.nanmin(p) == 0 and np.isnan(p).any(), "the case must have all three")
-        image = next(image for image in self.panels(self.draws)["footprint fails: relative z"].images if image.get_gid() == "chance").get_array()
+        image = next(image for image in self.panels(self.draws)["footprint fails: relative z"].images if image.get_gid() == "shaded_probability").get_array()
         self.assertEqual(image.shape[:2], p.shape)
         np.testing.assert_allclose(image[np.isnan(p)], 200 / 255)
         # The ground has one hue in any light; failures have those of the colour map.
@@ -76,7 +76,7 @@ class DrawsTest(harness.ChainTest):
     def test_slopes_hardly_darken_probabilities(self):
         """So that a colour on the shaded side of a rock can be compared with the colour bar."""
         p = self.values("p_fail_rel_z")
-        image = next(image for image in self.panels(self.draws)["footprint fails: relative z"].images if image.get_gid() == "chance").get_array()
+        image = next(image for image in self.panels(self.draws)["footprint fails: relative z"].images if image.get_gid() == "shaded_probability").get_array()
         colors = plot_draws.scales.color_map("magnitude")(p[p > 0] / np.nanmax(p))[:, :3]
         shares = (image[p > 0] / colors)[colors > 0.02]
         self.assertGreaterEqual(shares.min(), 0.85 - 1e-6)
@@ -126,7 +126,7 @@ class DrawsTest(harness.ChainTest):
 
     def test_hazards(self):
         """Each chosen place, by its truth; one of six is made a hazard, and one draw has none."""
-        config = {**CAMPAIGN, "sigma": False, "hazard": harness.HAZARD}
+        config = {**DRAWS_CONFIG, "sigma": False, "hazard": harness.HAZARD}
         done = harness.run("monte-carlo", os.path.join(self.chain.folder, "traced.h5"), "--terrain", self.chain.terrain,
                            "-c", self.config(config, "mc.json"), "-o", self.path("hazards.h5"))
         self.assertEqual(done.returncode, 0, done.stderr)
@@ -137,7 +137,7 @@ class DrawsTest(harness.ChainTest):
             sites = np.stack((x[()], y[()]), axis=-1)
         panels = self.panels(self.path("hazards.h5"))
         for title in ("missed hazard", "judged safe"):
-            self.assertTrue(any(image.get_gid() == "chance" for image in panels[title].images), title)
+            self.assertTrue(any(image.get_gid() == "shaded_probability" for image in panels[title].images), title)
         points = {drawn.get_label(): np.asarray(drawn.get_offsets()) for drawn in panels["chosen place of each draw"].collections
                   if str(drawn.get_label()).startswith("truly")}
         self.assertEqual(set(points), {"truly safe: 4", "truly a hazard: 1"})

@@ -161,9 +161,9 @@ class LimitTest(HazardsTest):
 
     def test_blocks_show_their_worst_place(self):
         values = np.array([[0.1, -3.0], [np.nan, 0.2]])
-        self.assertEqual(reduction.shrink_most(values, 2), [[0.2]])
-        self.assertEqual(reduction.shrink_least(values, 2), [[-3.0]])
-        self.assertTrue(np.isnan(reduction.shrink_most(np.full((2, 2), np.nan), 2)).all())
+        self.assertEqual(reduction.shrink_max(values, 2), [[0.2]])
+        self.assertEqual(reduction.shrink_min(values, 2), [[-3.0]])
+        self.assertTrue(np.isnan(reduction.shrink_max(np.full((2, 2), np.nan), 2)).all())
 
 
 class SitesTest(HazardsTest):

@@ -18,7 +18,7 @@ from landfall.plot import plot_draws, plot_landing
 import matplotlib.pyplot as plt
 
 TERRAIN = {**harness.TERRAIN, "base": {"type": "plane", "elevation_m": 0}}
-CAMPAIGN = {"draws": 12, "metrics": "verdict", "scan": {**harness.SCAN, "navigation_error": {}}, "regrid": harness.REGRID, "eval": harness.EVAL, "terrain": TERRAIN,
+DRAWS_CONFIG = {"draws": 12, "metrics": "verdict", "scan": {**harness.SCAN, "navigation_error": {}}, "regrid": harness.REGRID, "eval": harness.EVAL, "terrain": TERRAIN,
             "hazard": {**harness.HAZARD, "touchdown_sigma_m": 0.8}, "landing": {"drift_time_s": 2000},
             "vary": {"terrain.features.0.x_m": {"type": "uniform", "low": -3, "high": 3}, "scan.navigation_error.velocity_mps.1": {"type": "list", "values": [0] * 6 + [0.01] * 3 + [0.0005] * 3}}}
 
@@ -30,7 +30,7 @@ class LandingTest(harness.ToolTest):
         cls.addClassCleanup(plt.close, "all")
 
     def draws(self, name="draws.h5", **changes):
-        self.succeed("monte-carlo", "-c", self.config({**CAMPAIGN, **changes}), "-O", "-o", self.path(name))
+        self.succeed("monte-carlo", "-c", self.config({**DRAWS_CONFIG, **changes}), "-O", "-o", self.path(name))
         return self.path(name)
 
     @staticmethod
@@ -61,7 +61,7 @@ class LandingTest(harness.ToolTest):
         divert = {"height_m": 20, "descent_mps": 4, "velocity_mps": [0.3, -0.1], "position_m": [-1.5, 0.5], "tilt_deg": 2, "thrust_accel_mps2": 3,
                   "gravity_mps2": 1.3}
         for reach in (polygon, divert):
-            hazard = {**CAMPAIGN["hazard"], "sites": {**CAMPAIGN["hazard"]["sites"], "reach": reach}}
+            hazard = {**DRAWS_CONFIG["hazard"], "sites": {**DRAWS_CONFIG["hazard"]["sites"], "reach": reach}}
             draws = plot_landing.Draws(self.draws(draws=2, hazard=hazard, vary={}))
             ax = plot_landing.draw(draws).axes[0]
             line = np.column_stack(next(line for line in ax.lines if line.get_gid() == "reach").get_data())
@@ -94,7 +94,7 @@ class LandingTest(harness.ToolTest):
 
     def test_report(self):
         """The page has both rates, and its data the touchdowns and the commands of the chain."""
-        self.succeed("monte-carlo", "-c", self.config(CAMPAIGN), "-o", self.path("draws.h5"), "--report", self.path("report.html"), "--verdict", self.path("v.json"))
+        self.succeed("monte-carlo", "-c", self.config(DRAWS_CONFIG), "-o", self.path("draws.h5"), "--report", self.path("report.html"), "--verdict", self.path("v.json"))
         page = harness.read_bytes(self.path("report.html")).decode()
         verdict = json.loads(harness.read_bytes(self.path("v.json")))["landing"]
         for requirement, rate in (("landing_safe", verdict["safe"]), ("blind_safe", verdict["blind"])):

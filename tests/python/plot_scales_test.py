@@ -12,7 +12,7 @@ sys.path.insert(0, PYTHON)
 sys.dont_write_bytecode = True
 
 from landfall import files
-from landfall.plot import maps, plots, reduction, relief, scales
+from landfall.plot import captions, maps, reduction, relief, scales
 
 
 class ReductionTest(unittest.TestCase):
@@ -152,8 +152,8 @@ class ScaleTest(unittest.TestCase):
             self.assertLess(scale.low, scale.high)
 
     def test_two_lengths_in_one_unit(self):
-        self.assertEqual(plots.metre_range(-0.145, 0.0134), "-14.5 to 1.34 cm")
-        self.assertEqual(plots.metre_range(4e-14, 2.5), "0 to 2.5 m")
+        self.assertEqual(captions.metre_range(-0.145, 0.0134), "-14.5 to 1.34 cm")
+        self.assertEqual(captions.metre_range(4e-14, 2.5), "0 to 2.5 m")
 
     def test_scale_bar_lengths(self):
         for span, length in ((20.0, 20.0), (19.9, 10.0), (0.7, 0.5), (4.9, 2.0)):
@@ -162,7 +162,7 @@ class ScaleTest(unittest.TestCase):
     def test_lengths_are_written_with_a_fitting_unit(self):
         for value, text in ((1.381, "1.38 m"), (0.0831, "8.31 cm"), (-0.0026, "-2.6 mm"), (0.0, "0 mm"),
                             (1e-13, "< 1 µm"), (None, "–")):
-            self.assertEqual(plots.metres(value), text)
+            self.assertEqual(captions.metres(value), text)
 
 
 class ReliefTest(unittest.TestCase):

@@ -17,7 +17,7 @@ sys.dont_write_bytecode = True
 
 from harness.commands import run_command
 from landfall import dictionary, files
-from landfall.plot import maps, plot_compare, plot_dem, plot_eval, plot_plan, plots, scales
+from landfall.plot import maps, plot_command, plot_compare, plot_dem, plot_eval, plot_plan, scales
 import matplotlib.pyplot as plt
 
 BINS = 41
@@ -458,12 +458,12 @@ class FigureTest(ScriptTest):
         self.assertFalse(maps.outline_flags(ax, grid, flags, "white"))
 
     def test_a_map_has_no_more_blocks_than_pixels(self):
-        self.addCleanup(plots.use_dpi, 100)
+        self.addCleanup(plot_command.use_dpi, 100)
         values = np.zeros((2001, 2001))
         values[1000, 1777] = 0.07
         grid = files.MapGrid(np.arange(2001) * 0.05, np.arange(2001) * 0.05, 0.05)
         for dpi, size in ((50, 10), (150, 4), (600, 1)):
-            plots.use_dpi(dpi)
+            plot_command.use_dpi(dpi)
             figure, axes = maps.new_figure((2, 2), (14, 13), "")
             ax = axes[0, 0]
             self.assertEqual(maps.block_size(ax, values.shape), size)

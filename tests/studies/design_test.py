@@ -44,8 +44,8 @@ class DesignTest(StudyTest):
     def problem(self, **keys):
         return design_problem.Problem(self.write(design_file(**keys)))
 
-    def look(self, problem, **values):
-        return design_problem.Look(problem, runs.Runner(self.path("out")))({**GOOD, **values})
+    def check_candidate(self, problem, **values):
+        return design_problem.CandidateCheck(problem, runs.Runner(self.path("out")))({**GOOD, **values})
 
     def run_it(self, *arguments, out="out", code=0):
         result = subprocess.run([PYTHON, os.path.join(ROOT, "python", "commands", "design.py"), self.path("tiny.json"), "--out", self.path(out),
@@ -58,22 +58,22 @@ class Filters(DesignTest):
     def test_geometry(self):
         """Frames of 4 x 5.5 cm with a pitch of 89 cm: no tool is run."""
         problem = self.problem()
-        look = design_problem.Look(problem, runs.Runner(self.path("out")))
-        with mock.patch.object(look.runner, "run", side_effect=AssertionError):
-            found = look({**GOOD, "lines": 10, "pixels": 4})
+        candidate = design_problem.CandidateCheck(problem, runs.Runner(self.path("out")))
+        with mock.patch.object(candidate.runner, "run", side_effect=AssertionError):
+            found = candidate({**GOOD, "lines": 10, "pixels": 4})
         self.assertEqual((found["stage"], found["passes"]), ("geometry", False))
         # 8 m / 9 less 0.0011 x 4 at 50 m - 5 m/s x 200 pulses / 2 kHz, in bins of 10 cm; the limit is 4 bins.
         self.assertAlmostEqual(math.exp(found["violation"] - 1) * 4, (8 / 9 - 0.0044 * 49.5) / 0.1, delta=1e-9)
 
     def test_plan(self):
-        found = self.look(self.problem(), lines=15, columns=15, pixels=6)
+        found = self.check_candidate(self.problem(), lines=15, columns=15, pixels=6)
         self.assertEqual(found["stage"], "plan")
         self.assertGreater(found["violation"], 0)
 
     def test_draw(self):
         """Its margins are those of monte-carlo's first draw."""
         problem = self.problem()
-        found = self.look(problem)
+        found = self.check_candidate(problem)
         self.assertEqual((found["stage"], found["passes"], found["cost"]), ("draw", True, 400 * 64))
         configs = problem.configs(GOOD)
         scan = runs.Scan(runs.Runner(self.path("other")), configs, 1)
@@ -85,7 +85,7 @@ class Filters(DesignTest):
     def test_a_candidate_that_a_tool_refuses(self):
         problem = self.problem(variables={"lines": VARIABLES["lines"], "tilt": {"low": 1, "high": 40, "keys": ["scan.scanner.max_deflection_deg"]}},
                                search={"candidates": 1})
-        found = design_problem.Look(problem, runs.Runner(self.path("out")))({"lines": 20, "tilt": 1})
+        found = design_problem.CandidateCheck(problem, runs.Runner(self.path("out")))({"lines": 20, "tilt": 1})
         self.assertEqual((found["stage"], found["passes"]), ("error", False))
         self.assertRegex(found["reason"], "max_deflection_deg")
 
@@ -114,7 +114,7 @@ class Filters(DesignTest):
             self.assertAlmostEqual(problem.margins(row)[design_problem.CHOSEN_PLACE_SAFE], margin, delta=1e-9)
             self.assertAlmostEqual(accepted.margins(row)[design_problem.ACCEPTED_PLACE_SAFE], margin, delta=1e-9)
             self.assertEqual((problem.passes(row), accepted.passes(row)), (passes, is_accepted))
-        found = self.look(problem)
+        found = self.check_candidate(problem)
         self.assertEqual((found["stage"], found["passes"], list(found["margins"])), ("draw", True, [design_problem.CHOSEN_PLACE_SAFE]))
 
     def test_one_requirement_of_its_own(self):
@@ -126,7 +126,7 @@ class Filters(DesignTest):
         for passed, value, other in ((1, 0.025, 0), (0, 0.1, 1)):
             row = {"own_requirements.NMAD.pass": passed, "own_requirements.NMAD.value": value, "own_requirements.CE90.pass": other, "pass": other}
             self.assertEqual((problem.passes(row), problem.margins(row)), (bool(passed), {"NMAD": math.log(value / 0.05)}))
-        found = self.look(problem)
+        found = self.check_candidate(problem)
         self.assertEqual((found["stage"], found["passes"], list(found["margins"])), ("draw", True, ["NMAD"]))
         self.assertEqual((problem.draws(seed=1)["metrics"], self.problem().draws(seed=1)["metrics"]), ("full", "verdict"))
         with self.assertRaisesRegex(UsageError, r'/requirement: "NMAX" is neither one of all six, .* own: NMAD; own: CE90'):
@@ -149,10 +149,10 @@ class Filters(DesignTest):
             self.assertAlmostEqual(problem.margins(row)[design_problem.SAFE_LANDING], margin, delta=1e-9)
             self.assertEqual(problem.passes(row), passes)
         self.assertEqual(problem.why_not({"landing.safe": 0, "site.p_touchdown": 0.95}, {}), "the landing is not safe")
-        found = self.look(problem)
+        found = self.check_candidate(problem)
         self.assertEqual((found["stage"], list(found["margins"])), ("draw", [design_problem.SAFE_LANDING]))
         search = design_search.Design(problem, self.path("out"))
-        [draws] = search.campaigns(GOOD)
+        [draws] = search.scans_of(GOOD)
         rows = draws.rows(problem.draws(draws=3, seed=9))
         self.assertEqual([(row["seed"], row["draw"]) for row in rows], [(9, 0), (9, 1), (9, 2)])
         self.assertEqual(len({row["score.counts.safe_safe"] for row in rows}), 3, "the ground varies")
@@ -209,14 +209,14 @@ class Statistics(unittest.TestCase):
         self.assertEqual(design_search.sprt([True] * 9, p0=0.9, p1=0.1, alpha=0.1, beta=0.1), (True, 1))
 
     def test_pareto(self):
-        def looks(*points):
+        def candidates(*points):
             return [{"stage": "draw", "cost": cost, "margins": dict(enumerate(margins))} for cost, *margins in points]
-        front = design_search.pareto([*looks((3, -1), (1, 2), (2, 0), (2, -0.5), (4, -0.7), (1.5, 3)), {"stage": "plan", "cost": 0, "margins": {}}])
-        self.assertEqual([(look["cost"], look["margins"][0]) for look in front], [(1, 2), (2, -0.5), (3, -1)])
-        front = design_search.pareto(looks((1, 0, -0.1), (2, -0.4, 0), (3, -0.2, 0), (4, -0.3, -0.3)))
-        self.assertEqual([look["cost"] for look in front], [1, 2, 4])
-        order = design_search.by_fronts(looks((3, -1), (1, -0.2), (2, -0.1), (2.5, -0.15), (4, -0.9)))
-        self.assertEqual([look["cost"] for look in order], [1, 3, 2, 2.5, 4])
+        front = design_search.pareto([*candidates((3, -1), (1, 2), (2, 0), (2, -0.5), (4, -0.7), (1.5, 3)), {"stage": "plan", "cost": 0, "margins": {}}])
+        self.assertEqual([(candidate["cost"], candidate["margins"][0]) for candidate in front], [(1, 2), (2, -0.5), (3, -1)])
+        front = design_search.pareto(candidates((1, 0, -0.1), (2, -0.4, 0), (3, -0.2, 0), (4, -0.3, -0.3)))
+        self.assertEqual([candidate["cost"] for candidate in front], [1, 2, 4])
+        order = design_search.by_fronts(candidates((3, -1), (1, -0.2), (2, -0.1), (2.5, -0.15), (4, -0.9)))
+        self.assertEqual([candidate["cost"] for candidate in order], [1, 3, 2, 2.5, 4])
 
 
 class Sequential(DesignTest):
@@ -232,7 +232,7 @@ class Sequential(DesignTest):
             verdict = self.path("verdict.json")
             configs = problem.configs(GOOD)
             scan = runs.Scan(search.runner, configs, 1)
-            scan.campaign(problem.draws(draws=design_search.MAX_DRAWS, seed=design_search.RACE_SEED,
+            scan.draws_config(problem.draws(draws=design_search.MAX_DRAWS, seed=design_search.RACE_SEED,
                                         stop={"type": "sprt", "p0": 0.6, "p1": 0.3, "alpha": 0.05, "beta": 0.05}),
                           self.path("draws.h5"), "--verdict", verdict)
             tree = json.loads(read(verdict))
@@ -254,13 +254,13 @@ class Sequential(DesignTest):
         """The draws of the search, the tests and the proofs, by what monte-carlo is given."""
         problem = self.problem(search={"candidates": 4, "seed": 3, "start": [GOOD]})
         search, seeds = design_search.Design(problem, self.path("out")), {}
-        campaign = runs.Scan.campaign
+        draws_config = runs.Scan.draws_config
 
         def spy(scan, draws, output, *arguments):
             kind = {1: "search", design_search.MAX_DRAWS: "test"}.get(draws["draws"], "proof")
             seeds.setdefault(kind, set()).add(draws["scan"]["seed"])
-            return campaign(scan, draws, output, *arguments)
-        with mock.patch.object(runs.Scan, "campaign", spy):
+            return draws_config(scan, draws, output, *arguments)
+        with mock.patch.object(runs.Scan, "make_draws", spy):
             answer = search.run()
         self.assertIsNotNone(answer["winner"])
         self.assertEqual(set(seeds), {"search", "test", "proof"})
@@ -279,10 +279,10 @@ class Run(DesignTest):
             self.assertGreaterEqual(rate["exact_lower_bound"], 0.85)
         self.assertEqual(winner["chain"]["seed"], winner["proof"][0]["first_seed"])
         self.assertGreater(winner["chain"]["numbers"], 20)
-        for look in answer["neighbours"]:
-            self.assertLessEqual(look["cost"], winner["cost"])
-            self.assertTrue(look["cost"] == winner["cost"] or not look.get("race", {}).get("accepted"), look)
-        self.assertTrue(any(look["cost"] < winner["cost"] for look in answer["neighbours"]))
+        for candidate in answer["neighbours"]:
+            self.assertLessEqual(candidate["cost"], winner["cost"])
+            self.assertTrue(candidate["cost"] == winner["cost"] or not candidate.get("race", {}).get("accepted"), candidate)
+        self.assertTrue(any(candidate["cost"] < winner["cost"] for candidate in answer["neighbours"]))
         self.assertEqual(answer["active"], max(winner["margins"], key=winner["margins"].get))
         for expected in ("Winner:", "active", "Neighbours that cost no more", "fresh draws pass"):
             self.assertIn(expected, text)

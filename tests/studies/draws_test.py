@@ -35,11 +35,11 @@ class Plans(StudyTest):
         graph = self.graph(tree)
         return [json.loads(graph.configs["draws", stage.config_id]) for stage in graph.draws.values()]
 
-    def test_a_campaign_needs_a_truth_of_its_own(self):
+    def test_draws_need_their_own_truth(self):
         self.assertEqual(self.counts(draws_study()), [1, 1, 1, 1, 1, 1])
         self.assertEqual(self.counts(study()), [1, 0, 1, 1, 1, 0])
 
-    def test_what_varies_campaigns(self):
+    def test_keys_that_vary_draws(self):
         """Their own keys, and errors, bins and limits of the case; not what only hazard-map reads."""
         self.assertEqual(self.counts(draws_study(SPREADS)), [1, 1, 1, 1, 1, 2])
         self.assertEqual(self.counts(draws_study(SIGMAS)), [1, 1, 3, 3, 3, 3])
@@ -49,7 +49,7 @@ class Plans(StudyTest):
         tree["base"]["hazard"] = HAZARD
         self.assertEqual(self.counts(tree), [1, 1, 1, 1, 1, 1])
 
-    def test_repeats_share_a_campaign(self):
+    def test_repeats_share_draws(self):
         """Their seeds would draw the same numbers again."""
         tree = draws_study(SIGMAS, repeat=REPEAT)
         self.assertEqual(self.counts(tree), [1, 1, 6, 6, 6, 3])
@@ -80,7 +80,7 @@ class Plans(StudyTest):
         tree = draws_study({"name": "kind", "variants": {"normal": {f"draws.vary.{VELOCITY}.mean": 0.1}, "uniform": {f"draws.vary.{VELOCITY}": uniform}}})
         self.assertEqual([config["vary"][VELOCITY] for config in self.configs(tree)], [{**DRAWS["vary"][VELOCITY], "mean": 0.1}, uniform])
 
-    def test_what_a_campaign_has_from_its_case_is_refused(self):
+    def test_keys_of_the_case_are_refused(self):
         for stage in ("scan", "regrid", "eval"):
             for tree in (draws_study(draws={**DRAWS, stage: {}}), draws_study(set={f"draws.{stage}.seed": 1})):
                 with self.assertRaisesRegex(UsageError, rf"tiny\.json: draws\.{stage}: a campaign has the {stage} of its case; set {stage} itself"):
@@ -120,18 +120,18 @@ class Numbers(unittest.TestCase):
         return {"format": "landfall.draws_verdict", "confidence": 0.95, "rates": [{"requirement": "all", **self.RATE}], **keys}
 
     def test_columns(self):
-        self.assertEqual(results.campaign_numbers(self.verdict()),
+        self.assertEqual(results.draws_numbers(self.verdict()),
                          {**{f"draws.all.{key}": value for key, value in self.RATE.items()}, "draws.all.passed_frac": 0.75})
 
     def test_hazards(self):
-        found = results.campaign_numbers(self.verdict(hazard={"draws_with_site": 4, "missed_hazard_frac_mean": None, "chosen_place_safe":
+        found = results.draws_numbers(self.verdict(hazard={"draws_with_site": 4, "missed_hazard_frac_mean": None, "chosen_place_safe":
                                                               {"requirement": "chosen_place_safe", **self.RATE}}))
         self.assertEqual(found["draws.hazard.chosen_place_safe.wilson_high"], 0.95)
         self.assertEqual((found["draws.hazard.draws_with_site"], found["draws.hazard.missed_hazard_frac_mean"]), (4, None))
 
     def test_a_sequential_test_leaves_no_interval(self):
         for sprt, accepted in (("accepted", 1), ("rejected", 0), ("running", None)):
-            self.assertEqual(results.campaign_numbers(self.verdict(sprt=sprt, note="")),
+            self.assertEqual(results.draws_numbers(self.verdict(sprt=sprt, note="")),
                              {"draws.all.passed": 3, "draws.all.draws": 4, "draws.all.passed_frac": 0.75, "draws.accepted": accepted})
 
 
@@ -196,7 +196,7 @@ class Repeats(StudyTest):
     def stages_of(self, result):
         return sorted(re.findall(r"(?m)^\[\d+ done, .*\] (\w+) ", result.stdout))
 
-    def test_another_value_runs_only_its_campaign(self):
+    def test_another_value_runs_only_its_draws(self):
         self.write(draws_study(SPREADS))
         self.assertEqual(self.stages_of(self.make("study-results", "-j2")), ["metrics", "terrain", "truth", "verdict", "verdict"])
         first = read(self.out("results.csv"))
@@ -218,7 +218,7 @@ class Repeats(StudyTest):
         self.assertEqual(self.stages_of(self.make("study-results")), ["verdict"])
         self.assertEqual({name: read(self.out("verdict", name)) for name in whole}, whole)
 
-    def test_a_killed_campaign_goes_on(self):
+    def test_killed_draws_resume(self):
         """study-chain gives the draws that nobody keeps a name that is the same the next time, and removes them."""
         self.write(draws_study(SPREADS))
         self.make("study-results")
@@ -337,7 +337,7 @@ class Pages(StudyTest):
         expected = [float(row[f"draws.all.{key}"]) for key in ("passed_frac", "wilson_low", "wilson_high")]
         self.assertEqual(read_results.estimate(point, names[0], 0.5), tuple(expected))
         self.assertEqual(tuple(expected)[1:], table.wilson(int(row["draws.all.passed"]), 4))
-        figure = verdicts.campaigns_figure(read_results)
+        figure = verdicts.draws_figure(read_results)
         self.addCleanup(figures.plt.close, figure)
         shown = {text.get_text() for text in figure.axes[0].texts}
         self.assertIn(f"{row['draws.all.passed']}/4  [{100 * expected[1]:.0f}, {100 * expected[2]:.0f}] %", shown)
@@ -351,7 +351,7 @@ class Pages(StudyTest):
         self.assertIn(row["draws.accepted"], ("0", "1"))
         self.assertNotIn("draws.all.wilson_low", row)
         with h5py.File(self.out("results.h5")) as file:
-            figure = verdicts.campaigns_figure(table.Results(file))
+            figure = verdicts.draws_figure(table.Results(file))
         self.addCleanup(figures.plt.close, figure)
         self.assertIn(f"{row['draws.all.passed']}/{row['draws.all.draws']}", {text.get_text() for text in figure.axes[0].texts})
 

@@ -69,7 +69,7 @@ class Models(StudyTest):
         self.assertTrue(np.isnan(unjudged[:3]).all())
         self.assertEqual(unjudged[3], 1)
 
-    def test_rows_of_a_campaign(self):
+    def test_rows_of_draws(self):
         """As those of the chain: the -1 of draws.h5 is no number."""
         base = noisy()["base"]
         base["regrid"]["resolution_m"] = 0.5
@@ -91,7 +91,7 @@ class Designs(StudyTest):
     def test_no_candidate_passes(self):
         for resolution_m, reason in ((0.2, "relative elevation is .* of its limit"),
                                      (0.5, "relative elevation is not judged: the footprint has too few bins")):
-            found = design_problem.Look(self.problem(resolution_m), runs.Runner(self.path("out")))({"lines": 20})
+            found = design_problem.CandidateCheck(self.problem(resolution_m), runs.Runner(self.path("out")))({"lines": 20})
             self.assertEqual((found["stage"], found["passes"]), ("draw", False))
             self.assertRegex(found["reason"], reason)
             self.assertGreater(found["violation"], 0)

@@ -440,8 +440,8 @@ class Crossings(PlotTest):
         first, second = (2 * 0.03 / (1.5 + 0.4 * r) + 0.001 * r for r in (1, 2))
         self.assertEqual(label, f"all: {100 * max(first, second):.2g} cm ({100 * min(first, second):.2g} to nowhere)")
         found = crossing.crossings_of(results, results.points, "coverage.invalid_frac", self.SPEC)
-        np.testing.assert_allclose((found.least, found.median), sorted((second, first)), rtol=1e-9)
-        self.assertEqual(found.largest, math.inf)
+        np.testing.assert_allclose((found.minimum, found.median), sorted((second, first)), rtol=1e-9)
+        self.assertEqual(found.maximum, math.inf)
         self.assertEqual(figure.axes[0].get_xlabel(), "relative elevation error, largest [cm]")
 
     def test_without_the_key_there_is_none(self):

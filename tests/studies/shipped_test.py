@@ -26,7 +26,7 @@ from landfall.study import sweep
 PAGES = os.path.join(ROOT, "docs", "user", "studies")
 # Their pages: docs/quality/performance.md, docs/user/lidar/risley-coverage.md.
 WITHOUT_PAGE = {"example-2-draws", "risley-coverage"}
-CAMPAIGN = "campaign-example-2"  # the page of studies/example-2.draws.json, which is no study
+DRAWS_CONFIG = "campaign-example-2"  # the page of studies/example-2.draws.json, which is no study
 ANSWERS = {"model", "sensitivity", "design"}  # pages of recipes that are no studies
 MAX_BYTES = 200_000
 
@@ -95,7 +95,7 @@ class Shipped(StudyTest):
     def test_the_index_links_all_pages(self):
         index = page("README")
         linked = set(re.findall(r"\]\(([a-z0-9-]+)\.md\)", index))
-        self.assertEqual(linked, {*names(), *ANSWERS, CAMPAIGN})
+        self.assertEqual(linked, {*names(), *ANSWERS, DRAWS_CONFIG})
         self.assertEqual(linked, {os.path.basename(path)[:-3] for path in glob.glob(os.path.join(PAGES, "*.md"))} - {"README"})
 
 
@@ -116,7 +116,7 @@ class Answers(StudyTest):
         self.assertEqual(sensitivity.Problem(os.path.join(ROOT, "studies", "example-2.sensitivity.json")).draw_count(), 1152)
 
 
-class Campaign(StudyTest):
+class DrawSeries(StudyTest):
     """Makefile.studies' recipe `campaign` and its page."""
 
     def test_the_recipe(self):
@@ -134,12 +134,12 @@ class Campaign(StudyTest):
         path = os.path.join(ROOT, "studies", "example-2.draws.json")
         subprocess.run([os.path.join(BIN, "monte-carlo"), "--check", "-c", path], check=True)
         draws = json.loads(read(path))["draws"]
-        self.assertIn(f"# {draws} draws of Example 2", page(CAMPAIGN))
-        self.assertIn(f"passed of {draws} |", page(CAMPAIGN))
+        self.assertIn(f"# {draws} draws of Example 2", page(DRAWS_CONFIG))
+        self.assertIn(f"passed of {draws} |", page(DRAWS_CONFIG))
 
     def test_intervals_and_bounds(self):
         """Wilson's interval in closed form; the exact bound as the p with which k or more of n pass with 5 %."""
-        rows = re.findall(r"(?m)^\| \w[\w ]* \| (\d+) \| ([\d.]+) % \| ([\d.]+) to ([\d.]+) \| ([\d.]+) \|$", page(CAMPAIGN))
+        rows = re.findall(r"(?m)^\| \w[\w ]* \| (\d+) \| ([\d.]+) % \| ([\d.]+) to ([\d.]+) \| ([\d.]+) \|$", page(DRAWS_CONFIG))
         self.assertEqual(len(rows), 7)
         n, z = 299, 1.959963984540054
         for row in rows:
@@ -149,13 +149,13 @@ class Campaign(StudyTest):
             for found, expected in ((low, k / n + z * z / (2 * n) - half), (high, k / n + z * z / (2 * n) + half)):
                 self.assertAlmostEqual(found, expected / (1 + z * z / n), delta=0.00005001)
 
-            def tail(p, least=k):
-                return sum(math.comb(n, i) * p**i * (1 - p) ** (n - i) for i in range(least, n + 1))
+            def tail(p, minimum=k):
+                return sum(math.comb(n, i) * p**i * (1 - p) ** (n - i) for i in range(minimum, n + 1))
             self.assertLessEqual(tail(max(0, bound - 0.00005)), 0.05 if k else 1)
             self.assertGreaterEqual(tail(bound + 0.00005), 0.05)
 
     def test_the_finding_is_that_of_the_results(self):
-        shown = " ".join(page(CAMPAIGN).split())
+        shown = " ".join(page(DRAWS_CONFIG).split())
         finding = re.search(r"\*\*Finding\.\*\* (With .*? in none of 299 draws)\.", shown)[1]
         self.assertIn(finding, " ".join(page("../results").split()))
 

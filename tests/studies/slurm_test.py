@@ -125,7 +125,7 @@ exec "$@"
         self.assertEqual(os.listdir(self.folder), [])
 
     # Part 2 stops itself the first time, in the midst of its draws; its clock runs fast, so that it writes states before.
-    CAMPAIGN = """#!/bin/sh
+    DRAWS_CONFIG = """#!/bin/sh
 #SBATCH --array=0-3 --requeue --exclude=n1 --open-mode=append -o part%a.log
 [ "$SLURM_ARRAY_TASK_ID" != 2 ] || [ "$SLURM_RESTART_COUNT" ] ||
   export LD_PRELOAD="$PWD/failing_calls.so" FAULT_UNDER="$PWD" FAULT_CALLS=write FAULT_AT=500 FAULT_ACTION=-19 FAULT_SPEED=300
@@ -133,14 +133,14 @@ A=$((SLURM_ARRAY_TASK_ID * 60)); B=$((A + 60))
 monte-carlo scan.h5 --terrain terrain.h5 -c mc.json -v -t 1 --draws $A:$B -o part$SLURM_ARRAY_TASK_ID.h5
 """
 
-    def test_a_campaign_as_an_array(self):
+    def test_draws_as_an_array(self):
         """The parts of a campaign, one of which resumes after its node is lost, merged to the undivided campaign."""
         chain = Chain(noise__dropout_frac=0, noise__dead_pixel_frac=0)
         self.addCleanup(chain.remove)
         calls.build_library(self.folder)
         for name in ("scan.h5", "terrain.h5"):
             shutil.move(chain.path(name), self.path(name))
-        for name, text in (("parts.sh", self.CAMPAIGN),
+        for name, text in (("parts.sh", self.DRAWS_CONFIG),
                            ("mc.json", json.dumps({"draws": 240, "regrid": REGRID, "eval": EVAL,
                                                    "vary": {"scan.noise.dropout_frac": {"type": "uniform", "low": 0, "high": 0.3}}}))):
             with open(self.path(name), "w", encoding="utf-8") as file:

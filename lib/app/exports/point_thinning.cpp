@@ -25,8 +25,9 @@ std::uint64_t mixed(std::uint64_t number) {
 
 }  // namespace
 
-PointThinning::PointThinning(const PointPlace& low, const PointPlace& high, double cell_m, std::size_t most)
-    : low_(low), most_(most) {
+PointThinning::PointThinning(const PointPlace& low, const PointPlace& high, double cell_m,
+                             std::size_t max_points)
+    : low_(low), max_points_(max_points) {
   const double extent_m = std::max(high[0] - low[0], high[1] - low[1]);
   unit_m_ = extent_m > 0 ? extent_m / static_cast<double>(kWhole - 1) : 1;
   edge_ = static_cast<std::uint64_t>(std::clamp(cell_m / unit_m_, 1.0, static_cast<double>(kWhole)));
@@ -38,11 +39,11 @@ void PointThinning::add(const PointPlace& place, std::uint64_t row) {
     candidate.place[axis] = static_cast<std::uint32_t>((place[axis] - low_[axis]) / unit_m_);
   candidates_.push_back(candidate);
   ++added_;
-  if (candidates_.size() < 2 * kSpare * most_) return;
+  if (candidates_.size() < 2 * kSpare * max_points_) return;
   while (true) {
     candidates_ = one_per_cell(candidates_, edge_);
     is_thinned_ = is_thinned_ || candidates_.size() < added_;
-    if (candidates_.size() <= kSpare * most_) return;
+    if (candidates_.size() <= kSpare * max_points_) return;
     edge_ *= 2;
   }
 }
@@ -87,30 +88,30 @@ std::size_t PointThinning::cells(std::uint64_t edge) const {
   return sampled * static_cast<std::size_t>(std::unique(numbers.begin(), numbers.end()) - numbers.begin());
 }
 
-/// The smallest edge, within 2 %, of which no more squares than `most_` hold a candidate.
+/// The smallest edge, within 2 %, of which no more squares than `max_points_` hold a candidate.
 std::uint64_t PointThinning::last_edge() const {
   const auto scaled = [](std::uint64_t edge, double factor) {
     return static_cast<std::uint64_t>(static_cast<double>(edge) * factor) + 1;
   };
   std::uint64_t low = edge_;
   std::uint64_t high = edge_;
-  while (high < kWhole && cells(high) > most_) {
+  while (high < kWhole && cells(high) > max_points_) {
     low = high;
     high *= 2;
   }
   while (scaled(low, 1.02) < high) {
     const std::uint64_t middle = scaled(low, std::sqrt(static_cast<double>(high) / static_cast<double>(low)));
-    (cells(middle) > most_ ? low : high) = middle;
+    (cells(middle) > max_points_ ? low : high) = middle;
   }
   return high;
 }
 
 ThinnedPoints PointThinning::finish() {
-  if (is_thinned_ || candidates_.size() > most_) {
+  if (is_thinned_ || candidates_.size() > max_points_) {
     is_thinned_ = true;
     edge_ = last_edge();
     candidates_ = one_per_cell(candidates_, edge_);
-    while (candidates_.size() > most_) {  // because cells() is not exact
+    while (candidates_.size() > max_points_) {  // because cells() is not exact
       edge_ += edge_ / 64 + 1;
       candidates_ = one_per_cell(candidates_, edge_);
     }

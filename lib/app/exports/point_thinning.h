@@ -23,8 +23,8 @@ struct ThinnedPoints {
 class PointThinning {
  public:
   /// All points lie between `low` and `high`. `cell_m`: squares that are certainly small enough; any value is
-  /// allowed, but a much smaller one takes longer. `most` is at least 1.
-  PointThinning(const PointPlace& low, const PointPlace& high, double cell_m, std::size_t most);
+  /// allowed, but a much smaller one takes longer. `max_points` is at least 1.
+  PointThinning(const PointPlace& low, const PointPlace& high, double cell_m, std::size_t max_points);
 
   void add(const PointPlace& place, std::uint64_t row);
   [[nodiscard]] ThinnedPoints finish();
@@ -46,7 +46,7 @@ class PointThinning {
 
   PointPlace low_;
   double unit_m_;
-  std::size_t most_;
+  std::size_t max_points_;
   std::uint64_t edge_;
   std::size_t added_ = 0;
   bool is_thinned_ = false;

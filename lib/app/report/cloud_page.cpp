@@ -157,15 +157,15 @@ WideCodes wide_codes(std::span<const double> values, int steps) {
   std::vector<double> finite;
   std::ranges::copy_if(values, std::back_inserter(finite), [](double value) { return std::isfinite(value); });
   if (finite.empty()) return result;
-  const auto [least, greatest] = std::ranges::minmax(finite);
-  result.low = least;
-  result.high = greatest;
+  const auto [minimum, maximum] = std::ranges::minmax(finite);
+  result.low = minimum;
+  result.high = maximum;
   const bool is_whole = std::ranges::all_of(finite, [](double value) { return value == std::round(value); });
   const double middle = quantile(finite, 1 - kOutlierShare) - quantile(finite, kOutlierShare);
-  const double span = middle > 0 ? middle : greatest - least;
-  const double finest = std::max(is_whole ? 1 : span / steps, (greatest - least) / (kMaxCode - 1));
+  const double span = middle > 0 ? middle : maximum - minimum;
+  const double finest = std::max(is_whole ? 1 : span / steps, (maximum - minimum) / (kMaxCode - 1));
   if (finest > 0) result.step = round_step(finest * kRounding);
-  const double first = std::floor(least / result.step);
+  const double first = std::floor(minimum / result.step);
   result.offset = first * result.step;
   for (std::size_t i = 0; i < values.size(); ++i)
     if (std::isfinite(values[i]))

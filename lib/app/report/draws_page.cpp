@@ -30,9 +30,9 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 /// The layers in the order of the page.
-class CampaignLayers {
+class DrawsLayers {
  public:
-  CampaignLayers(const Draws& draws, std::int64_t factor, Packer& packer)
+  DrawsLayers(const Draws& draws, std::int64_t factor, Packer& packer)
       : draws_(draws), maps_(*draws.maps), factor_(factor), packer_(packer) {}
 
   [[nodiscard]] Json all() {
@@ -252,7 +252,7 @@ ReportData draws_data(const DrawsReport& content, const nlohmann::json& config) 
         {"text", "footprint"},
         {"width_m", parameters.footprint_m},
         {"half_bins", footprint_of(parameters, spec.resolution_m).half_bins()}};
-    data.values["layers"] = CampaignLayers(content.draws, factor, packer).all();
+    data.values["layers"] = DrawsLayers(content.draws, factor, packer).all();
   }
   data.packed = packer.pack();
   return data;

@@ -48,7 +48,7 @@ void add_new(std::vector<std::string>& parts, const std::string& part) {
 }
 
 /// A raster has the name of its file, other ground that of its type.
-std::vector<std::string> ground_of(const nlohmann::json& base) {
+std::vector<std::string> base_parts(const nlohmann::json& base) {
   std::vector<std::string> parts;
   const nlohmann::json list = base.is_array() ? base : nlohmann::json::array({base});
   for (const nlohmann::json& part : list) {
@@ -78,7 +78,7 @@ std::vector<std::string> objects_of(const nlohmann::json& config) {
 }
 
 std::string site_of(const nlohmann::json& terrain) {
-  std::vector<std::string> parts = ground_of(at(terrain, "/base"));
+  std::vector<std::string> parts = base_parts(at(terrain, "/base"));
   const std::vector<std::string> objects = objects_of(terrain);
   parts.insert(parts.end(), objects.begin(), objects.end());
   if (parts.size() < 2) return joined(parts);

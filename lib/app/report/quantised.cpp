@@ -39,10 +39,10 @@ std::uint16_t zigzag(std::uint16_t code, std::uint16_t before) {
 
 }  // namespace
 
-double round_step(double least) {
-  const double power = power_of_ten_in(least);
+double round_step(double minimum) {
+  const double power = power_of_ten_in(minimum);
   for (const double digit : {1.0, 2.0, 5.0})
-    if (digit * power >= least) return digit * power;
+    if (digit * power >= minimum) return digit * power;
   return 10 * power;
 }
 

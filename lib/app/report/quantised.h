@@ -22,8 +22,8 @@ struct Quantised {
   std::vector<std::uint16_t> codes;
 };
 
-/// The least number >= `least` > 0 that is 1, 2 or 5 times a power of ten.
-[[nodiscard]] double round_step(double least);
+/// The least number >= `minimum` > 0 that is 1, 2 or 5 times a power of ten.
+[[nodiscard]] double round_step(double minimum);
 
 /// The step is the least of 1, 2 or 5 times a power of ten of which at most `max_steps` (1..kMaxSteps) span
 /// the values. A value that is a multiple of it is kept exactly (to the rounding of double). The step is 0 if

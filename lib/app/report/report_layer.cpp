@@ -26,7 +26,7 @@ double chosen(double a, double b, Rule rule) {
       return std::abs(b) > std::abs(a) || (b == -a && b > a) ? b : a;
     case Rule::largest:
       return std::max(a, b);
-    case Rule::least:
+    case Rule::smallest:
       return std::min(a, b);
     case Rule::any_bit:
       return static_cast<double>(static_cast<std::int64_t>(a) | static_cast<std::int64_t>(b));
@@ -91,9 +91,9 @@ Quantised quantise_shares(const std::vector<double>& cells) {
 }
 
 /// In the order of the enumerators, as the dictionary names them.
-constexpr std::array kStyles = {"elevation", "signed", "magnitude", "probability", "chance",
+constexpr std::array kStyles = {"elevation", "signed", "magnitude", "probability", "shaded_probability",
                                 "count",     "mask",   "flags",     "classes"};
-constexpr std::array kRules = {"mean", "extreme", "largest", "least", "any_bit"};
+constexpr std::array kRules = {"mean", "extreme", "largest", "smallest", "any_bit"};
 
 /// Throws std::logic_error for a name that is not there.
 template <class Enum, std::size_t n>

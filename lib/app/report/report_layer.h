@@ -18,7 +18,7 @@ enum class Rule {
   mean,
   extreme,  ///< the value of the largest magnitude with its sign; the positive one of two equal magnitudes
   largest,
-  least,
+  smallest,
   any_bit,  ///< for integers: the bits that are set in any bin
 };
 
@@ -43,8 +43,8 @@ enum class Style {
   elevation,
   signed_error,
   magnitude,
-  probability,  ///< from 0 to 1
-  chance,       ///< a probability over shaded relief, which is seen where it is 0
+  probability,         ///< from 0 to 1
+  shaded_probability,  ///< a probability over shaded relief, which is seen where it is 0
   count,
   mask,
   flags,    ///< bits with a colour each, as marks

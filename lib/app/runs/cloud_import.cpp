@@ -40,13 +40,13 @@ struct Extent {
 
 /// Widens [low, high] to hold the values.
 void widen(const std::vector<double>& values, double& low, double& high) {
-  double least = low;  // a local variable stays in a register
+  double minimum = low;  // a local variable stays in a register
   double greatest = high;
   for (const double value : values) {
-    least = std::min(least, value);
+    minimum = std::min(minimum, value);
     greatest = std::max(greatest, value);
   }
-  low = least;
+  low = minimum;
   high = greatest;
 }
 
@@ -136,7 +136,7 @@ std::optional<StatedMapUnit> stated_unit(const CloudInfo& info) {
 }
 
 PointFrame frame_of(const CloudImport& import, const CloudInfo& info, const Extent& extent,
-                    const std::optional<GroundExtent>& across_seam, bool is_geodetic) {
+                    const std::optional<GeodeticExtent>& across_seam, bool is_geodetic) {
   PointFrameRequest request{.name = import.path,
                             .crs = {},
                             .low = {extent.box.low[0], extent.box.low[1]},
@@ -159,11 +159,11 @@ PointFrame frame_of(const CloudImport& import, const CloudInfo& info, const Exte
 }
 
 /// The extent of points on both sides of the seam of their CRS; none of others.
-std::optional<GroundExtent> extent_across_seam(SelectedCloud& cloud, const PointFrame& frame) {
-  GroundExtentSearch search;
+std::optional<GeodeticExtent> extent_across_seam(SelectedCloud& cloud, const PointFrame& frame) {
+  GeodeticExtentSearch search;
   for (CloudBatch batch; cloud.next(batch);)
     for (std::size_t i = 0; i < batch.size(); ++i)
-      search.add(frame.ground({batch.columns[0][i], batch.columns[1][i]}));
+      search.add(frame.lon_lat({batch.columns[0][i], batch.columns[1][i]}));
   return search.across_seam();
 }
 
@@ -179,7 +179,7 @@ PointFrame place_cloud(const CloudImport& import, const CloudInfo& info, Selecte
     extent = extent_of(cloud, import.path, progress);
     frame = frame_of(import, info, extent, {}, true);
   }
-  if (!frame.ground) return frame;
+  if (!frame.lon_lat) return frame;
   cloud.rewind();
   const auto across = extent_across_seam(cloud, frame);
   return across ? frame_of(import, info, extent, across, is_geodetic) : frame;

@@ -69,9 +69,9 @@ double first_cell_m(ReturnExtent& extent, std::size_t points) {
 }
 
 ThinnedPoints choose_points(const PointReader& points, const PointReader::Pass& pass, ReturnExtent& extent,
-                            std::size_t most, const ProgressCallback& progress) {
+                            std::size_t max_points, const ProgressCallback& progress) {
   constexpr std::size_t kFiner = 8;  // squares for each point of the page
-  PointThinning thinning(extent.low, extent.high, first_cell_m(extent, kFiner * most), most);
+  PointThinning thinning(extent.low, extent.high, first_cell_m(extent, kFiner * max_points), max_points);
   points.read(
       pass,
       [&](const PointBatch& batch) {
@@ -90,7 +90,7 @@ void from_zero(std::vector<double>& times_s) {
   for (double& time_s : times_s) time_s -= first_s;
 }
 
-html_report::CloudContent read_cloud(const PointReader& points, std::size_t most,
+html_report::CloudContent read_cloud(const PointReader& points, std::size_t max_points,
                                      const ProgressCallback& progress) {
   PointReader::Pass pass{position_columns("est"), {}, 3};
   ReturnExtent extent = return_extent_of(points, pass, [&](double f) { report(progress, f / 5); });
@@ -98,9 +98,9 @@ html_report::CloudContent read_cloud(const PointReader& points, std::size_t most
   html_report::CloudContent content;
   content.all_count = extent.count;
   std::vector<std::uint64_t> rows;
-  if (extent.count > most) {
+  if (extent.count > max_points) {
     ThinnedPoints thinned =
-        choose_points(points, pass, extent, most, [&](double f) { report(progress, (1 + f) / 5); });
+        choose_points(points, pass, extent, max_points, [&](double f) { report(progress, (1 + f) / 5); });
     content.cell_m = thinned.cell_m;
     rows = std::move(thinned.rows);
   }
@@ -126,10 +126,10 @@ html_report::CloudContent read_cloud(const PointReader& points, std::size_t most
 
 }  // namespace
 
-void write_cloud_page(const std::string& scan, const OutputOptions& output, std::size_t most,
+void write_cloud_page(const std::string& scan, const OutputOptions& output, std::size_t max_points,
                       const ProgressCallback& progress) {
   const PointReader points(scan);
-  const html_report::CloudContent content = read_cloud(points, most, progress);
+  const html_report::CloudContent content = read_cloud(points, max_points, progress);
   OutputPath path(output.path, output.overwrite);
   write_text(path, html_report::cloud_page(content, points.file().chain()));
   path.commit();

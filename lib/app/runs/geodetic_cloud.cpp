@@ -34,8 +34,8 @@ class GeodeticCloud final : public CloudReader {
   void convert(CloudBatch& batch, std::size_t i) const {
     const Eigen::Vector3d p(batch.columns[0][i], batch.columns[1][i], batch.columns[2][i]);
     const Geodetic at = geodetic_of(frame_.body, frame_.metres_per_unit * p);
-    batch.columns[0][i] = at.ground.lon_rad * kDegrees;
-    batch.columns[1][i] = at.ground.lat_rad * kDegrees;
+    batch.columns[0][i] = at.lon_lat.lon_rad * kDegrees;
+    batch.columns[1][i] = at.lon_lat.lat_rad * kDegrees;
     batch.columns[2][i] = at.height_m;
   }
 

@@ -20,7 +20,7 @@ class PlacedSurface final : public TerrainSurface {
     const SitePoint at = placement_.to_second({point.x(), point.y()});
     return terrain_->normal({at.x_m, at.y_m, point.z() - placement_.shift_m()[2]});
   }
-  [[nodiscard]] bool is_ground_below() const override { return terrain_->is_ground_below(); }
+  [[nodiscard]] bool is_terrain_below() const override { return terrain_->is_terrain_below(); }
 
  private:
   std::shared_ptr<const TerrainSurface> terrain_;
@@ -39,7 +39,7 @@ Scene placed_scene(Scene scene, const Placement& placement) {
 
 void require_window(const Scene& scene, const GridSpec& grid, const Placement& placement) {
   if (!scene.window) return;
-  GroundBox box;
+  TerrainBox box;
   const std::int64_t last_row = grid.rows - 1;
   const std::int64_t last_col = grid.cols - 1;
   const auto add = [&](std::int64_t row, std::int64_t col) {

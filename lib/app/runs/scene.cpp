@@ -5,7 +5,7 @@
 
 #include "base/core/error.h"
 #include "chain/ray/cgal_engine.h"
-#include "chain/ray/flat_ground.h"
+#include "chain/ray/flat_terrain.h"
 #include "chain/ray/heightfield_engine.h"
 
 namespace landfall {
@@ -17,10 +17,10 @@ ProgressCallback part_of(const ProgressCallback& whole, double begin, double end
 }
 
 Scene level_scene() {
-  const auto ground = std::make_shared<const FlatGround>();
+  const auto terrain = std::make_shared<const FlatTerrain>();
   Scene scene;
-  scene.surface = ground;
-  scene.engine = ground;
+  scene.surface = terrain;
+  scene.engine = terrain;
   scene.engine_name = "flat";
   return scene;
 }

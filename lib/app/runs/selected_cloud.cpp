@@ -25,12 +25,12 @@ SelectedCloud::SelectedCloud(std::unique_ptr<CloudReader> cloud, const std::stri
                              const CloudSelection& selection, const CloudAxes& axes)
     : cloud_(std::move(cloud)), info_(cloud_->info()), selection_(selection), axes_(axes) {
   require_returns(info_, selection.returns, path);
-  turn(axes_, info_);
+  rotate(axes_, info_);
 }
 
 bool SelectedCloud::next(CloudBatch& batch) {
   while (cloud_->next(batch)) {
-    turn(axes_, batch);
+    rotate(axes_, batch);
     batch.keep_if([&](std::size_t i) {
       std::int64_t* const reason = reason_to_leave_out(batch, i);
       if (reason != nullptr) ++*reason;

@@ -60,9 +60,9 @@ std::string gigabytes(std::uint64_t bytes) {
 }  // namespace
 
 std::optional<std::uint64_t> available_memory() {
-  const std::uint64_t least = std::min({system_memory(), address_space(), container_memory()});
-  if (least == kUnlimited) return std::nullopt;
-  return least;
+  const std::uint64_t minimum = std::min({system_memory(), address_space(), container_memory()});
+  if (minimum == kUnlimited) return std::nullopt;
+  return minimum;
 }
 
 void require_memory(std::uint64_t byte_count, std::optional<std::uint64_t> available, const std::string& what,

@@ -34,7 +34,7 @@ enum class RandomStream : std::uint64_t {
   crater_population = 23,
   line_population = 24,
   map_noise = 30,
-  least_median = 31,
+  lmeds = 31,
   variation = 40,
   photon_count = 50,
   photon_time = 51,

@@ -18,8 +18,8 @@ constexpr std::array kFills = {-32768.0,      -32767.0,      32767.0,      65535
                                9999.0,        -99999.0,      99999.0,      -999.0,   1e6,
                                -2147483648.0, -2147483647.0, 2147483647.0, -999999.0};
 constexpr double kAbsurd = 1e12;  ///< no elevation; -3.4e38 and the default fills of netCDF lie beyond
-constexpr std::size_t kMostAside = 2;
-constexpr std::size_t kLeastDistinct = 16;
+constexpr std::size_t kMaxAside = 2;
+constexpr std::size_t kMinDistinct = 16;
 
 std::string raw_numbers(const std::vector<Fill>& fills, const char* separator) {
   return joined(fills, separator, [](const Fill& fill) { return number_text(fill.raw); });
@@ -142,11 +142,11 @@ void FillSearch::take_apart(std::vector<Counted>& values, Result& result) const 
            (high == 0 || values[end].value - values[end - 1].value > range);
   };
   const auto is_repeated = [](const Counted& entry) { return entry.count > 1; };
-  for (std::size_t aside = 2 * kMostAside; aside > 0; --aside)
-    for (std::size_t low = aside > kMostAside ? aside - kMostAside : 0; low <= std::min(aside, kMostAside);
+  for (std::size_t aside = 2 * kMaxAside; aside > 0; --aside)
+    for (std::size_t low = aside > kMaxAside ? aside - kMaxAside : 0; low <= std::min(aside, kMaxAside);
          ++low) {
       const std::size_t high = aside - low;
-      if (values.size() < aside + kLeastDistinct || !are_apart(low, high)) continue;
+      if (values.size() < aside + kMinDistinct || !are_apart(low, high)) continue;
       std::vector<Counted> outside(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(low));
       outside.insert(outside.end(), values.end() - static_cast<std::ptrdiff_t>(high), values.end());
       if (std::ranges::none_of(outside, is_repeated)) continue;

@@ -21,11 +21,11 @@ constexpr std::size_t kValuesPerPiece = std::size_t{1} << 18U;
 
 /// The index of the first of the values that is not in [least, most]; kNone without one. NaN counts as valid.
 template <class T>
-std::size_t first_outside(std::span<const T> values, T least, T most) {
+std::size_t first_outside(std::span<const T> values, T minimum, T maximum) {
   std::vector<std::size_t> found((values.size() + kValuesPerPiece - 1) / kValuesPerPiece, kNone);
   parallel_for(values.size(), kValuesPerPiece, [&](std::size_t begin, std::size_t end) {
     const auto piece = values.subspan(begin, end - begin);
-    const auto first = std::ranges::find_if(piece, [&](T v) { return v < least || v > most; });
+    const auto first = std::ranges::find_if(piece, [&](T v) { return v < minimum || v > maximum; });
     if (first != piece.end())
       found[begin / kValuesPerPiece] = begin + static_cast<std::size_t>(first - piece.begin());
   });
@@ -38,8 +38,8 @@ std::size_t first_outside(std::span<const T> values, T least, T most) {
 template <class T>
 void require_values(const Grid<T>& layer, const std::string& name, LayerValues allowed,
                     std::int64_t first_row) {
-  const T least = allowed == LayerValues::finite ? std::numeric_limits<T>::lowest() : T{0};
-  const std::size_t index = first_outside<T>(layer.values(), least, std::numeric_limits<T>::max());
+  const T minimum = allowed == LayerValues::finite ? std::numeric_limits<T>::lowest() : T{0};
+  const std::size_t index = first_outside<T>(layer.values(), minimum, std::numeric_limits<T>::max());
   if (index == kNone) return;
   const auto value = static_cast<double>(layer.values()[index]);
   const auto cols = static_cast<std::size_t>(layer.spec().cols);

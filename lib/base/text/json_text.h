@@ -28,12 +28,12 @@ inline std::string as_utf8(const std::string& text) {
 }
 
 /// A handler for Json::sax_parse(). It builds no value. Parsing stops and returns false where the text is not
-/// JSON or nests deeper than `most` levels: code that walks a JSON value recurses once per level.
+/// JSON or nests deeper than `max_levels` levels: code that walks a JSON value recurses once per level.
 class JsonLevels : public nlohmann::json_sax<nlohmann::json> {
  public:
   using Json = nlohmann::json;
 
-  explicit JsonLevels(int most) : most_(most) {}
+  explicit JsonLevels(int max_levels) : max_levels_(max_levels) {}
 
   bool start_object(std::size_t /*size*/) override { return go_down(); }
   bool start_array(std::size_t /*size*/) override { return go_down(); }
@@ -57,13 +57,13 @@ class JsonLevels : public nlohmann::json_sax<nlohmann::json> {
   virtual bool too_deep() { return false; }
 
  private:
-  bool go_down() { return ++level_ <= most_ || too_deep(); }
+  bool go_down() { return ++level_ <= max_levels_ || too_deep(); }
   bool go_up() {
     --level_;
     return true;
   }
 
-  int most_;
+  int max_levels_;
   int level_ = 0;
 };
 

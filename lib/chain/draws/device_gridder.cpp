@@ -125,7 +125,7 @@ std::optional<DeviceRefusal> DeviceGridder::refusal(const Simulation& simulation
   const Lidar& lidar = simulation.lidar();
   if (!weights_of(method))
     return DeviceRefusal{"regrid/method", "a device bins by bilinear_nearest, bilinear4 or mean"};
-  if (lidar.receiver.sees_waveforms())
+  if (lidar.receiver.uses_waveforms())
     return DeviceRefusal{"scan/receiver/type", "a device computes no waveforms"};
   if (lidar.range_timer.is_on())
     return DeviceRefusal{"scan/receiver", "a device draws no jitter, offsets, scale or steps of the timer"};
@@ -165,7 +165,7 @@ bool DeviceGridder::make(const Simulation& simulation, Method method,
   const auto work = [&] {
     const RangeErrors& errors = simulation.lidar().range_errors;
     if (!draws_ || (errors.needs_incidence() && !knows_incidences_)) load(simulation);
-    draws_->draw(device_errors(errors, *weights_of(method)), believed_poses(simulation),
+    draws_->draw(device_errors(errors, *weights_of(method)), estimated_poses(simulation),
                  simulation.dead_map());
     is_made = finish(*draws_);
   };
@@ -189,11 +189,11 @@ void DeviceGridder::forget_device() {
   draws_.reset();
 }
 
-std::vector<DevicePose> DeviceGridder::believed_poses(const Simulation& simulation) const {
+std::vector<DevicePose> DeviceGridder::estimated_poses(const Simulation& simulation) const {
   std::vector<DevicePose> poses(static_cast<std::size_t>(simulation.pulse_count()));
   parallel_for(poses.size(), kPulsesPerPiece, [&](std::size_t begin, std::size_t end) {
     for (std::size_t k = begin; k < end; ++k)
-      poses[k] = device_pose(simulation.believed_lidar(static_cast<std::int64_t>(k)));
+      poses[k] = device_pose(simulation.estimated_lidar(static_cast<std::int64_t>(k)));
   });
   return poses;
 }

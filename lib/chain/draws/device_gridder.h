@@ -61,7 +61,7 @@ class DeviceGridder {
   void load(const Simulation& simulation);
   [[nodiscard]] std::unique_ptr<DeviceDraws> empty_scan(const Simulation& simulation) const;
   void load_pulses(const Simulation& simulation, PulseSpan pulses);
-  [[nodiscard]] std::vector<DevicePose> believed_poses(const Simulation& simulation) const;
+  [[nodiscard]] std::vector<DevicePose> estimated_poses(const Simulation& simulation) const;
   [[nodiscard]] std::string text_of(const DeviceRefusal& refusal) const;
 
   TrueRanges truth_;

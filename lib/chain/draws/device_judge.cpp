@@ -37,10 +37,10 @@ TileVerdict footprints_of(const DeviceVerdict& verdict) {
 
 }  // namespace
 
-DeviceJudge::DeviceJudge(DeviceGridder& gridder, const TriangulatedGrid& ground, const BinMask& region,
+DeviceJudge::DeviceJudge(DeviceGridder& gridder, const TriangulatedGrid& terrain, const BinMask& region,
                          const Grid<double>* z_true_map)
     : gridder_(gridder),
-      ground_(ground),
+      terrain_(terrain),
       region_(region),
       z_true_map_(z_true_map),
       valid_(BinMask::unset(region.spec())) {}
@@ -61,14 +61,14 @@ std::optional<DecisiveMetrics> DeviceJudge::judge(const Simulation& simulation, 
 }
 
 DeviceJudged DeviceJudge::judged() const {
-  const GridSpec& nodes = ground_.nodes().spec();
+  const GridSpec& nodes = terrain_.nodes().spec();
   return {.surface = {.resolution_m = nodes.resolution_m,
-                      .anchor = ground_.origin().anchor(),
+                      .anchor = terrain_.origin().anchor(),
                       .first_row = static_cast<double>(nodes.first_row),
                       .first_col = static_cast<double>(nodes.first_col),
                       .rows = nodes.rows,
                       .cols = nodes.cols},
-          .nodes = ground_.nodes().values(),
+          .nodes = terrain_.nodes().values(),
           .region = region_.values(),
           .z_true_map = z_true_map_ == nullptr ? std::span<const double>() : z_true_map_->values()};
 }

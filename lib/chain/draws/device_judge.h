@@ -18,9 +18,9 @@ namespace landfall {
 /// bytes per node of the ground and 67 per bin, with maps 159.
 class DeviceJudge {
  public:
-  /// `gridder`, `ground`, `region` and `z_true_map` must outlive this object; without maps `z_true_map` is
+  /// `gridder`, `terrain`, `region` and `z_true_map` must outlive this object; without maps `z_true_map` is
   /// null (DrawRunner::z_true_map()).
-  DeviceJudge(DeviceGridder& gridder, const TriangulatedGrid& ground, const BinMask& region,
+  DeviceJudge(DeviceGridder& gridder, const TriangulatedGrid& terrain, const BinMask& region,
               const Grid<double>* z_true_map);
 
   /// Makes and judges a draw, and adds it to the maps. Returns nothing, having added nothing, where the CPU
@@ -39,7 +39,7 @@ class DeviceJudge {
   [[nodiscard]] DeviceJudged judged() const;
 
   DeviceGridder& gridder_;
-  const TriangulatedGrid& ground_;
+  const TriangulatedGrid& terrain_;
   const BinMask& region_;
   const Grid<double>* z_true_map_;
   BinMask valid_;  ///< of the last draw

@@ -30,7 +30,7 @@ struct DrawnDem {
 };
 
 /// The true ground of a draw. What it points to outlives the draw.
-struct DrawGround {
+struct DrawTerrain {
   const TerrainSurface& surface;
   const RayEngine* engine = nullptr;  ///< null: the draw takes the ranges of the traced scan
   const SurfaceAlbedo* albedo = nullptr;

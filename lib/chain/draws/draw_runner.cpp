@@ -22,10 +22,10 @@ Grid<double> in_double(const Grid<float>& layer) {
 }
 
 /// The metrics of dem-eval for the 1-sigma layers of a DEM: its errors are those of its file.
-UncertaintyMetrics assess(SigmaLayers sigma, const DrawnDem& dem, const TerrainSurface& ground,
+UncertaintyMetrics assess(SigmaLayers sigma, const DrawnDem& dem, const TerrainSurface& terrain,
                           const EvaluationParameters& parameters, const BinMask& region) {
   const GridSpec& grid = region.spec();
-  Grid<double> error = bin_elevations(ground, grid);
+  Grid<double> error = bin_elevations(terrain, grid);
   for (std::size_t i = 0; i < grid.size(); ++i)  // z_true_map has single precision in the file
     error.values()[i] = static_cast<float>(error.values()[i]) - dem.layers.z_est.values()[i];
   return assess_uncertainty({std::move(error), std::move(sigma.z_abs), std::move(sigma.z_rel), dem.count},
@@ -34,26 +34,26 @@ UncertaintyMetrics assess(SigmaLayers sigma, const DrawnDem& dem, const TerrainS
 
 }  // namespace
 
-DrawRunner::DrawRunner(CampaignScene scene, bool with_maps, const std::optional<OpenClOptions>& device)
+DrawRunner::DrawRunner(DrawsScene scene, bool with_maps, const std::optional<OpenClOptions>& device)
     : scene_(std::move(scene)), gridder_(scene_.truth, scene_.grid, device) {
-  if (with_maps && scene_.ground != nullptr) z_true_map_ = bin_elevations(*scene_.ground, scene_.grid);
-  const auto* const ground = dynamic_cast<const TriangulatedGrid*>(scene_.ground);
-  if (gridder_.device() != nullptr && ground != nullptr)
-    judge_ = std::make_unique<DeviceJudge>(*gridder_.device(), *ground, scene_.region,
+  if (with_maps && scene_.terrain != nullptr) z_true_map_ = bin_elevations(*scene_.terrain, scene_.grid);
+  const auto* const terrain = dynamic_cast<const TriangulatedGrid*>(scene_.terrain);
+  if (gridder_.device() != nullptr && terrain != nullptr)
+    judge_ = std::make_unique<DeviceJudge>(*gridder_.device(), *terrain, scene_.region,
                                            z_true_map_ ? &*z_true_map_ : nullptr);
 }
 
 void DrawRunner::check_device(DrawSetup setup) const {
   if (gridder_.device() == nullptr) return;
-  gridder_.device()->check(Simulation(std::move(setup.scan), nullptr, scene_.ground), setup.method);
+  gridder_.device()->check(Simulation(std::move(setup.scan), nullptr, scene_.terrain), setup.method);
 }
 
 DrawHazards DrawRunner::judge_hazards(const DemLayers& dem, const SigmaLayers* sigma,
-                                      const TerrainSurface& ground, const HazardParameters& parameters,
+                                      const TerrainSurface& terrain, const HazardParameters& parameters,
                                       DrawMaps* maps) const {
   const auto complete = [&](Grid<double>& z_true, const std::vector<FillableBin>& holes) {
     for (const TruthPosition& at : truth_positions(z_true, dem.truth->x, dem.truth->y, holes))
-      z_true.at(at.bin) = ground.elevation(at.x_m, at.y_m);
+      z_true.at(at.bin) = terrain.elevation(at.x_m, at.y_m);
     return BinMask(z_true.spec());
   };
   MapLayers layers{dem.z_est, dem.truth->z};
@@ -74,7 +74,7 @@ DrawHazards DrawRunner::judge_hazards(const DemLayers& dem, const SigmaLayers* s
 }
 
 DrawLandings DrawRunner::land(const Simulation& simulation, const DrawSetup& setup,
-                              const DrawHazards& hazards, const TerrainSurface& ground) const {
+                              const DrawHazards& hazards, const TerrainSurface& terrain) const {
   const LandingParameters& parameters = setup.landing->parameters;
   const auto& [velocity_x_mps, velocity_y_mps] = setup.landing->velocity_error_mps;
   const Eigen::Vector3d position_error_m = simulation.position_error(simulation.pulse_count() - 1).v;
@@ -84,7 +84,7 @@ DrawLandings DrawRunner::land(const Simulation& simulation, const DrawSetup& set
   const HazardParameters& hazard = *setup.hazard;
   const auto judge = [&](const Touchdown& touchdown) {
     return judge_landing(touchdown, hazard.lander, hazard.limits, scene_.grid.resolution_m,
-                         [&](double x_m, double y_m) { return ground.elevation(x_m, y_m); });
+                         [&](double x_m, double y_m) { return terrain.elevation(x_m, y_m); });
   };
   const LandingSite site = hazards.best.value_or(LandingSite{});
   const double blind_sigma_m = parameters.blind_sigma_m.value_or(hazard.touchdown_sigma_m);
@@ -102,29 +102,29 @@ bool DrawRunner::take_from_device(std::int64_t draws, DrawMaps& maps) {
   return judge_ && judge_->take_maps(draws, maps);
 }
 
-DrawResult DrawRunner::run(DrawSetup setup, const DrawGround& ground, MetricsKind kind, DrawMaps* maps) {
-  const Simulation simulation = ground.simulate(std::move(setup.scan));
+DrawResult DrawRunner::run(DrawSetup setup, const DrawTerrain& terrain, MetricsKind kind, DrawMaps* maps) {
+  const Simulation simulation = terrain.simulate(std::move(setup.scan));
   if (const auto metrics = judge_on_device(simulation, setup, kind))
     return {.metrics = *metrics, .hazards = std::nullopt, .is_on_device = maps != nullptr};
-  DrawnDem& dem = gridder_.draw(simulation, setup.method, setup.truth_at, ground.surface);
+  DrawnDem& dem = gridder_.draw(simulation, setup.method, setup.truth_at, terrain.surface);
   if (maps != nullptr) maps->add_dem(dem, z_true_map_ ? &*z_true_map_ : nullptr);
   std::optional<SigmaLayers> sigma;
   if (setup.uncertainty) sigma = predicted_sigma(scene_, simulation, *setup.uncertainty);
   std::optional<DrawHazards> hazards;
   std::optional<DrawLandings> landings;
   if (setup.hazard)
-    hazards = judge_hazards(dem.layers, sigma ? &*sigma : nullptr, ground.surface, *setup.hazard, maps);
-  if (setup.landing) landings = land(simulation, setup, *hazards, ground.surface);
+    hazards = judge_hazards(dem.layers, sigma ? &*sigma : nullptr, terrain.surface, *setup.hazard, maps);
+  if (setup.landing) landings = land(simulation, setup, *hazards, terrain.surface);
   if (kind == MetricsKind::verdict) {
     const Verdict verdict = decide(dem.layers, scene_.region, setup.evaluation);
     if (maps != nullptr) maps->add_verdicts(verdict.fail);
     return {verdict.metrics, std::move(hazards), landings};
   }
   std::optional<UncertaintyMetrics> assessed;
-  if (sigma) assessed = assess(*std::move(sigma), dem, ground.surface, setup.evaluation, scene_.region);
+  if (sigma) assessed = assess(*std::move(sigma), dem, terrain.surface, setup.evaluation, scene_.region);
   if (has_mask(setup.evaluation.region_shape)) dem.layers.region_mask = scene_.region;
   dem.layers.count = std::exchange(dem.count, {});
-  dem.layers.truth_spacing_m = ground.spacing_m;
+  dem.layers.truth_spacing_m = terrain.spacing_m;
   Evaluation evaluation = evaluate(std::exchange(dem.layers, {}), setup.evaluation);
   if (maps != nullptr) maps->add_verdicts(evaluation.fail);
   evaluation.metrics.uncertainty = std::move(assessed);

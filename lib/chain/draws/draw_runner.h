@@ -10,10 +10,10 @@
 #include <variant>
 
 #include "base/numerics/random_seed.h"
-#include "chain/draws/campaign_scene.h"
 #include "chain/draws/device_judge.h"
 #include "chain/draws/draw_gridder.h"
 #include "chain/draws/draw_maps.h"
+#include "chain/draws/draws_scene.h"
 #include "chain/draws/predicted_sigma.h"
 #include "chain/evaluation/judge/verdict.h"
 #include "chain/evaluation/metrics.h"
@@ -85,9 +85,9 @@ class DrawRunner {
  public:
   /// The scene's data must outlive this object. With maps H at the bins' centres is computed once, if all
   /// draws have one ground. With `device`, an OpenCL device draws and bins (DeviceGridder).
-  DrawRunner(CampaignScene scene, bool with_maps, const std::optional<OpenClOptions>& device = std::nullopt);
+  DrawRunner(DrawsScene scene, bool with_maps, const std::optional<OpenClOptions>& device = std::nullopt);
 
-  [[nodiscard]] const CampaignScene& scene() const { return scene_; }
+  [[nodiscard]] const DrawsScene& scene() const { return scene_; }
   /// H at the bins' centres, NaN off the terrain; only with maps of one ground.
   [[nodiscard]] const std::optional<Grid<double>>& z_true_map() const { return z_true_map_; }
 
@@ -98,7 +98,7 @@ class DrawRunner {
   /// --ranges-from), regrid and dem-eval --metrics-only, bit for bit; score and best site those of hazard-map
   /// --terrain. Adds the draw to `maps` unless it is null, or leaves it on the device at first. Throws as
   /// Simulation, DrawGridder, evaluate() and map_hazards() do.
-  [[nodiscard]] DrawResult run(DrawSetup setup, const DrawGround& ground, MetricsKind kind, DrawMaps* maps);
+  [[nodiscard]] DrawResult run(DrawSetup setup, const DrawTerrain& terrain, MetricsKind kind, DrawMaps* maps);
 
   /// Adds the draws on the device, whose number is given, to `maps`. Returns false if the device has lost
   /// them and the CPU takes over: they must be run again.
@@ -108,13 +108,13 @@ class DrawRunner {
   [[nodiscard]] std::optional<DecisiveMetrics> judge_on_device(const Simulation& simulation,
                                                                const DrawSetup& setup, MetricsKind kind);
   [[nodiscard]] DrawHazards judge_hazards(const DemLayers& dem, const SigmaLayers* sigma,
-                                          const TerrainSurface& ground, const HazardParameters& parameters,
+                                          const TerrainSurface& terrain, const HazardParameters& parameters,
                                           DrawMaps* maps) const;
 
   [[nodiscard]] DrawLandings land(const Simulation& simulation, const DrawSetup& setup,
-                                  const DrawHazards& hazards, const TerrainSurface& ground) const;
+                                  const DrawHazards& hazards, const TerrainSurface& terrain) const;
 
-  CampaignScene scene_;
+  DrawsScene scene_;
   DrawGridder gridder_;
   std::optional<Grid<double>> z_true_map_;
   std::unique_ptr<DeviceJudge> judge_;  ///< null without a device, or if it cannot judge

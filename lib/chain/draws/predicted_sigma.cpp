@@ -40,7 +40,7 @@ struct GriddedReturns {
   }
 };
 
-GriddedReturns gridded_returns(const CampaignScene& scene, const Simulation& simulation) {
+GriddedReturns gridded_returns(const DrawsScene& scene, const Simulation& simulation) {
   GriddedReturns gridded(scene.grid);
   const auto pixels = static_cast<std::int64_t>(simulation.pixel_count());
   const std::int64_t per_batch = std::max<std::int64_t>(1, kPointsPerBatch / pixels);
@@ -62,7 +62,7 @@ GriddedReturns gridded_returns(const CampaignScene& scene, const Simulation& sim
 
 }  // namespace
 
-SigmaLayers predicted_sigma(const CampaignScene& scene, const Simulation& simulation,
+SigmaLayers predicted_sigma(const DrawsScene& scene, const Simulation& simulation,
                             const UncertaintyParameters& parameters) {
   const GriddedReturns gridded = gridded_returns(scene, simulation);
   const Grid<Slope> slopes = slope_layer(gridded.bins);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include "chain/draws/campaign_scene.h"
+#include "chain/draws/draws_scene.h"
 #include "chain/gridding/uncertainty.h"
 #include "chain/hazards/return_centroids.h"
 #include "chain/lidar/simulation/simulation.h"
@@ -20,7 +20,7 @@ struct SigmaLayers {
 /// The layers of the DEM that the scan gives by the method bilinear_nearest: those of regrid --uncertainty,
 /// the same bits. The simulation traces if it can, else it takes the ranges of the scene. 170 bytes per bin
 /// while it runs.
-[[nodiscard]] SigmaLayers predicted_sigma(const CampaignScene& scene, const Simulation& simulation,
+[[nodiscard]] SigmaLayers predicted_sigma(const DrawsScene& scene, const Simulation& simulation,
                                           const UncertaintyParameters& parameters);
 
 }  // namespace landfall

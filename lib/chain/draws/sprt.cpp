@@ -15,8 +15,8 @@ constexpr double kTolerance = 1e-9;
 }  // namespace
 
 void check(const SprtParameters& parameters) {
-  const auto require_inside = [](const char* key, double value, double most, const char* bound) {
-    require(value > 0 && value < most, {"", key}, value, bound);
+  const auto require_inside = [](const char* key, double value, double maximum, const char* bound) {
+    require(value > 0 && value < maximum, {"", key}, value, bound);
   };
   require_inside("p0", parameters.p0, 1, "in (0, 1)");
   require_inside("p1", parameters.p1, parameters.p0, "in (0, p0)");

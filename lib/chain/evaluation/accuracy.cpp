@@ -27,8 +27,8 @@ auto magnitudes_of(const Grid<double>& grid) {
 
 /// The quantile of magnitudes that have already been counted; at least one exists.
 template <ValueAt F>
-double p95(const ValueLook& look, std::size_t bins, const F& magnitude_at) {
-  const BucketRange range = *find_buckets(look.counts, kSummaryQuantile);
+double p95(const ValueSummary& summary, std::size_t bins, const F& magnitude_at) {
+  const BucketRange range = *find_buckets(summary.counts, kSummaryQuantile);
   return value_at_rank(values_in(bins, magnitude_at, range), range.rank);
 }
 
@@ -86,26 +86,29 @@ FootprintStatistics footprint_statistics(const Grid<double>& error, const BinMas
 
 AbsoluteMetrics summarise_absolute(const Grid<double>& mean) {
   const std::size_t bins = mean.spec().size();
-  const ValueLook look = look_at(bins, values_of(mean), HUGE_VAL);
-  if (look.sum.count == 0) return {};
-  return {.p95_m = p95(look, bins, magnitudes_of(mean)), .mean_m = look.sum.mean(), .max_m = look.largest};
+  const ValueSummary summary = summarize(bins, values_of(mean), HUGE_VAL);
+  if (summary.sum.count == 0) return {};
+  return {.p95_m = p95(summary, bins, magnitudes_of(mean)),
+          .mean_m = summary.sum.mean(),
+          .max_m = summary.largest};
 }
 
 RelativeMetrics summarise_relative(const Grid<double>& relative, double limit_m) {
   const std::size_t bins = relative.spec().size();
-  const ValueLook look = look_at(bins, values_of(relative), limit_m);
-  if (look.sum.count == 0) return {.violation_count = 0};
-  return {
-      .p95_m = p95(look, bins, values_of(relative)), .max_m = look.largest, .violation_count = look.above};
+  const ValueSummary summary = summarize(bins, values_of(relative), limit_m);
+  if (summary.sum.count == 0) return {.violation_count = 0};
+  return {.p95_m = p95(summary, bins, values_of(relative)),
+          .max_m = summary.largest,
+          .violation_count = summary.above};
 }
 
 HorizontalMetrics summarise_horizontal(const Grid<double>& horizontal, double limit_m) {
   const std::size_t bins = horizontal.spec().size();
-  const ValueLook look = look_at(bins, values_of(horizontal), limit_m);
-  if (look.sum.count == 0) return {};
-  const auto count = static_cast<double>(look.sum.count);
-  return {.p95_m = p95(look, bins, values_of(horizontal)),
-          .within_limit_frac = (count - static_cast<double>(look.above)) / count};
+  const ValueSummary summary = summarize(bins, values_of(horizontal), limit_m);
+  if (summary.sum.count == 0) return {};
+  const auto count = static_cast<double>(summary.sum.count);
+  return {.p95_m = p95(summary, bins, values_of(horizontal)),
+          .within_limit_frac = (count - static_cast<double>(summary.above)) / count};
 }
 
 Grid<double> horizontal_error(Grid<double> x, const Grid<double>& y) {

@@ -29,13 +29,13 @@ constexpr auto kItself = [](double e) { return e; };
 constexpr auto kSquare = [](double e) { return e * e; };
 
 /// Errors of the region by bucket, and their sum, in one pass.
-struct FirstLook {
+struct FirstPass {
   CountedSum sum;
   BucketCounts counts;
 };
 
 template <class ErrorAt>
-FirstLook first_look(std::size_t bins, const ErrorAt& error_at) {
+FirstPass first_pass(std::size_t bins, const ErrorAt& error_at) {
   std::vector<BucketCounts> counts((bins + kValuesPerPiece - 1) / kValuesPerPiece);
   const auto sums = by_piece(bins, [&](std::size_t begin, std::size_t end) {
     BucketCounts piece(ValueBucket::kCount + 1);
@@ -65,14 +65,14 @@ struct Ranges {
 };
 
 /// The values of these ranges by piece, and the squared deviations from the mean, in one pass.
-struct SecondLook {
+struct SecondPass {
   CountedSum squares;
   std::vector<std::vector<double>> median, le90, p95;
 };
 
 template <class ErrorAt>
-SecondLook second_look(std::size_t bins, const ErrorAt& error_at, const Ranges& ranges, double mean) {
-  SecondLook result;
+SecondPass second_pass(std::size_t bins, const ErrorAt& error_at, const Ranges& ranges, double mean) {
+  SecondPass result;
   const std::size_t pieces = (bins + kValuesPerPiece - 1) / kValuesPerPiece;
   for (auto* values : {&result.median, &result.le90, &result.p95}) values->resize(pieces);
   const auto squares = by_piece(bins, [&](std::size_t begin, std::size_t end) {
@@ -98,12 +98,12 @@ SecondLook second_look(std::size_t bins, const ErrorAt& error_at, const Ranges& 
 ErrorStatistics error_statistics(const Grid<double>& error, const BinMask& region) {
   const std::size_t bins = region.spec().size();
   const auto error_at = in_region(error, region, kItself);
-  const FirstLook first = first_look(bins, error_at);
+  const FirstPass first = first_pass(bins, error_at);
   ErrorStatistics result{.count = first.sum.count};
   if (first.sum.count == 0) return result;
   const double mean = first.sum.mean();
   const Ranges ranges(first.counts);
-  const SecondLook second = second_look(bins, error_at, ranges, mean);
+  const SecondPass second = second_pass(bins, error_at, ranges, mean);
   const double std = std::sqrt(second.squares.mean());
   const double median = value_at_rank(second.median, ranges.median.rank);
   const auto deviation = [=](double e) { return std::abs(e - median); };

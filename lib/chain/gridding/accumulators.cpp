@@ -214,7 +214,7 @@ bool MedianAccumulator::end_pass() {
 /// Divides the rows into bands with at most as many returns as are gathered at a time.
 void MedianAccumulator::plan() {
   std::int64_t in_band = 0;
-  std::int64_t most = 0;
+  std::int64_t maximum = 0;
   band_rows_ = {0};
   for (std::int64_t row = 0; row < spec().rows; ++row) {
     const std::int64_t count = row_counts_[static_cast<std::size_t>(row)];
@@ -227,10 +227,10 @@ void MedianAccumulator::plan() {
       in_band = 0;
     }
     in_band += count;
-    most = std::max(most, in_band);
+    maximum = std::max(maximum, in_band);
   }
   band_rows_.push_back(spec().rows);
-  gathered_.reserve(static_cast<std::size_t>(most));
+  gathered_.reserve(static_cast<std::size_t>(maximum));
 }
 
 void MedianAccumulator::find_medians() {

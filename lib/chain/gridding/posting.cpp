@@ -141,9 +141,9 @@ Posting Posting::at_most(double limit_m) {
 
 PostingSearch::PostingSearch(PointOutline outline) : outline_(std::move(outline)) {
   // n points fill at most n bins, of an area or, where they lie on a line, of a length.
-  const auto most = static_cast<double>(outline_.count()) / (1 - kMaxEmptyShare);
+  const auto maximum = static_cast<double>(outline_.count()) / (1 - kMaxEmptyShare);
   const double area_m2 = outline_.area_m2();
-  const double bound_m = std::max(std::sqrt(area_m2 / most), outline_.extent_m() / most);
+  const double bound_m = std::max(std::sqrt(area_m2 / maximum), outline_.extent_m() / maximum);
   first_ = Posting::at_most(bound_m * 0.9);  // the hull's border has bins of its own
   const auto cell = [](const Posting& posting) { return posting.metres() / (posting.digit == 2 ? 4 : 2); };
   const Horizontal reach = outline_.reach_m();

@@ -160,9 +160,9 @@ double UncertaintyMap::misfit_beyond(double noise, BinIndex bin) const {
     weight += sums.weight;
     weighted += sums.weight * sum_of_squared_weights(other);
   });
-  const double by_chance = noise * weighted / weight;
+  const double expected = noise * weighted / weight;
   const double misfit = plane.misfit_m2 * plane.bins / freedom;
-  return misfit > by_chance * mean_square_ratio_p99(freedom) ? misfit - by_chance : 0;
+  return misfit > expected * mean_square_ratio_p99(freedom) ? misfit - expected : 0;
 }
 
 /// sum w_k (z_k - plane)^2 over the normalised weights; the plane goes through the centroid with the slope.

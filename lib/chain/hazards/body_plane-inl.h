@@ -47,17 +47,17 @@ HWY_INLINE void MeasureBodyRows(const BodyInput& in, std::int64_t begin, std::in
       const auto group = wanted.subspan(col, std::min(kPlaces, wanted.size() - col));
       if (std::ranges::find(group, 1) == group.end()) continue;
       const LanePlane plane = fit(row, static_cast<std::int64_t>(col));
-      V most = hn::Zero(D());
+      V maximum = hn::Zero(D());
       ForBody(in, row, static_cast<std::int64_t>(col), [&](V r, V c, V z) HWY_ATTR {
         const V on_plane = hn::Add(hn::Add(plane.height, hn::Mul(plane.north, r)), hn::Mul(plane.east, c));
-        most = hn::Max(most, hn::Abs(hn::Sub(z, on_plane)));
+        maximum = hn::Max(maximum, hn::Abs(hn::Sub(z, on_plane)));
       });
       const V square =
           hn::Div(hn::Add(hn::Mul(plane.east, plane.east), hn::Mul(plane.north, plane.north)), cell);
       std::array<double, kPlaces> gradient;
       std::array<double, kPlaces> roughness;
       hn::StoreU(hn::Sqrt(square), D(), gradient.data());
-      hn::StoreU(hn::Div(most, hn::Sqrt(hn::Add(constant(1), square))), D(), roughness.data());
+      hn::StoreU(hn::Div(maximum, hn::Sqrt(hn::Add(constant(1), square))), D(), roughness.data());
       for (std::size_t i = 0; i < group.size(); ++i)
         if (group[i] != 0) {
           result.slope_deg.row(row)[col + i] = slope_deg(gradient[i]);

@@ -43,7 +43,7 @@ class ContactPlanes {
     AtPlaces<double> steepest{};
     for (std::size_t half = 0; half < kPlaces / hn::MaxLanes(D()); ++half) {
       const std::size_t lane = half * hn::MaxLanes(D());
-      V most = hn::Zero(D());
+      V maximum = hn::Zero(D());
       std::size_t plane = 0;
       for (const PadOffsets& pads : in_.lander.yaws) {
         std::array<V, 4> height;
@@ -53,20 +53,20 @@ class ContactPlanes {
               D(), in_.pad_heights.at(row + pad.rows, col + pad.cols + static_cast<std::int64_t>(lane)));
         }
         if (in_.lander.legs == 4) {
-          StandOnFour(pads[0], height, lane, plane, most);
+          StandOnFour(pads[0], height, lane, plane, maximum);
           plane += 2;
         } else {
-          StandOnThree(pads, height, lane, plane++, most);
+          StandOnThree(pads, height, lane, plane++, maximum);
         }
       }
-      hn::StoreU(most, D(), steepest.data() + lane);
+      hn::StoreU(maximum, D(), steepest.data() + lane);
     }
     return steepest;
   }
 
  private:
   void StandOnThree(const PadOffsets& pads, const std::array<V, 4>& height, std::size_t lane,
-                    std::size_t plane, V& most) {
+                    std::size_t plane, V& maximum) {
     const auto x = [&](std::size_t leg) { return static_cast<double>(pads[leg].cols - pads[0].cols); };
     const auto y = [&](std::size_t leg) { return static_cast<double>(pads[leg].rows - pads[0].rows); };
     const V per_determinant = constant(1 / (x(1) * y(2) - x(2) * y(1)));
@@ -78,12 +78,12 @@ class ContactPlanes {
         hn::Mul(hn::Sub(hn::Mul(rise_2, constant(x(1))), hn::Mul(rise_1, constant(x(2)))), per_determinant);
     const V to_centre = hn::Add(hn::Mul(east, constant(static_cast<double>(pads[0].cols))),
                                 hn::Mul(north, constant(static_cast<double>(pads[0].rows))));
-    Store(east, north, hn::Sub(height[0], to_centre), lane, plane, most);
+    Store(east, north, hn::Sub(height[0], to_centre), lane, plane, maximum);
   }
 
   /// Two planes. Leg 1 is leg 0 turned by a quarter; the legs opposite lie opposite.
   void StandOnFour(const BinOffset& pad, const std::array<V, 4>& height, std::size_t lane, std::size_t plane,
-                   V& most) {
+                   V& maximum) {
     const V half = constant(0.5);
     const V x = constant(static_cast<double>(pad.cols));
     const V y = constant(static_cast<double>(pad.rows));
@@ -102,13 +102,13 @@ class ContactPlanes {
           hn::IfThenElse(on_02, way == 0 ? hn::Sub(height[1], centre) : hn::Sub(centre, height[3]), along_13);
       const V east = hn::Mul(hn::Sub(hn::Mul(to_0, x), hn::Mul(to_1, y)), per_square);
       const V north = hn::Mul(hn::Add(hn::Mul(to_0, y), hn::Mul(to_1, x)), per_square);
-      Store(east, north, centre, lane, plane + way, most);
+      Store(east, north, centre, lane, plane + way, maximum);
     }
   }
 
-  void Store(V east, V north, V height, std::size_t lane, std::size_t plane, V& most) {
+  void Store(V east, V north, V height, std::size_t lane, std::size_t plane, V& maximum) {
     const V square = hn::Add(hn::Mul(east, east), hn::Mul(north, north));
-    most = hn::Max(most, square);
+    maximum = hn::Max(maximum, square);
     Plane& p = planes_[plane];
     hn::StoreU(east, D(), p.east.data() + lane);
     hn::StoreU(north, D(), p.north.data() + lane);

@@ -85,7 +85,7 @@ class ContactRoughness {
         body_(input.lander.body),
         planes_(planes),
         rough_planes_((planes.size() + kPlanesAtOnce - 1) / kPlanesAtOnce * kPlanesAtOnce),
-        most_(rough_planes_.size()),
+        max_(rough_planes_.size()),
         rises_(static_cast<std::size_t>(2 * body_.half_bins() + 1) * kPlanesAtOnce),
         patch_pitch_((static_cast<std::size_t>(2 * body_.half_bins()) / kPlaces + 2) * kPlaces),
         patch_(patch_pitch_ * static_cast<std::size_t>(2 * body_.half_bins() + 1)),
@@ -125,7 +125,7 @@ class ContactRoughness {
     const std::int64_t reach = body_.half_bins();
     const V east = constant(trend.east);
     const VF missing = hn::Set(f, -std::numeric_limits<float>::infinity());
-    VF most = hn::Zero(f);
+    VF maximum = hn::Zero(f);
     for (std::int64_t r = -reach; r <= reach; ++r) {
       const double* const from = in_.z.at(row + r, col - reach);
       float* const to = &patch_[static_cast<std::size_t>(r + reach) * patch_pitch_];
@@ -139,10 +139,10 @@ class ContactRoughness {
         const VF z = hn::LoadU(f, to + c);
         const MF is_known = hn::Eq(z, z);
         hn::StoreU(hn::IfThenElse(is_known, z, missing), f, to + c);
-        most = hn::IfThenElse(is_known, hn::Max(hn::Abs(z), most), most);
+        maximum = hn::IfThenElse(is_known, hn::Max(hn::Abs(z), maximum), maximum);
       }
     }
-    return hn::GetLane(hn::MaxOfLanes(f, most));
+    return hn::GetLane(hn::MaxOfLanes(f, maximum));
   }
 
   /// The highest bin of each tile.
@@ -165,7 +165,7 @@ class ContactRoughness {
     const hn::Rebind<float, D> half;
     const double cell = in_.lander.resolution_m * in_.lander.resolution_m;
     const VF reach = hn::Set(f, static_cast<float>(body_.half_bins() + kSide));
-    VF most = hn::Zero(f);
+    VF maximum = hn::Zero(f);
     for (std::size_t plane = 0; plane < rough_planes_.size(); ++plane) {
       const Plane& exact = planes_[std::min(plane, planes_.size() - 1)];
       const Plane& before = planes_[std::min(std::max<std::size_t>(plane, 1), planes_.size()) - 1];
@@ -191,7 +191,7 @@ class ContactRoughness {
                 rough.cosine.data());
       const VF gradient =
           hn::Add(hn::Abs(hn::Load(f, rough.east.data())), hn::Abs(hn::Load(f, rough.north.data())));
-      most = hn::Max(most, hn::MulAdd(gradient, reach, hn::Abs(hn::Load(f, rough.height.data()))));
+      maximum = hn::Max(maximum, hn::MulAdd(gradient, reach, hn::Abs(hn::Load(f, rough.height.data()))));
       if (is_again && plane > 0)
         for (std::size_t k = 0; k < kPlaces; ++k)
           if (exact.east[k] == before.east[k] && exact.north[k] == before.north[k] &&
@@ -199,7 +199,7 @@ class ContactRoughness {
             rough.height[k] = std::numeric_limits<float>::infinity();
     }
     alignas(64) AtPlaces<float> at_edge;
-    hn::Store(most, f, at_edge.data());
+    hn::Store(maximum, f, at_edge.data());
     float largest = 0;
     for (std::size_t k = 0; k < kPlaces; ++k)
       if (is_wanted[k] != 0) largest = std::max(largest, at_edge[k]);
@@ -255,9 +255,10 @@ class ContactRoughness {
       all5 = hn::Max(all5, hn::NegMulAdd(hn::Load(f, p[5].north.data()), north, m5));
     }
     const auto store = [&](std::size_t i, VF highest) {
-      const VF most = RoughnessAt(hn::Add(highest, Fall(p[i])), p[i]);
+      const VF maximum = RoughnessAt(hn::Add(highest, Fall(p[i])), p[i]);
       // Beyond float a plane is a candidate.
-      hn::Store(hn::IfThenElse(hn::Eq(most, most), most, hn::Neg(lowest)), f, most_[plane + i].data());
+      hn::Store(hn::IfThenElse(hn::Eq(maximum, maximum), maximum, hn::Neg(lowest)), f,
+                max_[plane + i].data());
     };
     store(0, all0);
     store(1, all1);
@@ -301,15 +302,15 @@ class ContactRoughness {
     alignas(64) AtPlaces<double> roughness;
     roughness.fill(-std::numeric_limits<double>::infinity());
     for (std::size_t taken = 0; taken < planes_.size(); ++taken) {
-      VF most = lowest;
+      VF maximum = lowest;
       VF plane = hn::Zero(f);
       for (std::size_t i = 0; i < planes_.size(); ++i) {
-        const VF bound = hn::Load(f, most_[i].data());
-        const MF is_more = hn::Gt(bound, most);
-        most = hn::IfThenElse(is_more, bound, most);
+        const VF bound = hn::Load(f, max_[i].data());
+        const MF is_more = hn::Gt(bound, maximum);
+        maximum = hn::IfThenElse(is_more, bound, maximum);
         plane = hn::IfThenElse(is_more, hn::Set(f, static_cast<float>(i)), plane);
       }
-      if (hn::AllTrue(f, hn::Or(is_done, hn::Lt(most, needed)))) break;
+      if (hn::AllTrue(f, hn::Or(is_done, hn::Lt(maximum, needed)))) break;
       alignas(64) AtPlaces<float> number;
       hn::Store(plane, f, number.data());
       Plane exact;
@@ -323,7 +324,7 @@ class ContactRoughness {
         rough.north[k] = rough_planes_[i].north[k];
         rough.height[k] = rough_planes_[i].height[k];
         rough.cosine[k] = rough_planes_[i].cosine[k];
-        most_[i][k] = -std::numeric_limits<float>::infinity();
+        max_[i][k] = -std::numeric_limits<float>::infinity();
       }
       if (taken == 0) needed = hn::Sub(AtLeast(rough), error);
       JudgePlane({row, col}, exact, rough, needed, is_done, roughness);
@@ -361,9 +362,9 @@ class ContactRoughness {
                   AtPlaces<double>& roughness) const {
     const D d;
     const F f;
-    const VF least =
+    const VF minimum =
         hn::Add(hn::Div(needed, hn::Load(f, rough.cosine.data())), hn::Load(f, rough.height.data()));
-    const VF min_top = hn::Sub(least, Fall(rough));
+    const VF min_top = hn::Sub(minimum, Fall(rough));
     const auto is_low = [&](VF above, VF lowest) {
       return hn::AllTrue(f, hn::Or(is_done, hn::Lt(above, lowest)));
     };
@@ -374,7 +375,7 @@ class ContactRoughness {
       for (const Tile& tile : tiles) {
         if (is_low(Above(hn::Load(f, (top++)->data()), rough, tile.corner), min_top)) continue;
         for (const Bin& bin : tile.bins)
-          if (!is_low(Above(hn::LoadU(f, &patch_[bin.in_patch]), rough, bin), least))
+          if (!is_low(Above(hn::LoadU(f, &patch_[bin.in_patch]), rough, bin), minimum))
             CompareBin(group, bin.offset, exact, highest);
       }
     for (std::size_t k = 0; k < kPlaces; k += hn::MaxLanes(d)) {
@@ -407,7 +408,7 @@ class ContactRoughness {
   const std::vector<Plane>& planes_;
   std::vector<RoughPlane> rough_planes_;  ///< of planes_, the last one repeated up to whole blocks
   struct alignas(64) Rough : AtPlaces<float> {};
-  std::vector<Rough> most_;   ///< upper bounds of the roughness of rough_planes_
+  std::vector<Rough> max_;    ///< upper bounds of the roughness of rough_planes_
   std::vector<Rough> rises_;  ///< of kPlanesAtOnce planes, eastwards, by column under the body
   std::size_t patch_pitch_;
   std::vector<float> patch_;  ///< elevations under the bodies less the trend

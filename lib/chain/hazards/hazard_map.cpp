@@ -78,7 +78,7 @@ void add_probability(HazardMap& map, HazardInput& input, const HazardParameters&
   const double reach_m =
       static_cast<double>(safe_probability_reach(judge.lander())) * input.z.spec().resolution_m;
   map.p_safe_origin =
-      "share of " + std::to_string(kSafeGrounds) + " grounds drawn from the map and its 1 sigma (" +
+      "share of " + std::to_string(kSafeTerrains) + " grounds drawn from the map and its 1 sigma (" +
       (knows_noise ? "noise and relief apart" : "noise taken from its least values about a place") +
       (knows_centroids ? "; elevations moved from the centroids of the returns to the bins' centres" : "") +
       "), seed " + std::to_string(parameters.seed) + "; a place depends on the bins within " +

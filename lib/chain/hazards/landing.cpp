@@ -12,7 +12,7 @@ namespace landfall {
 namespace {
 
 /// The elevations under a lander that stands at `place`.
-Grid<double> ground_under(const LanderStencil& lander, BinIndex place, const GroundElevation& elevation) {
+Grid<double> terrain_under(const LanderStencil& lander, BinIndex place, const TerrainElevation& elevation) {
   std::int64_t half = lander.body.half_bins();
   for (const BinOffset& pad : lander.yaws.front())
     half = std::max(half, std::max(std::abs(pad.rows), std::abs(pad.cols)) + lander.pad.half_bins());
@@ -27,14 +27,14 @@ Grid<double> ground_under(const LanderStencil& lander, BinIndex place, const Gro
 }  // namespace
 
 Landing judge_landing(const Touchdown& touchdown, const Lander& lander, const HazardLimits& limits,
-                      double resolution_m, const GroundElevation& elevation) {
+                      double resolution_m, const TerrainElevation& elevation) {
   const LanderStencil stencil(lander, resolution_m, touchdown.yaw_deg * (std::numbers::pi / 180));
   const BinIndex place = GridSpec{resolution_m}.bin_of(touchdown.x_m, touchdown.y_m);
-  const Grid<double> z = ground_under(stencil, place, elevation);
+  const Grid<double> z = terrain_under(stencil, place, elevation);
   const BinIndex centre = {(z.spec().rows - 1) / 2, (z.spec().cols - 1) / 2};
   const auto poses = worst_contact_poses(z, stencil, centre);
-  constexpr double kNoGround = std::numeric_limits<double>::quiet_NaN();
-  if (!poses) return {touchdown, kNoGround, kNoGround, false};
+  constexpr double kNoTerrain = std::numeric_limits<double>::quiet_NaN();
+  if (!poses) return {touchdown, kNoTerrain, kNoTerrain, false};
   const double slope_deg = poses->steepest.slope_deg;
   const double roughness_m = poses->roughest.roughness_m;
   return {touchdown, slope_deg, roughness_m,

@@ -25,14 +25,14 @@ struct Landing {
 };
 
 /// H(x, y), NaN off the terrain.
-using GroundElevation = std::function<double(double x_m, double y_m)>;
+using TerrainElevation = std::function<double(double x_m, double y_m)>;
 
 /// Judges a touchdown by the method `contact` in its one yaw: slope and roughness are the largest over the
 /// planes on which the lander may stand. Elevations are those at the integer multiples of resolution_m, and
 /// the lander stands at the nearest of them. Throws UsageError as LanderStencil does.
 [[nodiscard]] Landing judge_landing(const Touchdown& touchdown, const Lander& lander,
                                     const HazardLimits& limits, double resolution_m,
-                                    const GroundElevation& elevation);
+                                    const TerrainElevation& elevation);
 
 /// The errors of one landing.
 struct LandingErrors {

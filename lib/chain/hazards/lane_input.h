@@ -30,7 +30,7 @@ struct BodyInput {
 /// The input of the lanes of measure_plane(). Over the disc sum dc = sum dr = sum dc dr = 0 and sum dc^2 =
 /// sum dr^2.
 struct PlaneInput {
-  BodyInput ground;
+  BodyInput terrain;
   double count;   ///< bins under the body
   double square;  ///< sum dc^2
 };
@@ -44,7 +44,7 @@ struct SampleTriple {
 
 /// The input of the lanes of measure_lmeds().
 struct LmedsInput {
-  BodyInput ground;
+  BodyInput terrain;
   const std::vector<BinOffset>& samples;  ///< an odd number
   const std::vector<SampleTriple>& triples;
 };

@@ -25,29 +25,29 @@ using AtPlaces = std::array<double, kPlaces>;
 constexpr double kMinGain_m = 1e-9;
 
 /// Measures one group of places at a time.
-class LeastMedian {
+class Lmeds {
  public:
-  explicit LeastMedian(const LmedsInput& input)
+  explicit Lmeds(const LmedsInput& input)
       : in_(input), heights_(input.samples.size()), misfits_(heights_.size()), of_place_(heights_.size()) {}
 
   LanePlane Fit(std::int64_t row, std::int64_t col) {
-    const V base = hn::LoadU(D(), in_.ground.z.at(row, col));  // of each place, so that misfits keep digits
+    const V base = hn::LoadU(D(), in_.terrain.z.at(row, col));  // of each place, so that misfits keep digits
     for (std::size_t i = 0; i < heights_.size(); ++i) {
       const BinOffset& bin = in_.samples[i];
-      Store(hn::Sub(hn::LoadU(D(), in_.ground.z.at(row + bin.rows, col + bin.cols)), base), heights_[i]);
+      Store(hn::Sub(hn::LoadU(D(), in_.terrain.z.at(row + bin.rows, col + bin.cols)), base), heights_[i]);
     }
     LanePlane best{hn::Zero(D()), hn::Zero(D()), hn::Zero(D())};
-    V least = constant(std::numeric_limits<double>::infinity());
+    V minimum = constant(std::numeric_limits<double>::infinity());
     for (const SampleTriple& triple : in_.triples) {
       const LanePlane plane = Through(triple);
-      const V below = CountBelow(plane, hn::Sub(least, constant(kMinGain_m)));
+      const V below = CountBelow(plane, hn::Sub(minimum, constant(kMinGain_m)));
       // The median is below where more than half of the misfits are.
       const M is_better = hn::Gt(below, constant(static_cast<double>(heights_.size() / 2)));
       if (hn::AllFalse(D(), is_better)) continue;
       best.east = hn::IfThenElse(is_better, plane.east, best.east);
       best.north = hn::IfThenElse(is_better, plane.north, best.north);
       best.height = hn::IfThenElse(is_better, plane.height, best.height);
-      least = Medians(is_better, least);
+      minimum = Medians(is_better, minimum);
     }
     best.height = hn::Add(best.height, base);
     return best;
@@ -89,11 +89,11 @@ class LeastMedian {
     return count;
   }
 
-  /// The medians of the misfits where `is_better`, else `least`.
-  V Medians(M is_better, V least) {
+  /// The medians of the misfits where `is_better`, else `minimum`.
+  V Medians(M is_better, V minimum) {
     Lanes medians;
     Lanes wanted;
-    Store(least, medians);
+    Store(minimum, medians);
     Store(hn::IfThenElseZero(is_better, constant(1)), wanted);
     const auto middle = of_place_.begin() + static_cast<std::ptrdiff_t>(of_place_.size() / 2);
     for (std::size_t k = 0; k < kPlaces; ++k) {
@@ -112,9 +112,9 @@ class LeastMedian {
 };
 
 void MeasureLmedsRows(const LmedsInput& in, std::int64_t begin, std::int64_t end, PlaceMeasures& result) {
-  LeastMedian median(in);
+  Lmeds median(in);
   MeasureBodyRows(
-      in.ground, begin, end,
+      in.terrain, begin, end,
       [&](std::int64_t row, std::int64_t col) HWY_ATTR { return median.Fit(row, col); }, result);
 }
 
@@ -132,9 +132,9 @@ constexpr std::uint64_t kSeed = 1;
 /// The bins under the body whose row and column are multiples of the stride, row by row.
 std::vector<BinOffset> samples_of(const Footprint& body) {
   const std::int64_t stride = std::max<std::int64_t>(1, body.half_bins() / kStridesPerRadius);
-  const std::int64_t most = body.half_bins() / stride;
+  const std::int64_t maximum = body.half_bins() / stride;
   std::vector<BinOffset> samples;
-  for (std::int64_t row = -most; row <= most; ++row) {
+  for (std::int64_t row = -maximum; row <= maximum; ++row) {
     const std::int64_t width = body.half_width(row * stride) / stride;
     for (std::int64_t col = -width; col <= width; ++col) samples.push_back({row * stride, col * stride});
   }
@@ -143,7 +143,7 @@ std::vector<BinOffset> samples_of(const Footprint& body) {
 
 /// Triples that are not in one line.
 std::vector<SampleTriple> draw_triples(const std::vector<BinOffset>& samples) {
-  const RandomField random(kSeed, RandomStream::least_median);
+  const RandomField random(kSeed, RandomStream::lmeds);
   std::vector<SampleTriple> triples;
   for (std::uint64_t draw = 0; triples.size() < kTriples; ++draw) {
     std::array<std::size_t, 3> chosen{};

@@ -12,11 +12,11 @@ HWY_BEFORE_NAMESPACE();
 namespace landfall::HWY_NAMESPACE {
 
 LanePlane LeastSquares(const PlaneInput& in, std::int64_t row, std::int64_t col) {
-  const V base = hn::LoadU(D(), in.ground.z.at(row, col));  // of each place, so that sums keep their digits
+  const V base = hn::LoadU(D(), in.terrain.z.at(row, col));  // of each place, so that sums keep their digits
   V sum = hn::Zero(D());
   V sum_east = hn::Zero(D());
   V sum_north = hn::Zero(D());
-  ForBody(in.ground, row, col, [&](V r, V c, V z) HWY_ATTR {
+  ForBody(in.terrain, row, col, [&](V r, V c, V z) HWY_ATTR {
     const V dz = hn::Sub(z, base);
     sum = hn::Add(sum, dz);
     sum_east = hn::Add(sum_east, hn::Mul(dz, c));
@@ -28,7 +28,7 @@ LanePlane LeastSquares(const PlaneInput& in, std::int64_t row, std::int64_t col)
 
 void MeasurePlaneRows(const PlaneInput& in, std::int64_t begin, std::int64_t end, PlaceMeasures& result) {
   MeasureBodyRows(
-      in.ground, begin, end,
+      in.terrain, begin, end,
       [&](std::int64_t row, std::int64_t col) HWY_ATTR { return LeastSquares(in, row, col); }, result);
 }
 

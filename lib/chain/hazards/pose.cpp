@@ -71,15 +71,15 @@ void measure(const Grid<double>& z, const Footprint& body, BinIndex place, bool 
   const double s = z.spec().resolution_m;
   const double gradient = portable::hypot(pose.east, pose.north);
   pose.slope_deg = slope_deg(gradient);
-  double most = -std::numeric_limits<double>::infinity();
+  double maximum = -std::numeric_limits<double>::infinity();
   for_bins(body, place, [&](BinIndex bin, double rows, double cols) {
     const double above = z.at(bin) - (pose.centre_z_m + pose.east * (cols * s) + pose.north * (rows * s));
     const double off = either_side ? std::abs(above) : above;
-    if (off <= most) return;
-    most = off;
+    if (off <= maximum) return;
+    maximum = off;
     pose.highest = bin;
   });
-  pose.roughness_m = most / std::sqrt(1 + gradient * gradient);
+  pose.roughness_m = maximum / std::sqrt(1 + gradient * gradient);
 }
 
 /// The pads of a plane; of four legs two planes: the diagonal that is higher on average and one other pad.

@@ -36,9 +36,9 @@ double median_of(std::array<double, 9>& v) {
                                                                        {6, 4},
                                                                        {4, 2}}};
   for (const auto& [a, b] : kExchanges) {
-    const double least = std::min(v[a], v[b]);
+    const double minimum = std::min(v[a], v[b]);
     v[b] = std::max(v[a], v[b]);
-    v[a] = least;
+    v[a] = minimum;
   }
   return v[4];
 }
@@ -60,8 +60,8 @@ Grid<double> medians(const PaddedMap& z, const GridSpec& spec) {
 /// Largest less smallest value in the square window about each bin.
 Grid<double> ranges(const Grid<double>& values, std::int64_t half_bins) {
   Grid<double> result = window_max(values, half_bins);
-  const Grid<double> least = window_min(values, half_bins);
-  for (std::size_t i = 0; i < result.spec().size(); ++i) result.values()[i] -= least.values()[i];
+  const Grid<double> minimum = window_min(values, half_bins);
+  for (std::size_t i = 0; i < result.spec().size(); ++i) result.values()[i] -= minimum.values()[i];
   return result;
 }
 

@@ -13,8 +13,8 @@
 #include "base/raster/by_rows.h"
 #include "base/raster/window_extremes.h"
 #include "base/raster/window_mean.h"
-#include "chain/hazards/ground_posterior.h"
 #include "chain/hazards/reach.h"
+#include "chain/hazards/terrain_posterior.h"
 
 namespace landfall {
 namespace {
@@ -23,7 +23,7 @@ constexpr double kStudentFreedom = 5;
 /// Sigmas beyond which nothing is open: neither the map's own, nor those of the first grounds, where one more
 /// ground would be on the other side of a limit with a probability of kDoubt.
 constexpr double kCertain = 8;
-constexpr std::uint64_t kFirstGrounds = 3;
+constexpr std::uint64_t kFirstTerrains = 3;
 constexpr float kDoubt = 2.46e-4F;  // T(-kCertain)
 constexpr double kMinPooled = 1e-12;
 
@@ -88,15 +88,15 @@ class Moments {
       }
     });
   }
-  /// Student's t of the distance of one more ground to the limit. `grounds` is how many each place was judged
-  /// on, 0 for none. NaN where a value was.
-  [[nodiscard]] double room(double limit, BinIndex place, const Grid<std::int8_t>& grounds) const {
+  /// Student's t of the distance of one more ground to the limit. `terrains` is how many each place was
+  /// judged on, 0 for none. NaN where a value was.
+  [[nodiscard]] double room(double limit, BinIndex place, const Grid<std::int8_t>& terrains) const {
     const double distance = limit - static_cast<double>(mean_.at(place));
-    return distance / std::sqrt(pooled_variance(place, grounds) * (1 + 1.0 / grounds.at(place)));
+    return distance / std::sqrt(pooled_variance(place, terrains) * (1 + 1.0 / terrains.at(place)));
   }
 
  private:
-  [[nodiscard]] double pooled_variance(BinIndex place, const Grid<std::int8_t>& grounds) const {
+  [[nodiscard]] double pooled_variance(BinIndex place, const Grid<std::int8_t>& terrains) const {
     const GridSpec& spec = squares_.spec();
     double sum = 0;
     int freedom = 0;
@@ -105,7 +105,7 @@ class Moments {
       for (std::int64_t col = std::max<std::int64_t>(place.col - half_bins_, 0);
            col <= std::min(place.col + half_bins_, spec.cols - 1); ++col) {
         const auto square = static_cast<double>(squares_.at({row, col}));
-        const int count = grounds.at({row, col});
+        const int count = terrains.at({row, col});
         if (count < 2 || std::isnan(square)) continue;
         sum += square;
         freedom += count - 1;
@@ -129,9 +129,9 @@ std::int64_t lander_half_bins(const LanderStencil& lander) {
 }
 
 /// The least doubt that the bins under the lander leave (see the header).
-float least_doubt(std::int64_t known_bins) {
-  return std::max(kDoubt,
-                  1 / static_cast<float>(std::int64_t{kSafeGrounds} * std::max<std::int64_t>(known_bins, 1)));
+float min_doubt(std::int64_t known_bins) {
+  return std::max(
+      kDoubt, 1 / static_cast<float>(std::int64_t{kSafeTerrains} * std::max<std::int64_t>(known_bins, 1)));
 }
 
 /// Bounds P by the evidence of each place.
@@ -148,7 +148,7 @@ SafeProbability capped(Grid<float> p, const BinMask& known, const LanderStencil&
   SafeProbability result{std::move(p), BinMask(spec)};
   for (std::size_t i = 0; i < spec.size(); ++i) {
     float& value = result.p.values()[i];
-    const float cap = 1 - least_doubt(counts.spec().size() > 0 ? counts.values()[i] : all);
+    const float cap = 1 - min_doubt(counts.spec().size() > 0 ? counts.values()[i] : all);
     if (std::isnan(value)) continue;
     result.cap = std::max(result.cap, cap);
     result.capped.values()[i] = value >= cap ? 1 : 0;
@@ -167,13 +167,13 @@ SafeProbability safe_probability(MapEvidence map, const LanderStencil& lander, c
   for (std::size_t i = 0; i < spec.size(); ++i)
     known.values()[i] = std::isnan(map.sigma.noise_m.values()[i]) ? 0 : 1;
   if (count_set(sorted.open) == 0) return capped(std::move(sorted.p), known, lander);
-  const GroundPosterior posterior(map.z, map.sigma.noise_m, map.seed,
-                                  std::exchange(map.centroids, std::nullopt));
+  const TerrainPosterior posterior(map.z, map.sigma.noise_m, map.seed,
+                                   std::exchange(map.centroids, std::nullopt));
   map.sigma = {};  // makes room
   const std::int64_t pooled = lander.pad.half_bins() + 1;
   Moments slope(spec, pooled);
   Moments roughness(spec, pooled);
-  Grid<std::int8_t> grounds(spec);
+  Grid<std::int8_t> terrains(spec);
   const auto each_open = [&](const auto& work) {
     by_rows(spec, [&](std::int64_t row) {
       for (std::int64_t col = 0; col < spec.cols; ++col)
@@ -181,18 +181,18 @@ SafeProbability safe_probability(MapEvidence map, const LanderStencil& lander, c
     });
   };
   const auto count = [&](std::uint64_t k) {
-    each_open([&](BinIndex place) { grounds.at(place) = static_cast<std::int8_t>(k); });
+    each_open([&](BinIndex place) { terrains.at(place) = static_cast<std::int8_t>(k); });
   };
-  for (std::uint64_t k = 1; k <= kSafeGrounds; ++k) {
+  for (std::uint64_t k = 1; k <= kSafeTerrains; ++k) {
     const PlaceMeasures found = measure(posterior.draw(k), sorted.open);
     slope.add(found.slope_deg, sorted.open, static_cast<double>(k));
     roughness.add(found.roughness_m, sorted.open, static_cast<double>(k));
     count(k);
-    if (k != kFirstGrounds) continue;
+    if (k != kFirstTerrains) continue;
     BinMask clear(spec);
     each_open([&](BinIndex place) {
-      const double steep = slope.room(limits.slope_deg, place, grounds);
-      const double rough = roughness.room(limits.roughness_m, place, grounds);
+      const double steep = slope.room(limits.slope_deg, place, terrains);
+      const double rough = roughness.room(limits.roughness_m, place, terrains);
       const bool is_safe = steep > kCertain && rough > kCertain;
       clear.at(place) = is_safe || steep < -kCertain || rough < -kCertain ? 1 : 0;
       if (clear.at(place) != 0) sorted.p.at(place) = is_safe ? 1 - kDoubt : kDoubt;
@@ -200,14 +200,14 @@ SafeProbability safe_probability(MapEvidence map, const LanderStencil& lander, c
     each_open([&](BinIndex place) { sorted.open.at(place) = clear.at(place) != 0 ? 0 : 1; });
   }
   each_open([&](BinIndex place) {
-    sorted.p.at(place) = static_cast<float>(student(slope.room(limits.slope_deg, place, grounds)) *
-                                            student(roughness.room(limits.roughness_m, place, grounds)));
+    sorted.p.at(place) = static_cast<float>(student(slope.room(limits.slope_deg, place, terrains)) *
+                                            student(roughness.room(limits.roughness_m, place, terrains)));
   });
   return capped(std::move(sorted.p), known, lander);
 }
 
 std::int64_t safe_probability_reach(const LanderStencil& lander) {
-  return GroundPosterior::reach_bins(lander.resolution_m) + lander_half_bins(lander) +
+  return TerrainPosterior::reach_bins(lander.resolution_m) + lander_half_bins(lander) +
          lander.pad.half_bins() + 1;
 }
 

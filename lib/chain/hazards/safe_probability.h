@@ -16,7 +16,7 @@ namespace landfall {
 using MeasurePlaces = std::function<PlaceMeasures(const Grid<double>& z, const BinMask& places)>;
 
 /// The number of grounds that p_safe is computed from.
-inline constexpr std::uint64_t kSafeGrounds = 8;
+inline constexpr std::uint64_t kSafeTerrains = 8;
 
 /// A map, and what safe_probability() needs to know of it.
 struct MapEvidence {
@@ -36,7 +36,7 @@ struct SafeProbability {
 };
 
 /// The probability that the true ground of each place of the region is within the limits, given the map and
-/// its 1 sigma: of all grounds that may lie under the map (ground_posterior.h), the share on which the place
+/// its 1 sigma: of all grounds that may lie under the map (terrain_posterior.h), the share on which the place
 /// is safe. Eight of them are measured. With the mean m of the distance to a limit and its standard deviation
 /// s, pooled over the places within a pad and a bin,
 ///   P = T(m / (s sqrt(1 + 1/8))) for slope, times the same for roughness,

@@ -31,7 +31,7 @@ class SiteSearch {
                                   std::min(tile_bins, map.cols - col)),
                           std::nullopt});
     for (SearchTile& tile : tiles_)
-      if (is_reached(tile.part)) look_again(tile);
+      if (is_reached(tile.part)) search_again(tile);
   }
 
   /// The best place that is apart from all before.
@@ -44,7 +44,7 @@ class SiteSearch {
       const bool fits = std::ranges::all_of(
           sites_, [&](BinIndex site) { return is_apart(spec(), found.bin, site, parameters_); });
       if (fits) sites_.push_back(found.bin);
-      look_again(*best);
+      search_again(*best);
       if (fits) return found;
     }
   }
@@ -67,8 +67,9 @@ class SiteSearch {
   /// The part with the bins that count in its p_touchdown.
   [[nodiscard]] GridSpec widened(const GridSpec& part) const {
     const double reach_m = touchdown_reach_m(places_.touchdown_sigma_m);
-    const double most = static_cast<double>(std::max(spec().rows, spec().cols));
-    const auto reach = static_cast<std::int64_t>(std::min(std::floor(reach_m / part.resolution_m) + 1, most));
+    const double maximum = static_cast<double>(std::max(spec().rows, spec().cols));
+    const auto reach =
+        static_cast<std::int64_t>(std::min(std::floor(reach_m / part.resolution_m) + 1, maximum));
     const BinIndex first = seen_from(part, spec(), {0, 0});
     const BinIndex from{std::max<std::int64_t>(first.row - reach, 0),
                         std::max<std::int64_t>(first.col - reach, 0)};
@@ -86,7 +87,7 @@ class SiteSearch {
                    part);
   }
 
-  void look_again(SearchTile& tile) const {
+  void search_again(SearchTile& tile) const {
     const Grid<float> p = touchdown(tile.part);
     std::vector<BinIndex> sites;
     for (const BinIndex site : sites_) sites.push_back(seen_from(spec(), tile.part, site));
@@ -119,19 +120,19 @@ std::vector<FoundSite> find_sites(const JudgedPlaces& places, const SiteParamete
 
 std::optional<float> distance_to_hazard_at(const JudgedPlaces& places, BinIndex bin) {
   const GridSpec& spec = places.safe.spec();
-  std::int64_t least = kNoValidBin;
-  const auto look_at = [&](BinIndex at, std::int64_t squared) {
-    if (squared < least && spec.contains(at) && places.region.at(at) != 0 &&
+  std::int64_t minimum = kNoValidBin;
+  const auto try_bin = [&](BinIndex at, std::int64_t squared) {
+    if (squared < minimum && spec.contains(at) && places.region.at(at) != 0 &&
         places.safe.at(at) != static_cast<std::int8_t>(Safety::safe))
-      least = squared;
+      minimum = squared;
   };
-  for (std::int64_t rows = 0; rows < spec.rows && rows * rows < least; ++rows)
-    for (std::int64_t cols = 0; cols < spec.cols && rows * rows + cols * cols < least; ++cols)
+  for (std::int64_t rows = 0; rows < spec.rows && rows * rows < minimum; ++rows)
+    for (std::int64_t cols = 0; cols < spec.cols && rows * rows + cols * cols < minimum; ++cols)
       for (const std::int64_t row : {bin.row - rows, bin.row + rows})
         for (const std::int64_t col : {bin.col - cols, bin.col + cols})
-          look_at({row, col}, rows * rows + cols * cols);
-  if (least == kNoValidBin) return std::nullopt;
-  return static_cast<float>(bins_apart(least) * spec.resolution_m);
+          try_bin({row, col}, rows * rows + cols * cols);
+  if (minimum == kNoValidBin) return std::nullopt;
+  return static_cast<float>(bins_apart(minimum) * spec.resolution_m);
 }
 
 }  // namespace landfall

@@ -41,7 +41,7 @@ class ClDraws final : public DeviceDraws {
         values_(program_, "values") {
     scene_ = work_.copied(std::span(&scene, 1));
     truth_ = work_.copied(truth);
-    believed_ = work_.buffer(truth.size_bytes());
+    estimated_ = work_.buffer(truth.size_bytes());
     errors_ = work_.buffer(sizeof(DeviceErrors));
     dead_ = work_.buffer(pixels_);
     sums_ = work_.buffer(kBinSumBytes * bins_);
@@ -64,13 +64,13 @@ class ClDraws final : public DeviceDraws {
 
   void clear_pulses() override { chunks_.clear(); }
 
-  void draw(const DeviceErrors& errors, std::span<const DevicePose> believed,
+  void draw(const DeviceErrors& errors, std::span<const DevicePose> estimated,
             std::span<const std::int8_t> dead) override {
     on_device(description_.name, "draw errors", [&] {
       const FinishesQueue finishes(work_.queue());
       make_room(errors.weights == DeviceWeights::four ? 4 : 1);
       work_.write(errors_, std::span(&errors, 1));
-      work_.write(believed_, believed);
+      work_.write(estimated_, estimated);
       work_.write(dead_, dead);
       work_.launch(clear_, bins_, sums_, counts_, listed_, cl_uint(bins_));
       for (const Chunk& chunk : chunks_) add(chunk);
@@ -104,22 +104,22 @@ class ClDraws final : public DeviceDraws {
  private:
   /// Memory for the points of the largest chunk, each listed up to `bins_of_point` times.
   void make_room(std::size_t bins_of_point) {
-    std::size_t most = 0;
-    for (const Chunk& chunk : chunks_) most = std::max(most, chunk.count);
-    if (points_room_ < most) {
-      points_ = work_.buffer(kPointBytes * most);
-      points_room_ = most;
+    std::size_t maximum = 0;
+    for (const Chunk& chunk : chunks_) maximum = std::max(maximum, chunk.count);
+    if (points_room_ < maximum) {
+      points_ = work_.buffer(kPointBytes * maximum);
+      points_room_ = maximum;
     }
-    if (list_room_ < bins_of_point * most) {
-      list_ = work_.buffer(sizeof(cl_uint) * bins_of_point * most);
-      list_room_ = bins_of_point * most;
+    if (list_room_ < bins_of_point * maximum) {
+      list_ = work_.buffer(sizeof(cl_uint) * bins_of_point * maximum);
+      list_room_ = bins_of_point * maximum;
     }
   }
 
   void add(const Chunk& chunk) {
     const auto count = static_cast<cl_uint>(chunk.count);
     const auto bins = static_cast<cl_uint>(bins_);
-    work_.launch(place_, chunk.count, scene_, errors_, chunk.beams, truth_, believed_, dead_, points_,
+    work_.launch(place_, chunk.count, scene_, errors_, chunk.beams, truth_, estimated_, dead_, points_,
                  counts_, cl_ulong{chunk.first_pulse}, count);
     work_.launch(allot_, bins_, counts_, begins_, ends_, listed_, bins);
     work_.launch(scatter_, chunk.count, scene_, errors_, points_, ends_, list_, count);
@@ -131,7 +131,7 @@ class ClDraws final : public DeviceDraws {
   ClWork work_;
   cl::Program program_;
   cl::Kernel clear_, place_, allot_, scatter_, add_, values_;
-  cl::Buffer scene_, truth_, believed_, errors_, dead_;
+  cl::Buffer scene_, truth_, estimated_, errors_, dead_;
   cl::Buffer sums_, counts_, begins_, ends_, listed_, layers_;
   cl::Buffer points_, list_;
   std::size_t points_room_ = 0, list_room_ = 0;

@@ -111,10 +111,10 @@ class DeviceDraws {
   virtual void add_pulses(std::span<const DeviceBeam> beams) = 0;
   /// Forgets all beams.
   virtual void clear_pulses() = 0;
-  /// Draws the errors and adds the points to the bins, in the order of the scan. `believed`: one for each
+  /// Draws the errors and adds the points to the bins, in the order of the scan. `estimated`: one for each
   /// pulse; `dead`: one for each pixel. From one thread at a time, as all that follows. Throws DeviceError if
   /// the device fails.
-  virtual void draw(const DeviceErrors& errors, std::span<const DevicePose> believed,
+  virtual void draw(const DeviceErrors& errors, std::span<const DevicePose> estimated,
                     std::span<const std::int8_t> dead) = 0;
   /// The bins of the last draw.
   virtual void read(const DeviceBins& bins) = 0;

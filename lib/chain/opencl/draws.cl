@@ -231,7 +231,7 @@ kernel void clear(global Sums* sums, global uint* counts, global uint* listed, c
 // Computes the points of `count` beams from pulse `first_pulse` on, and counts them in their bins. x_est is NAN without a return.
 // The status of a beam is that of PulseSimulator::report(); a beam that may have no return at all has the range -INFINITY.
 kernel void place(constant Scene* s, constant Errors* e, global const Beam* beams, global const Pose* truth,
-                  global const Pose* believed, global const char* dead, global Point* points, global uint* counts,
+                  global const Pose* estimated, global const char* dead, global Point* points, global uint* counts,
                   const ulong first_pulse, const uint count) {
   const size_t i = get_global_id(0);
   if (i >= count) return;
@@ -256,9 +256,9 @@ kernel void place(constant Scene* s, constant Errors* e, global const Beam* beam
   if (!isnan(said)) {
     double p[3];
     along(beams + i, said, p);
-    point.x_est = coordinate(e->left_rows, believed + pulse, p, 0);
-    point.y_est = coordinate(e->left_rows, believed + pulse, p, 1);
-    point.z_est = coordinate(e->left_rows, believed + pulse, p, 2);
+    point.x_est = coordinate(e->left_rows, estimated + pulse, p, 0);
+    point.y_est = coordinate(e->left_rows, estimated + pulse, p, 1);
+    point.z_est = coordinate(e->left_rows, estimated + pulse, p, 2);
     along(beams + i, isnan(range) ? said : range, p);
     point.x_true = coordinate(e->left_rows, truth + pulse, p, 0);
     point.y_true = coordinate(e->left_rows, truth + pulse, p, 1);

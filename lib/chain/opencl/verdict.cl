@@ -68,7 +68,7 @@ double elevation(constant Surface* s, global const double* nodes, double x, doub
 bool is_unusual(double error) { return fabs(error) > LARGEST_M; }  // not NAN
 
 // z_true and error_of(): `errors` has a layer each for x, y and z, NAN where there is no value.
-kernel void compare(constant Scene* s, constant Surface* ground, constant Rule* rule, global const double* nodes,
+kernel void compare(constant Scene* s, constant Surface* terrain, constant Rule* rule, global const double* nodes,
                     global const double* layers, global const int* counts, global const double* z_true_map, global double* errors,
                     global char* valid, global uchar* flags, global uint* unusual, const uint bins) {
   const size_t bin = get_global_id(0);
@@ -84,8 +84,8 @@ kernel void compare(constant Scene* s, constant Surface* ground, constant Rule* 
   const double y_true = layers[bin + 2 * layer];
   double z_true = NAN;
   if (!is_empty)
-    z_true = rule->at_centroid ? elevation(ground, nodes, x_true, y_true)
-                               : elevation(ground, nodes, x + layers[bin + 3 * layer], y + layers[bin + 4 * layer]);
+    z_true = rule->at_centroid ? elevation(terrain, nodes, x_true, y_true)
+                               : elevation(terrain, nodes, x + layers[bin + 3 * layer], y + layers[bin + 4 * layer]);
   const double e_x = x_true - x;
   const double e_y = y_true - y;
   const double e_z = z_true - z_est;

@@ -29,12 +29,12 @@ class LaneWalk {
  public:
   enum class Start { in_cell, among_cells, among_blocks };
 
-  HWY_INLINE void enter(const WalkGround& ground, const RayChunk& chunk, std::size_t begin,
+  HWY_INLINE void enter(const WalkTerrain& terrain, const RayChunk& chunk, std::size_t begin,
                         const HeightSlab& slab, Start start);
   /// Moves each searching lane one block on, or one rung down. Returns whether any lane is still searching.
-  HWY_INLINE bool step(const WalkGround& ground);
+  HWY_INLINE bool step(const WalkTerrain& terrain);
   /// Tests the cells that the lanes have reached. Returns whether any lane must continue.
-  HWY_INLINE bool look(const WalkGround& ground);
+  HWY_INLINE bool find_range(const WalkTerrain& terrain);
   /// Distances; NaN for a miss, kUndecided where rounding might decide.
   [[nodiscard]] HWY_INLINE V ranges() const { return hn::IfThenElse(missed_, nan(), range_); }
 
@@ -76,35 +76,35 @@ class LaneWalk {
   static HWY_INLINE M off(V position, double low, double high) {
     return hn::Or(hn::Lt(position, constant(low)), hn::Gt(position, constant(high)));
   }
-  static HWY_INLINE M in_grid(const WalkGround& ground, const CellPosition& col, const CellPosition& row) {
-    return hn::Not(hn::Or(off(col.cell, 0, ground.cols - 1), off(row.cell, 0, ground.rows - 1)));
+  static HWY_INLINE M in_grid(const WalkTerrain& terrain, const CellPosition& col, const CellPosition& row) {
+    return hn::Not(hn::Or(off(col.cell, 0, terrain.cols - 1), off(row.cell, 0, terrain.rows - 1)));
   }
   /// Range at which a ray enters the grid's width, -infinity where steep.
   static HWY_INLINE V entrance(const Axis& along, double width);
   static HWY_INLINE void put_on_border(const Axis& along, M comes_over, double width, CellPosition& position);
   /// Moves rays that start beside the grid to where they enter it. Returns which of them certainly miss it.
-  HWY_INLINE M position_at_entrance(const WalkGround& ground, const Axis& x, const Axis& y, CellPosition& col,
-                                    CellPosition& row);
+  HWY_INLINE M position_at_entrance(const WalkTerrain& terrain, const Axis& x, const Axis& y,
+                                    CellPosition& col, CellPosition& row);
   /// Whether a ray certainly ends in the cell where it starts.
   HWY_INLINE M stays(V origin, V speed, const CellPosition& start) const;
   /// Starts where a ray reaches the elevations of the surface, and ends where it has passed them.
-  HWY_INLINE void cut_to_heights(const WalkGround& ground, const RayChunk& chunk, std::size_t begin,
+  HWY_INLINE void cut_to_heights(const WalkTerrain& terrain, const RayChunk& chunk, std::size_t begin,
                                  const HeightSlab& slab);
 
-  static HWY_INLINE V looked_up(const double* table, VI rung) {
+  static HWY_INLINE V looked_up(const double* table, VI level) {
     const D d;
-    if constexpr (hn::MaxLanes(d) == WalkGround::kMaxRungs)
-      return hn::TableLookupLanes(hn::Load(d, table), hn::IndicesFromVec(d, rung));
+    if constexpr (hn::MaxLanes(d) == WalkTerrain::kMaxLevels)
+      return hn::TableLookupLanes(hn::Load(d, table), hn::IndicesFromVec(d, level));
     else
-      return hn::GatherIndex(d, table, rung);
+      return hn::GatherIndex(d, table, level);
   }
   static HWY_INLINE VI index_of(V whole) {
     const hn::Rebind<std::int32_t, D> d32;
     return hn::PromoteTo(Index(), hn::DemoteTo(d32, whole));
   }
 
-  HWY_INLINE V block_bound(const WalkGround& ground, V row, V col) const;
-  HWY_INLINE V range_in_cell(const WalkGround& ground);
+  HWY_INLINE V block_bound(const WalkTerrain& terrain, V row, V col) const;
+  HWY_INLINE V range_in_cell(const WalkTerrain& terrain);
 
   LaneRays rays_;
   V per_dx_, per_dy_, offset_x_, offset_y_, ahead_x_, ahead_y_, behind_x_, behind_y_;  // the members of Axis
@@ -115,7 +115,7 @@ class LaneWalk {
   V side_;        ///< 1 where the ray is assumed above the surface, -1 below: a guess, for speed only
   V side_first_;  ///< where the bounds of that side begin
   M nears_;       ///< approaches the surface on that side
-  VI rung_;
+  VI level_;
   V range_;
   M missed_;
   M searching_;
@@ -148,24 +148,24 @@ HWY_INLINE void LaneWalk::put_on_border(const Axis& along, M comes_over, double 
   position.sure = hn::Or(position.sure, comes_over);
 }
 
-HWY_INLINE M LaneWalk::position_at_entrance(const WalkGround& ground, const Axis& x, const Axis& y,
+HWY_INLINE M LaneWalk::position_at_entrance(const WalkTerrain& terrain, const Axis& x, const Axis& y,
                                             CellPosition& col, CellPosition& row) {
-  const V enters_x = entrance(x, ground.cols);
-  const V enters_y = entrance(y, ground.rows);
+  const V enters_x = entrance(x, terrain.cols);
+  const V enters_y = entrance(y, terrain.rows);
   at_ = hn::Max(at_, hn::Max(enters_x, enters_y));
   col = position(rays_.x, rays_.dx, at_);
   row = position(rays_.y, rays_.dy, at_);
-  const M off_x = hn::AndNot(x.steep, off(col.position, -1, ground.cols + 1));
-  const M off_y = hn::AndNot(y.steep, off(row.position, -1, ground.rows + 1));
+  const M off_x = hn::AndNot(x.steep, off(col.position, -1, terrain.cols + 1));
+  const M off_y = hn::AndNot(y.steep, off(row.position, -1, terrain.rows + 1));
   const M over_x = hn::Eq(at_, enters_x);
   const M over_y = hn::Eq(at_, enters_y);
-  put_on_border(x, over_x, ground.cols, col);
-  put_on_border(y, over_y, ground.rows, row);
+  put_on_border(x, over_x, terrain.cols, col);
+  put_on_border(y, over_y, terrain.rows, row);
   const M corner = hn::And(over_x, over_y);
   col.sure = hn::AndNot(corner, col.sure);
   const M sure = hn::And(col.sure, row.sure);
-  const M beside_x = hn::AndNot(x.steep, off(col.cell, 0, ground.cols - 1));
-  const M beside_y = hn::AndNot(y.steep, off(row.cell, 0, ground.rows - 1));
+  const M beside_x = hn::AndNot(x.steep, off(col.cell, 0, terrain.cols - 1));
+  const M beside_y = hn::AndNot(y.steep, off(row.cell, 0, terrain.rows - 1));
   const M beside = hn::And(sure, hn::Or(hn::Or(beside_x, beside_y), hn::Gt(at_, end_)));
   return hn::Or(beside, hn::AndNot(corner, hn::Or(off_x, off_y)));
 }
@@ -175,14 +175,14 @@ HWY_INLINE M LaneWalk::stays(V origin, V speed, const CellPosition& start) const
   return hn::And(last.sure, hn::Eq(last.cell, start.cell));
 }
 
-HWY_INLINE void LaneWalk::cut_to_heights(const WalkGround& ground, const RayChunk& chunk, std::size_t begin,
+HWY_INLINE void LaneWalk::cut_to_heights(const WalkTerrain& terrain, const RayChunk& chunk, std::size_t begin,
                                          const HeightSlab& slab) {
   const V foot_x = load(chunk.foot_x + begin);
   const V climb = load(chunk.climb + begin);
   const M up = hn::Gt(climb, constant(0));
   const M slanting = hn::Lt(hn::Abs(climb), constant(kLevel));
-  const V lowest = constant(ground.lowest - kSlack_m);
-  const V highest = constant(ground.highest + kSlack_m);
+  const V lowest = constant(terrain.lowest - kSlack_m);
+  const V highest = constant(terrain.highest + kSlack_m);
   const V high = hn::IfThenElse(hn::Eq(foot_x, foot_x), constant(slab.high + kSlack_m), highest);
   const V start_z = hn::IfThenElse(up, lowest, high);
   const V end_z = hn::IfThenElse(up, highest, lowest);
@@ -192,25 +192,25 @@ HWY_INLINE void LaneWalk::cut_to_heights(const WalkGround& ground, const RayChun
   nears_ = hn::Not(up);
 }
 
-HWY_INLINE void LaneWalk::enter(const WalkGround& ground, const RayChunk& chunk, std::size_t begin,
+HWY_INLINE void LaneWalk::enter(const WalkTerrain& terrain, const RayChunk& chunk, std::size_t begin,
                                 const HeightSlab& slab, Start start) {
   rays_ = LaneRays(chunk, begin);
-  const Axis x = axis(rays_.x, rays_.dx, ground.cols);
-  const Axis y = axis(rays_.y, rays_.dy, ground.rows);
+  const Axis x = axis(rays_.x, rays_.dx, terrain.cols);
+  const Axis y = axis(rays_.y, rays_.dy, terrain.rows);
   const V margin = hn::Add(rays_.position_error, hn::Mul(rays_.horizontal_speed, hn::Add(x.error, y.error)));
   middle_ = hn::Sub(constant(0.5), margin);
-  cut_to_heights(ground, chunk, begin, slab);
+  cut_to_heights(terrain, chunk, begin, slab);
   end_ = hn::Min(end_, hn::Min(x.leaves, y.leaves));
 
   CellPosition col = position(rays_.x, rays_.dx, at_);
   CellPosition row = position(rays_.y, rays_.dy, at_);
   const M known = hn::And(hn::Lt(rays_.height_error, constant(kSlack_m / 4)), hn::Gt(middle_, constant(0)));
   const M inside =
-      hn::And(hn::And(col.sure, row.sure), hn::And(in_grid(ground, col, row), hn::Lt(at_, end_)));
+      hn::And(hn::And(col.sure, row.sure), hn::And(in_grid(terrain, col, row), hn::Lt(at_, end_)));
   const M none = hn::And(inside, hn::Not(inside));
   missed_ = none;
-  if (!all(inside)) missed_ = hn::And(known, position_at_entrance(ground, x, y, col, row));
-  M sure = hn::And(hn::And(known, in_grid(ground, col, row)), hn::And(col.sure, row.sure));
+  if (!all(inside)) missed_ = hn::And(known, position_at_entrance(terrain, x, y, col, row));
+  M sure = hn::And(hn::And(known, in_grid(terrain, col, row)), hn::And(col.sure, row.sure));
   // A ray that is too steep for its crossings to be computed must not cross any border.
   if (any(hn::Or(x.steep, y.steep))) {
     sure = hn::And(sure, hn::Or(hn::Not(x.steep), stays(rays_.x, rays_.dx, col)));
@@ -222,7 +222,7 @@ HWY_INLINE void LaneWalk::enter(const WalkGround& ground, const RayChunk& chunk,
   waiting_ = start == Start::in_cell ? active : none;
   col_ = hn::IfThenElseZero(active, col.cell);
   row_ = hn::IfThenElseZero(active, row.cell);
-  rung_ = hn::Set(Index(), start == Start::among_blocks ? std::min(1, ground.top_rung) : 0);
+  level_ = hn::Set(Index(), start == Start::among_blocks ? std::min(1, terrain.top_level) : 0);
   range_ = constant(kUndecided);
   side_ = constant(1);
   side_first_ = constant(0);
@@ -237,19 +237,19 @@ HWY_INLINE void LaneWalk::enter(const WalkGround& ground, const RayChunk& chunk,
 }
 
 /// The elevation bound of the lanes' blocks on the side where the ray is.
-HWY_INLINE V LaneWalk::block_bound(const WalkGround& ground, V row, V col) const {
+HWY_INLINE V LaneWalk::block_bound(const WalkTerrain& terrain, V row, V col) const {
   const D d;
   const hn::Rebind<std::int32_t, D> d32;
   const hn::Rebind<float, D> half;
-  const V first = hn::Add(looked_up(ground.first, rung_), side_first_);
-  const V index = hn::Add(hn::MulAdd(row, looked_up(ground.block_cols, rung_), col), first);
-  return hn::PromoteTo(d, hn::GatherIndex(half, ground.highs, hn::DemoteTo(d32, index)));
+  const V first = hn::Add(looked_up(terrain.first, level_), side_first_);
+  const V index = hn::Add(hn::MulAdd(row, looked_up(terrain.block_cols, level_), col), first);
+  return hn::PromoteTo(d, hn::GatherIndex(half, terrain.highs, hn::DemoteTo(d32, index)));
 }
 
-HWY_INLINE bool LaneWalk::step(const WalkGround& ground) {
+HWY_INLINE bool LaneWalk::step(const WalkTerrain& terrain) {
   const V one = constant(1);
-  const V size = looked_up(ground.size, rung_);
-  const V per_size = looked_up(ground.per_size, rung_);
+  const V size = looked_up(terrain.size, level_);
+  const V per_size = looked_up(terrain.per_size, level_);
   const V block_col = hn::Floor(hn::Mul(col_, per_size));
   const V block_row = hn::Floor(hn::Mul(row_, per_size));
   const V border_col = hn::Add(block_col, ahead_x_);
@@ -262,7 +262,7 @@ HWY_INLINE bool LaneWalk::step(const WalkGround& ground) {
   const V leave = hn::Min(leave_x, leave_y);
 
   const V nearest_z = hn::MulAdd(rays_.dz, hn::IfThenElse(nears_, leave, at_), rays_.z);
-  const V distance = hn::Mul(side_, hn::Sub(nearest_z, block_bound(ground, block_row, block_col)));
+  const V distance = hn::Mul(side_, hn::Sub(nearest_z, block_bound(terrain, block_row, block_col)));
   const M clear = hn::Or(passed_, hn::Gt(distance, constant(4 * kSlack_m)));
   const M go = hn::And(searching_, clear);
   const M stop = hn::AndNot(clear, searching_);
@@ -289,9 +289,9 @@ HWY_INLINE bool LaneWalk::step(const WalkGround& ground) {
   const M finest = hn::Eq(size, one);
   const M sink = hn::AndNot(finest, stop);
   const Index i;
-  const VI higher = hn::Min(hn::Add(rung_, hn::Set(i, 1)), hn::Set(i, ground.top_rung));
-  rung_ = hn::IfThenElse(hn::RebindMask(i, rise), higher, rung_);
-  rung_ = hn::IfThenElse(hn::RebindMask(i, sink), hn::Sub(rung_, hn::Set(i, 1)), rung_);
+  const VI higher = hn::Min(hn::Add(level_, hn::Set(i, 1)), hn::Set(i, terrain.top_level));
+  level_ = hn::IfThenElse(hn::RebindMask(i, rise), higher, level_);
+  level_ = hn::IfThenElse(hn::RebindMask(i, sink), hn::Sub(level_, hn::Set(i, 1)), level_);
   waiting_ = hn::Or(waiting_, hn::And(stop, finest));
   searching_ = hn::Or(on, sink);
   passed_ = hn::AndNot(searching_, passed_);
@@ -299,18 +299,18 @@ HWY_INLINE bool LaneWalk::step(const WalkGround& ground) {
 }
 
 /// Distance to the surface in the lanes' cells; infinite for a miss, NaN where it is not certain.
-HWY_INLINE V LaneWalk::range_in_cell(const WalkGround& ground) {
+HWY_INLINE V LaneWalk::range_in_cell(const WalkTerrain& terrain) {
   const D d;
   const V one = constant(1);
-  const VI node = index_of(hn::Add(hn::Mul(row_, constant(static_cast<double>(ground.node_cols))), col_));
-  const V south_west = hn::GatherIndex(d, ground.nodes, node);
-  const V south_east = hn::GatherIndex(d, ground.nodes + 1, node);
-  const V north_west = hn::GatherIndex(d, ground.nodes + ground.node_cols, node);
-  const V north_east = hn::GatherIndex(d, ground.nodes + ground.node_cols + 1, node);
+  const VI node = index_of(hn::Add(hn::Mul(row_, constant(static_cast<double>(terrain.node_cols))), col_));
+  const V south_west = hn::GatherIndex(d, terrain.nodes, node);
+  const V south_east = hn::GatherIndex(d, terrain.nodes + 1, node);
+  const V north_west = hn::GatherIndex(d, terrain.nodes + terrain.node_cols, node);
+  const V north_east = hn::GatherIndex(d, terrain.nodes + terrain.node_cols + 1, node);
   const V enter_z = hn::Add(rays_.z, hn::Mul(rays_.dz, at_));
   const M below = hn::And(hn::Lt(enter_z, south_west), hn::Lt(enter_z, north_east));
   side_ = hn::IfThenElse(below, constant(-1), constant(1));
-  side_first_ = hn::IfThenElseZero(below, constant(ground.to_lows));
+  side_first_ = hn::IfThenElseZero(below, constant(terrain.to_lows));
   nears_ = hn::Xor(below, hn::Lt(rays_.dz, constant(0)));
   const V x = hn::Sub(rays_.x, col_);
   const V y = hn::Sub(rays_.y, row_);
@@ -322,8 +322,8 @@ HWY_INLINE V LaneWalk::range_in_cell(const WalkGround& ground) {
   return hn::IfThenElse(hn::Eq(lower, lower), nearer, lower);
 }
 
-HWY_INLINE bool LaneWalk::look(const WalkGround& ground) {
-  const V range = range_in_cell(ground);
+HWY_INLINE bool LaneWalk::find_range(const WalkTerrain& terrain) {
+  const V range = range_in_cell(terrain);
   range_ = hn::IfThenElse(hn::And(waiting_, hn::Lt(range, infinity())), range, range_);
   passed_ = hn::And(waiting_, hn::Eq(range, infinity()));
   searching_ = passed_;

@@ -29,15 +29,15 @@ constexpr std::size_t kWalks = 2;
 /// Steps from block to block, after which the lanes still walking are left to PyramidTraversal.
 constexpr int kMaxSteps = 4096;
 
-HWY_INLINE void WalkTogether(const WalkGround& ground, LaneWalk (&walks)[kWalks], bool searching) {
+HWY_INLINE void WalkTogether(const WalkTerrain& terrain, LaneWalk (&walks)[kWalks], bool searching) {
   bool active = true;
   for (int steps = 0; active && steps < kMaxSteps;) {
     for (; searching && steps < kMaxSteps; ++steps) {
       searching = false;
-      for (LaneWalk& walk : walks) searching |= walk.step(ground);
+      for (LaneWalk& walk : walks) searching |= walk.step(terrain);
     }
     active = false;
-    for (LaneWalk& walk : walks) active |= walk.look(ground);
+    for (LaneWalk& walk : walks) active |= walk.find_range(terrain);
     searching = active;
   }
 }
@@ -49,30 +49,31 @@ struct Bundle {
   HeightSlab slab;
 };
 
-void Prepare(const Heightfield& field, const WalkGround& ground, std::span<const Ray> rays, Bundle& bundle) {
+void Prepare(const Heightfield& field, const WalkTerrain& terrain, std::span<const Ray> rays,
+             Bundle& bundle) {
   const std::size_t group = kWalks * hn::Lanes(D());
   bundle.end = (rays.size() + group - 1) / group * group;
   FillChunk(field.frame, rays, bundle.end, bundle.chunk);
-  FillFeet(field.frame.height_m, bundle.end, bundle.chunk);
+  FillEntryPoints(field.frame.height_m, bundle.end, bundle.chunk);
   const ElevationPyramid& pyramid = field.pyramid;
   bundle.slab = lowered(pyramid, bundle.chunk, 0, bundle.end, {pyramid.lowest(), pyramid.highest()});
-  fetch_ground(ground, bundle.chunk, bundle.end, bundle.slab);
+  fetch_terrain(terrain, bundle.chunk, bundle.end, bundle.slab);
 }
 
-void WalkBundle(const Heightfield& field, const WalkGround& ground, Bundle& bundle,
+void WalkBundle(const Heightfield& field, const WalkTerrain& terrain, Bundle& bundle,
                 std::span<double> ranges) {
   RayChunk& chunk = bundle.chunk;
   const std::size_t lanes = hn::Lanes(D());
   const std::size_t group = kWalks * lanes;
   for (std::size_t begin = 0; begin < bundle.end; begin += group) {
     const HeightSlab under = lowered(field.pyramid, chunk, begin, begin + group, bundle.slab);
-    const double way = way_cells(chunk, under);
-    const LaneWalk::Start start = way < kWayInCell_cells ? LaneWalk::Start::in_cell
-                                  : way < 2              ? LaneWalk::Start::among_cells
-                                                         : LaneWalk::Start::among_blocks;
+    const double path = path_cells(chunk, under);
+    const LaneWalk::Start start = path < kPathInCell_cells ? LaneWalk::Start::in_cell
+                                  : path < 2               ? LaneWalk::Start::among_cells
+                                                           : LaneWalk::Start::among_blocks;
     LaneWalk walks[kWalks];
-    for (std::size_t i = 0; i < kWalks; ++i) walks[i].enter(ground, chunk, begin + i * lanes, under, start);
-    WalkTogether(ground, walks, start != LaneWalk::Start::in_cell);
+    for (std::size_t i = 0; i < kWalks; ++i) walks[i].enter(terrain, chunk, begin + i * lanes, under, start);
+    WalkTogether(terrain, walks, start != LaneWalk::Start::in_cell);
     for (std::size_t i = 0; i < kWalks; ++i)
       hn::Store(walks[i].ranges(), D(), chunk.range + begin + i * lanes);
   }
@@ -80,19 +81,19 @@ void WalkBundle(const Heightfield& field, const WalkGround& ground, Bundle& bund
 }
 
 /// Prepares each bundle before the previous one walks: its ground is fetched in the meantime.
-void WalkBundles(const Heightfield& field, const WalkGround& ground, std::span<const Ray> rays,
+void WalkBundles(const Heightfield& field, const WalkTerrain& terrain, std::span<const Ray> rays,
                  std::span<double> ranges) {
   Bundle bundles[2];
   const auto prepare = [&](std::size_t begin) {
     if (begin >= rays.size()) return;
     const std::size_t count = std::min(kChunkRays, rays.size() - begin);
-    Prepare(field, ground, rays.subspan(begin, count), bundles[begin / kChunkRays % 2]);
+    Prepare(field, terrain, rays.subspan(begin, count), bundles[begin / kChunkRays % 2]);
   };
   prepare(0);
   for (std::size_t begin = 0; begin < rays.size(); begin += kChunkRays) {
     prepare(begin + kChunkRays);
     const std::size_t count = std::min(kChunkRays, rays.size() - begin);
-    WalkBundle(field, ground, bundles[begin / kChunkRays % 2], ranges.subspan(begin, count));
+    WalkBundle(field, terrain, bundles[begin / kChunkRays % 2], ranges.subspan(begin, count));
   }
 }
 
@@ -110,7 +111,7 @@ void walk_packets(const Heightfield& field, std::span<const Ray> rays, std::span
     std::fill(ranges.begin(), ranges.end(), kUndecided);
     return;
   }
-  HWY_DYNAMIC_DISPATCH(WalkBundles)(field, WalkGround(field), rays, ranges);
+  HWY_DYNAMIC_DISPATCH(WalkBundles)(field, WalkTerrain(field), rays, ranges);
 }
 
 }  // namespace landfall

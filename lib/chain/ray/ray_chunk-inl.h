@@ -54,7 +54,7 @@ void FillChunk(const GridFrame& frame, std::span<const Ray> rays, std::size_t en
 }
 
 /// For the downward rays among the first `end`: their horizontal position as a linear function of elevation.
-void FillFeet(double height_m, std::size_t end, RayChunk& chunk) {
+void FillEntryPoints(double height_m, std::size_t end, RayChunk& chunk) {
   const D d;
   const V nan = constant(std::numeric_limits<double>::quiet_NaN());
   V greatest = constant(0);
@@ -114,21 +114,21 @@ class CrossedBox {
 };
 
 /// The most cells that a downward ray of the chunk crosses between two elevations.
-HWY_INLINE double way_cells(const RayChunk& chunk, const HeightSlab& slab) {
+HWY_INLINE double path_cells(const RayChunk& chunk, const HeightSlab& slab) {
   return (slab.high - slab.low) * chunk.greatest_slope;
 }
 
 /// Shorter ways begin with a look into the cell where the ray starts.
-constexpr double kWayInCell_cells = 0.5;
+constexpr double kPathInCell_cells = 0.5;
 
 /// Lowers the slab to the surface under rays [begin, end) of the chunk, as long as that saves time.
 HWY_INLINE HeightSlab lowered(const ElevationPyramid& pyramid, const RayChunk& chunk, std::size_t begin,
                               std::size_t end, HeightSlab slab) {
-  constexpr double kShortWay_cells = 1;
+  constexpr double kShortPath_cells = 1;
   double thickness = std::numeric_limits<double>::infinity();
   while (slab.high - slab.low < 0.7 * thickness) {
     thickness = slab.high - slab.low;
-    if (way_cells(chunk, slab) < kShortWay_cells) break;
+    if (path_cells(chunk, slab) < kShortPath_cells) break;
     CrossedBox crossed;
     for (std::size_t i = begin; i < end; i += hn::Lanes(D())) crossed.add(chunk, i, slab);
     const ElevationPyramid::Bounds bounds = pyramid.over(crossed.box());
@@ -150,26 +150,26 @@ HWY_INLINE void fetch(const T* row, std::int64_t first, std::int64_t last) {
 /// Prefetches the nodes that the first `end` rays of the chunk may meet, and the bounds of their cells where
 /// the ways are long enough to look at these. This affects speed only: most pulses reach ground that the
 /// cache does not hold.
-HWY_INLINE void fetch_ground(const WalkGround& ground, const RayChunk& chunk, std::size_t end,
-                             const HeightSlab& slab) {
+HWY_INLINE void fetch_terrain(const WalkTerrain& terrain, const RayChunk& chunk, std::size_t end,
+                              const HeightSlab& slab) {
   constexpr double kMaxCells = 8192;  // 64 kB of nodes, so that they stay cached until they are used
   CrossedBox crossed;
   for (std::size_t i = 0; i < end; i += hn::Lanes(D())) crossed.add(chunk, i, slab);
   const CellBox box = crossed.box();
   const double low_x = std::max(box.low_x, 0.0);
   const double low_y = std::max(box.low_y, 0.0);
-  const double high_x = std::min(box.high_x + 1, ground.cols);
-  const double high_y = std::min(box.high_y + 1, ground.rows);
+  const double high_x = std::min(box.high_x + 1, terrain.cols);
+  const double high_y = std::min(box.high_y + 1, terrain.rows);
   const bool some = low_x <= high_x && low_y <= high_y;
   if (!some || !((high_x - low_x + 1) * (high_y - low_y + 1) < kMaxCells)) return;
   const auto west = static_cast<std::int64_t>(low_x);
   const auto east = static_cast<std::int64_t>(high_x);
   const auto north = static_cast<std::int64_t>(high_y);
-  const auto cell_cols = ground.node_cols - 1;
-  const bool bounds = way_cells(chunk, slab) >= kWayInCell_cells;
+  const auto cell_cols = terrain.node_cols - 1;
+  const bool bounds = path_cells(chunk, slab) >= kPathInCell_cells;
   for (auto row = static_cast<std::int64_t>(low_y); row <= north; ++row) {
-    fetch(ground.nodes + row * ground.node_cols, west, east);
-    if (bounds) fetch(ground.highs + row * cell_cols, west, east);
+    fetch(terrain.nodes + row * terrain.node_cols, west, east);
+    if (bounds) fetch(terrain.highs + row * cell_cols, west, east);
   }
 }
 

@@ -33,8 +33,8 @@ struct HeightSlab {
 
 /// The data that lanes walk over: rungs of square blocks, 4^rung cells wide, up to a single block for the
 /// grid or the last rung that fits.
-struct WalkGround {
-  static constexpr int kMaxRungs = 8;
+struct WalkTerrain {
+  static constexpr int kMaxLevels = 8;
 
   const float* highs;  ///< ElevationPyramid::highs, lows
   double to_lows;      ///< blocks from highs to lows
@@ -42,13 +42,13 @@ struct WalkGround {
   std::int64_t node_cols;
   double rows, cols;  ///< cells
   double lowest, highest;
-  int top_rung = 0;
-  alignas(64) double size[kMaxRungs];        ///< edge of a block, cells
-  alignas(64) double per_size[kMaxRungs];    ///< its inverse
-  alignas(64) double first[kMaxRungs];       ///< first block of each rung, in `highs`
-  alignas(64) double block_cols[kMaxRungs];  ///< columns of blocks of each rung
+  int top_level = 0;
+  alignas(64) double size[kMaxLevels];        ///< edge of a block, cells
+  alignas(64) double per_size[kMaxLevels];    ///< its inverse
+  alignas(64) double first[kMaxLevels];       ///< first block of each rung, in `highs`
+  alignas(64) double block_cols[kMaxLevels];  ///< columns of blocks of each rung
 
-  explicit WalkGround(const Heightfield& field)
+  explicit WalkTerrain(const Heightfield& field)
       : highs(field.pyramid.highs().data()),
         to_lows(static_cast<double>(field.pyramid.lows().data() - field.pyramid.highs().data())),
         nodes(field.terrain.nodes().values().data()),
@@ -57,14 +57,14 @@ struct WalkGround {
         cols(static_cast<double>(field.spec().cols - 1)),
         lowest(field.pyramid.lowest()),
         highest(field.pyramid.highest()) {
-    for (int rung = 0; rung < kMaxRungs; ++rung) {
-      const int level = rung == 0 ? 0 : 2 * rung - 1;
-      if (level < field.pyramid.level_count()) top_rung = rung;
-      const ElevationPyramid::Level& blocks = field.pyramid.level(top_rung == 0 ? 0 : 2 * top_rung - 1);
-      size[rung] = static_cast<double>(std::int64_t{1} << (2 * rung));
-      per_size[rung] = 1 / size[rung];
-      first[rung] = static_cast<double>(blocks.first);
-      block_cols[rung] = static_cast<double>(blocks.cols);
+    for (int level = 0; level < kMaxLevels; ++level) {
+      const int pyramid_level = level == 0 ? 0 : 2 * level - 1;
+      if (pyramid_level < field.pyramid.level_count()) top_level = level;
+      const ElevationPyramid::Level& blocks = field.pyramid.level(top_level == 0 ? 0 : 2 * top_level - 1);
+      size[level] = static_cast<double>(std::int64_t{1} << (2 * level));
+      per_size[level] = 1 / size[level];
+      first[level] = static_cast<double>(blocks.first);
+      block_cols[level] = static_cast<double>(blocks.cols);
     }
   }
 };

@@ -75,9 +75,9 @@ double WatertightRay::edge_on_range(const Triangle& t) const {
 double WatertightRay::range_to(const std::array<Eigen::Vector3d, 3>& corners) const {
   if (!corners[0].allFinite() || !corners[1].allFinite() || !corners[2].allFinite()) return kMiss;
   const Triangle t{sheared(corners[0]), sheared(corners[1]), sheared(corners[2])};
-  const auto [least, greatest] = std::minmax({side(t[1], t[2]), side(t[2], t[0]), side(t[0], t[1])});
-  if (least < 0 && greatest > 0) return kMiss;
-  if (least == 0 && greatest == 0) return edge_on_range(t);
+  const auto [minimum, maximum] = std::minmax({side(t[1], t[2]), side(t[2], t[0]), side(t[0], t[1])});
+  if (minimum < 0 && maximum > 0) return kMiss;
+  if (minimum == 0 && maximum == 0) return edge_on_range(t);
   const auto edge_function = [](const Corner& p, const Corner& q) { return p.x * q.y - p.y * q.x; };
   const Real u = edge_function(t[1], t[2]);
   const Real v = edge_function(t[2], t[0]);

@@ -21,7 +21,7 @@ namespace landfall {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-constexpr GroundBox kEverywhere{-kInfinity, kInfinity, -kInfinity, kInfinity};
+constexpr TerrainBox kEverywhere{-kInfinity, kInfinity, -kInfinity, kInfinity};
 
 /// The range, in metres, in which nodes [begin, end) of an axis with `count` nodes certainly decide.
 std::pair<double, double> certain_range(std::int64_t begin, std::int64_t end, std::int64_t count,
@@ -48,23 +48,23 @@ std::pair<std::int64_t, std::int64_t> tiles_around(double low, double high, std:
 
 }  // namespace
 
-void GroundBox::add(double x_m, double y_m) { add({x_m, x_m, y_m, y_m}); }
+void TerrainBox::add(double x_m, double y_m) { add({x_m, x_m, y_m, y_m}); }
 
-void GroundBox::add(const GroundBox& box) {
+void TerrainBox::add(const TerrainBox& box) {
   low_x = std::min(low_x, box.low_x);
   high_x = std::max(high_x, box.high_x);
   low_y = std::min(low_y, box.low_y);
   high_y = std::max(high_y, box.high_y);
 }
 
-bool GroundBox::contains(const GroundBox& box) const {
+bool TerrainBox::contains(const TerrainBox& box) const {
   return box.empty() ||
          (box.low_x >= low_x && box.high_x <= high_x && box.low_y >= low_y && box.high_y <= high_y);
 }
 
 struct WindowedTerrain::Window {
   GridSpec spec;
-  GroundBox certain;
+  TerrainBox certain;
   std::shared_ptr<const TriangulatedGrid> surface;
   std::unique_ptr<const RayEngine> engine;
 };
@@ -104,10 +104,10 @@ std::shared_ptr<const WindowedTerrain::Window> WindowedTerrain::load(const GridS
   return window;
 }
 
-GridSpec WindowedTerrain::nodes_around(GroundBox box) const {
+GridSpec WindowedTerrain::nodes_around(TerrainBox box) const {
   const GridSpec& whole = terrain_.spec;
   const double s = whole.resolution_m;
-  const GroundBox all{whole.x(0), whole.x(whole.cols - 1), whole.y(0), whole.y(whole.rows - 1)};
+  const TerrainBox all{whole.x(0), whole.x(whole.cols - 1), whole.y(0), whole.y(whole.rows - 1)};
   box = {std::clamp(box.low_x, all.low_x, all.high_x), std::clamp(box.high_x, all.low_x, all.high_x),
          std::clamp(box.low_y, all.low_y, all.high_y), std::clamp(box.high_y, all.low_y, all.high_y)};
   // A margin for later requests, so that windows are loaded less often.
@@ -120,11 +120,11 @@ GridSpec WindowedTerrain::nodes_around(GroundBox box) const {
           cols.second - cols.first};
 }
 
-std::shared_ptr<const WindowedTerrain::Window> WindowedTerrain::holding(const GroundBox& needed) const {
+std::shared_ptr<const WindowedTerrain::Window> WindowedTerrain::holding(const TerrainBox& needed) const {
   const std::lock_guard lock(growing_);
   std::shared_ptr<const Window> window = current();
   if (window && window->certain.contains(needed)) return window;
-  GroundBox box = needed;
+  TerrainBox box = needed;
   if (window) {
     box.add(window->spec.x(0), window->spec.y(0));
     box.add(window->spec.x(window->spec.cols - 1), window->spec.y(window->spec.rows - 1));
@@ -135,11 +135,11 @@ std::shared_ptr<const WindowedTerrain::Window> WindowedTerrain::holding(const Gr
   return window;
 }
 
-void WindowedTerrain::require(const GroundBox& box) const {
+void WindowedTerrain::require(const TerrainBox& box) const {
   if (!box.empty()) static_cast<void>(holding(box));
 }
 
-GroundBox WindowedTerrain::needed_by(const Ray& ray, double range_m) const {
+TerrainBox WindowedTerrain::needed_by(const Ray& ray, double range_m) const {
   const Eigen::Vector3d& o = ray.origin.v;
   const Eigen::Vector3d& d = ray.direction.v;
   if (!o.allFinite() || !d.allFinite()) return {};
@@ -155,7 +155,7 @@ GroundBox WindowedTerrain::needed_by(const Ray& ray, double range_m) const {
   const double leaves_m = d.z() < 0 ? (low_m - o.z()) / d.z() : (high_m - o.z()) / d.z();
   const double ends_m = std::isnan(range_m) ? std::max(enters_m, leaves_m) : range_m;
   if (!std::isfinite(ends_m)) return kEverywhere;
-  GroundBox box;
+  TerrainBox box;
   for (const double t : {enters_m, ends_m}) box.add(o.x() + t * d.x(), o.y() + t * d.y());
   return box;
 }
@@ -164,7 +164,7 @@ void WindowedTerrain::first_hits(std::span<const Ray> rays, std::span<double> ra
   std::fill(ranges.begin(), ranges.end(), std::numeric_limits<double>::quiet_NaN());
   for (std::shared_ptr<const Window> window = current();;) {
     if (window) window->engine->first_hits(rays, ranges);
-    GroundBox needed;
+    TerrainBox needed;
     for (std::size_t i = 0; i < rays.size(); ++i) needed.add(needed_by(rays[i], ranges[i]));
     if (needed.empty() || (window && window->certain.contains(needed))) return;
     window = holding(needed);
@@ -180,7 +180,7 @@ bool WindowedTerrain::off_terrain(double x_m, double y_m) const {
 
 double WindowedTerrain::elevation(double x_m, double y_m) const {
   if (off_terrain(x_m, y_m)) return std::numeric_limits<double>::quiet_NaN();
-  const GroundBox box{x_m, x_m, y_m, y_m};
+  const TerrainBox box{x_m, x_m, y_m, y_m};
   auto window = current();
   if (!window || !window->certain.contains(box)) window = holding(box);
   return window->surface->elevation(x_m, y_m);
@@ -189,7 +189,7 @@ double WindowedTerrain::elevation(double x_m, double y_m) const {
 Eigen::Vector3d WindowedTerrain::normal(const Eigen::Vector3d& point) const {
   if (off_terrain(point.x(), point.y()))
     return Eigen::Vector3d::Constant(std::numeric_limits<double>::quiet_NaN());
-  const GroundBox box{point.x(), point.x(), point.y(), point.y()};
+  const TerrainBox box{point.x(), point.x(), point.y(), point.y()};
   auto window = current();
   if (!window || !window->certain.contains(box)) window = holding(box);
   return window->surface->normal(point);
@@ -197,7 +197,7 @@ Eigen::Vector3d WindowedTerrain::normal(const Eigen::Vector3d& point) const {
 
 void WindowedTerrain::cosines(std::span<const Eigen::Vector3d> points,
                               std::span<const Eigen::Vector3d> directions, std::span<double> out) const {
-  GroundBox box;
+  TerrainBox box;
   for (const Eigen::Vector3d& point : points) {
     if (off_terrain(point.x(), point.y())) return TerrainSurface::cosines(points, directions, out);
     box.add(point.x(), point.y());

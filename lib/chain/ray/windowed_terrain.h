@@ -17,7 +17,7 @@
 namespace landfall {
 
 /// A rectangle of frame D, metres, borders included; empty where low > high.
-struct GroundBox {
+struct TerrainBox {
   double low_x = std::numeric_limits<double>::infinity();
   double high_x = -std::numeric_limits<double>::infinity();
   double low_y = std::numeric_limits<double>::infinity();
@@ -25,9 +25,9 @@ struct GroundBox {
 
   /// Extends the box to hold the point or the other box.
   void add(double x_m, double y_m);
-  void add(const GroundBox& box);
+  void add(const TerrainBox& box);
   [[nodiscard]] bool empty() const { return low_x > high_x || low_y > high_y; }
-  [[nodiscard]] bool contains(const GroundBox& box) const;
+  [[nodiscard]] bool contains(const TerrainBox& box) const;
 };
 
 /// Makes an engine for the surface of a window. An empty function if no rays are traced.
@@ -52,7 +52,7 @@ class WindowedTerrain final : public TerrainSurface, public RayEngine {
   WindowedTerrain(LargeTerrain terrain, EngineMaker make_engine);
 
   /// Extends the window to hold these points, as far as they lie on the terrain.
-  void require(const GroundBox& box) const;
+  void require(const TerrainBox& box) const;
 
   void first_hits(std::span<const Ray> rays, std::span<double> ranges) const override;
   [[nodiscard]] double elevation(double x_m, double y_m) const override;
@@ -69,9 +69,9 @@ class WindowedTerrain final : public TerrainSurface, public RayEngine {
 
   [[nodiscard]] std::shared_ptr<const Window> current() const;
   [[nodiscard]] bool off_terrain(double x_m, double y_m) const;
-  [[nodiscard]] std::shared_ptr<const Window> holding(const GroundBox& needed) const;
-  [[nodiscard]] GroundBox needed_by(const Ray& ray, double range_m) const;
-  [[nodiscard]] GridSpec nodes_around(GroundBox box) const;
+  [[nodiscard]] std::shared_ptr<const Window> holding(const TerrainBox& needed) const;
+  [[nodiscard]] TerrainBox needed_by(const Ray& ray, double range_m) const;
+  [[nodiscard]] GridSpec nodes_around(TerrainBox box) const;
   [[nodiscard]] std::shared_ptr<const Window> load(const GridSpec& spec) const;
 
   LargeTerrain terrain_;

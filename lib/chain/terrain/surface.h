@@ -33,7 +33,7 @@ class TerrainSurface {
   }
 
   /// Whether everything below elevation() is underground, where no lidar can be.
-  [[nodiscard]] virtual bool is_ground_below() const { return true; }
+  [[nodiscard]] virtual bool is_terrain_below() const { return true; }
 
  protected:
   TerrainSurface() = default;

@@ -38,16 +38,18 @@ void validate_base(const DemBase& dem, const std::string& owner) {
   if (dem.horizontal_scale_m) require_positive({owner, "horizontal_scale_m"}, *dem.horizontal_scale_m);
 }
 
-void validate_ground(double albedo, const std::string& owner) { require_fraction({owner, "ground"}, albedo); }
+void validate_surface(double albedo, const std::string& owner) {
+  require_fraction({owner, "ground"}, albedo);
+}
 
-void validate_ground(const AlbedoGradient& gradient, const std::string& owner) {
+void validate_surface(const AlbedoGradient& gradient, const std::string& owner) {
   require_fraction({owner + "/ground", "from"}, gradient.from);
   require_fraction({owner + "/ground", "to"}, gradient.to);
   require_finite({owner + "/ground", "azimuth"}, gradient.azimuth_rad);
   require_positive({owner + "/ground", "length_m"}, gradient.length_m.value_or(1));
 }
 
-void validate_ground(const AlbedoPatches& patches, const std::string& owner) {
+void validate_surface(const AlbedoPatches& patches, const std::string& owner) {
   const std::string ground = owner + "/ground";
   require_fraction({ground, "albedo"}, patches.albedo);
   require_fraction({ground, "albedo_between"}, patches.albedo_between);
@@ -57,14 +59,14 @@ void validate_ground(const AlbedoPatches& patches, const std::string& owner) {
   require(hurst > 0 && hurst < 1, {ground, "hurst_exponent"}, hurst, "in (0, 1)");
 }
 
-void validate_ground(const AlbedoRaster& raster, const std::string& owner) {
+void validate_surface(const AlbedoRaster& raster, const std::string& owner) {
   validate_base(raster.raster, owner + "/ground");
   require_finite({owner + "/ground", "scale"}, raster.scale);
   require_finite({owner + "/ground", "offset"}, raster.offset);
 }
 
 void validate_albedo(const AlbedoModel& albedo) {
-  std::visit([](const auto& ground) { validate_ground(ground, "albedo"); }, albedo.ground);
+  std::visit([](const auto& ground) { validate_surface(ground, "albedo"); }, albedo.ground);
   for (std::size_t kind = 0; kind < albedo.of_kind.size(); ++kind)
     require_fraction({"albedo/features", feature_kinds()[kind]}, albedo.of_kind[kind].value_or(0));
 }

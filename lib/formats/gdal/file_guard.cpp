@@ -129,7 +129,7 @@ class GuardedFiles final : public VSIFilesystemHandler {
   int Unlink(const char* name) override { return files_.Unlink(name); }
   int Mkdir(const char* name, long mode) override { return files_.Mkdir(name, mode); }
   int Rmdir(const char* name) override { return files_.Rmdir(name); }
-  char** ReadDirEx(const char* name, int most) override { return files_.ReadDirEx(name, most); }
+  char** ReadDirEx(const char* name, int maximum) override { return files_.ReadDirEx(name, maximum); }
   char** SiblingFiles(const char* name) override { return files_.SiblingFiles(name); }
   int Rename(const char* from, const char* to) override { return files_.Rename(from, to); }
   int IsCaseSensitive(const char* name) override { return files_.IsCaseSensitive(name); }

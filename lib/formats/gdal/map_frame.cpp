@@ -18,7 +18,7 @@
 namespace landfall {
 namespace {
 
-using SiteToGround = std::function<LonLat(const SitePoint&)>;
+using SiteToLonLat = std::function<LonLat(const SitePoint&)>;
 using SiteToMap = std::function<MapPoint(const SitePoint&)>;
 
 constexpr double kRadians = std::numbers::pi / 180;
@@ -44,7 +44,7 @@ void describe(MapFrame& frame, const OGRSpatialReference& crs) {
 }
 
 /// Longitudes and latitudes under the points of an orthographic site; none for another site.
-std::optional<SiteToGround> ground_of(const OGRSpatialReference& site) {
+std::optional<SiteToLonLat> lon_lat_of_site(const OGRSpatialReference& site) {
   const char* const method = site.GetAttrValue("PROJECTION");
   if (method == nullptr || !EQUAL(method, SRS_PT_ORTHOGRAPHIC)) return std::nullopt;
   const LonLat center{site.GetNormProjParm(SRS_PP_CENTRAL_MERIDIAN) * kRadians,
@@ -55,9 +55,9 @@ std::optional<SiteToGround> ground_of(const OGRSpatialReference& site) {
   };
 }
 
-SiteToMap degrees_of(const SiteToGround& ground, const OGRSpatialReference& geographic) {
-  return [ground, radians = geographic.GetAngularUnits()](const SitePoint& point) {
-    const LonLat at = ground(point);
+SiteToMap degrees_of(const SiteToLonLat& lon_lat, const OGRSpatialReference& geographic) {
+  return [lon_lat, radians = geographic.GetAngularUnits()](const SitePoint& point) {
+    const LonLat at = lon_lat(point);
     return MapPoint{at.lon_rad / radians, at.lat_rad / radians};
   };
 }
@@ -73,27 +73,27 @@ std::optional<MapFrame> in_named_map(const OGRSpatialReference& site, const MapP
   frame.center = {place.center[0], place.center[1]};
   if (std::isfinite(place.center[2])) frame.center_height = place.center[2];
   if (place.metres_per_unit > 0) return frame;
-  const auto ground = ground_of(site);
+  const auto lon_lat = lon_lat_of_site(site);
   const std::optional<MapProjection> to = MapProjection::of(map);
-  if (!ground || (!frame.is_geographic && !to)) return std::nullopt;
+  if (!lon_lat || (!frame.is_geographic && !to)) return std::nullopt;
   if (frame.is_geographic)
-    frame.map_point = degrees_of(*ground, map);
+    frame.map_point = degrees_of(*lon_lat, map);
   else
-    frame.map_point = [ground = *ground, to = *to](const SitePoint& point) {
-      return to.map_point(ground(point));
+    frame.map_point = [lon_lat = *lon_lat, to = *to](const SitePoint& point) {
+      return to.map_point(lon_lat(point));
     };
   return frame;
 }
 
 /// Longitude and latitude on the site's own body.
 std::optional<MapFrame> in_degrees(const OGRSpatialReference& site) {
-  const auto ground = ground_of(site);
+  const auto lon_lat = lon_lat_of_site(site);
   const std::unique_ptr<OGRSpatialReference> geographic(site.CloneGeogCS());
-  if (!ground || !geographic) return std::nullopt;
+  if (!lon_lat || !geographic) return std::nullopt;
   MapFrame frame;
   frame.is_geographic = true;
   describe(frame, *geographic);
-  frame.map_point = degrees_of(*ground, *geographic);
+  frame.map_point = degrees_of(*lon_lat, *geographic);
   frame.center = frame.map_point({0, 0});
   return frame;
 }

@@ -56,13 +56,13 @@ std::vector<MapPosition> map_positions_of(const std::string& site_wkt, const std
   const std::optional<MapProjection> to_map = map ? MapProjection::of(*map) : std::nullopt;
   const double metres_per_unit = map ? map->GetLinearUnits() : 1;
   for (std::size_t i = 0; i < points.size(); ++i) {
-    const LonLat ground = projection->ground({points[i].x_m, points[i].y_m});
+    const LonLat lon_lat = projection->lon_lat({points[i].x_m, points[i].y_m});
     MapPosition& position = positions[i];
-    position.latitude_deg = rounded(ground.lat_rad * kDegrees, kPerDegree);
+    position.latitude_deg = rounded(lon_lat.lat_rad * kDegrees, kPerDegree);
     position.longitude_deg =
-        rounded(std::remainder(ground.lon_rad, 2 * std::numbers::pi) * kDegrees, kPerDegree);
+        rounded(std::remainder(lon_lat.lon_rad, 2 * std::numbers::pi) * kDegrees, kPerDegree);
     if (!to_map) continue;
-    const MapPoint at = to_map->map_point(ground);
+    const MapPoint at = to_map->map_point(lon_lat);
     position.easting_m = rounded(at.x * metres_per_unit, kPerMetre);
     position.northing_m = rounded(at.y * metres_per_unit, kPerMetre);
   }

@@ -62,7 +62,7 @@ class MapProjection::Transformation {
   Transformation(const Transformation&) = delete;
   Transformation& operator=(const Transformation&) = delete;
   virtual ~Transformation() = default;
-  [[nodiscard]] virtual MapPoint forward(const LonLat& ground) const = 0;
+  [[nodiscard]] virtual MapPoint forward(const LonLat& lon_lat) const = 0;
   [[nodiscard]] virtual LonLat inverse(const MapPoint& point) const = 0;
 };
 
@@ -81,16 +81,16 @@ class ByProj final : public MapProjection::Transformation {
     return projection_ && proj_angular_input(projection_.get(), PJ_FWD) != 0 &&
            proj_pj_info(projection_.get()).has_inverse != 0;
   }
-  [[nodiscard]] MapPoint forward(const LonLat& ground) const override {
+  [[nodiscard]] MapPoint forward(const LonLat& lon_lat) const override {
     const PJ_COORD point =
-        proj_trans(projection_.get(), PJ_FWD, proj_coord(ground.lon_rad, ground.lat_rad, 0, 0));
+        proj_trans(projection_.get(), PJ_FWD, proj_coord(lon_lat.lon_rad, lon_lat.lat_rad, 0, 0));
     if (!std::isfinite(point.xy.x) || !std::isfinite(point.xy.y)) return {kNoPlace, kNoPlace};
     return {point.xy.x, point.xy.y};
   }
   [[nodiscard]] LonLat inverse(const MapPoint& point) const override {
-    const PJ_COORD ground = proj_trans(projection_.get(), PJ_INV, proj_coord(point.x, point.y, 0, 0));
-    if (!std::isfinite(ground.lp.lam) || !std::isfinite(ground.lp.phi)) return {kNoPlace, kNoPlace};
-    return {ground.lp.lam, ground.lp.phi};
+    const PJ_COORD lon_lat = proj_trans(projection_.get(), PJ_INV, proj_coord(point.x, point.y, 0, 0));
+    if (!std::isfinite(lon_lat.lp.lam) || !std::isfinite(lon_lat.lp.phi)) return {kNoPlace, kNoPlace};
+    return {lon_lat.lp.lam, lon_lat.lp.phi};
   }
 
  private:
@@ -111,8 +111,8 @@ class ByGdal final : public MapProjection::Transformation {
         radians_(geographic.GetAngularUnits()) {}
 
   [[nodiscard]] bool is_usable() const { return inverse_ != nullptr; }
-  [[nodiscard]] MapPoint forward(const LonLat& ground) const override {
-    return transformed(*forward_, ground.lon_rad / radians_, ground.lat_rad / radians_);
+  [[nodiscard]] MapPoint forward(const LonLat& lon_lat) const override {
+    return transformed(*forward_, lon_lat.lon_rad / radians_, lon_lat.lat_rad / radians_);
   }
   [[nodiscard]] LonLat inverse(const MapPoint& point) const override {
     const MapPoint angles = transformed(*inverse_, point.x, point.y);
@@ -162,9 +162,9 @@ std::optional<MapProjection> MapProjection::by_gdal(const OGRSpatialReference& c
   return MapProjection(std::move(by_gdal), body_of(map));
 }
 
-MapPoint MapProjection::map_point(const LonLat& ground) const { return transformation_->forward(ground); }
+MapPoint MapProjection::map_point(const LonLat& lon_lat) const { return transformation_->forward(lon_lat); }
 
-LonLat MapProjection::ground(const MapPoint& point) const { return transformation_->inverse(point); }
+LonLat MapProjection::lon_lat(const MapPoint& point) const { return transformation_->inverse(point); }
 
 bool MapDistortion::matters() const {
   constexpr double kTolerance = 1e-3;

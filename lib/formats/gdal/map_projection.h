@@ -25,8 +25,8 @@ class MapProjection {
   [[nodiscard]] static std::optional<MapProjection> by_gdal(const OGRSpatialReference& crs);
 
   /// NaN outside the projection's domain. Not from several threads.
-  [[nodiscard]] MapPoint map_point(const LonLat& ground) const;
-  [[nodiscard]] LonLat ground(const MapPoint& point) const;
+  [[nodiscard]] MapPoint map_point(const LonLat& lon_lat) const;
+  [[nodiscard]] LonLat lon_lat(const MapPoint& point) const;
   [[nodiscard]] const Ellipsoid& body() const { return body_; }
 
  private:

@@ -21,7 +21,7 @@ namespace landfall {
 namespace {
 
 /// Longitudes and latitudes in an orthographic frame.
-void use_ground(PointFrame& frame, const OGRSpatialReference& crs, const PointFrameRequest& request) {
+void use_lon_lat(PointFrame& frame, const OGRSpatialReference& crs, const PointFrameRequest& request) {
   if (crs.IsDerivedGeographic() != 0)
     throw FormatError(request.name + ": has a rotated-pole CRS, which is not read");
   const double radians = crs.GetAngularUnits();
@@ -32,30 +32,30 @@ void use_ground(PointFrame& frame, const OGRSpatialReference& crs, const PointFr
                         " lies beyond a pole: are its coordinates those of its CRS? --crs gives another; "
                         "body-fixed x, y, z take --crs \"+proj=geocent +a=" +
                         number_text(crs.GetSemiMajor()) + " +b=" + number_text(crs.GetSemiMinor()) + "\"");
-  const LonLat ground{frame.center.x * radians, frame.center.y * radians};
-  const OrthographicFrame plane(body_of(crs), ground);
+  const LonLat lon_lat{frame.center.x * radians, frame.center.y * radians};
+  const OrthographicFrame plane(body_of(crs), lon_lat);
   const double turn = 2 * std::numbers::pi / radians;
   frame.site = [plane, center = frame.center, radians, turn](const MapPoint& p) {
     return plane.point({std::remainder(p.x - center.x, turn) * radians, (p.y - center.y) * radians});
   };
   if (request.high.x - request.low.x > turn / 2)
-    frame.ground = [radians](const MapPoint& p) { return LonLat{p.x * radians, p.y * radians}; };
+    frame.lon_lat = [radians](const MapPoint& p) { return LonLat{p.x * radians, p.y * radians}; };
   frame.metres_per_unit = 0;
-  frame.crs_wkt = orthographic_wkt(crs, lon_lat_of(crs, ground));
+  frame.crs_wkt = orthographic_wkt(crs, lon_lat_of(crs, lon_lat));
 }
 
 /// True for a map whose meridians are cut at a seam and whose parallels are straight (cylindrical and
 /// pseudocylindrical ones), and for points that may lie on both sides of the seam: it may be near at any
 /// distance from the middle, because parallels become shorter towards the poles.
-bool may_cross_seam(const MapProjection& projection, const LonLat& ground, const PointFrameRequest& request,
+bool may_cross_seam(const MapProjection& projection, const LonLat& lon_lat, const PointFrameRequest& request,
                     double metres_per_unit) {
   constexpr double kStep = 0.02;
-  constexpr double kLeastWidth = 0.01;
+  constexpr double kMinWidth = 0.01;
   const double radius = projection.body().semi_major_m / metres_per_unit;
-  if (!(request.high.x - request.low.x > kLeastWidth * radius)) return false;
-  const double y = projection.map_point(ground).y;
+  if (!(request.high.x - request.low.x > kMinWidth * radius)) return false;
+  const double y = projection.map_point(lon_lat).y;
   return std::ranges::any_of(std::array{-kStep, kStep}, [&](double step) {
-    const double there = projection.map_point({ground.lon_rad + step, ground.lat_rad}).y;
+    const double there = projection.map_point({lon_lat.lon_rad + step, lon_lat.lat_rad}).y;
     return std::abs(there - y) <= 1e-9 * radius;
   });
 }
@@ -64,26 +64,26 @@ bool may_cross_seam(const MapProjection& projection, const LonLat& ground, const
 /// point in an orthographic frame.
 bool use_plane(PointFrame& frame, const OGRSpatialReference& crs, const MapProjection& projection,
                const PointFrameRequest& request) {
-  const LonLat ground = projection.ground(frame.center);
-  if (!std::isfinite(ground.lon_rad) || !std::isfinite(ground.lat_rad))
+  const LonLat lon_lat = projection.lon_lat(frame.center);
+  if (!std::isfinite(lon_lat.lon_rad) || !std::isfinite(lon_lat.lat_rad))
     throw FormatError(request.name +
                       ": the site centre lies outside its map projection: are its coordinates those of its "
                       "CRS? --crs gives another");
-  const OrthographicFrame plane(projection.body(), ground);
-  if (may_cross_seam(projection, ground, request, crs.GetLinearUnits())) {
-    frame.ground = [projection](const MapPoint& p) { return projection.ground(p); };
+  const OrthographicFrame plane(projection.body(), lon_lat);
+  if (may_cross_seam(projection, lon_lat, request, crs.GetLinearUnits())) {
+    frame.lon_lat = [projection](const MapPoint& p) { return projection.lon_lat(p); };
     frame.one_thread = true;
   }
-  if (!request.across_seam && !map_distortion(projection, plane, ground, crs.GetLinearUnits()).matters())
+  if (!request.across_seam && !map_distortion(projection, plane, lon_lat, crs.GetLinearUnits()).matters())
     return false;
   const std::unique_ptr<OGRSpatialReference> geographic(crs.CloneGeogCS());
-  frame.site = [plane, projection, ground](const MapPoint& p) {
-    const LonLat at = projection.ground(p);
-    return plane.point({at.lon_rad - ground.lon_rad, at.lat_rad - ground.lat_rad});
+  frame.site = [plane, projection, lon_lat](const MapPoint& p) {
+    const LonLat at = projection.lon_lat(p);
+    return plane.point({at.lon_rad - lon_lat.lon_rad, at.lat_rad - lon_lat.lat_rad});
   };
   frame.one_thread = true;
   frame.metres_per_unit = 0;
-  frame.crs_wkt = orthographic_wkt(*geographic, lon_lat_of(*geographic, ground));
+  frame.crs_wkt = orthographic_wkt(*geographic, lon_lat_of(*geographic, lon_lat));
   return true;
 }
 
@@ -160,7 +160,7 @@ MapPoint default_center(const PointFrameRequest& request, const OGRSpatialRefere
   if (projection) {
     const MapPoint exact = projection->map_point(middle);
     const MapPoint rounded = rounded_center(exact, exact, unit_m);
-    return std::isfinite(projection->ground(rounded).lon_rad) ? rounded : exact;
+    return std::isfinite(projection->lon_lat(rounded).lon_rad) ? rounded : exact;
   }
   const double radians = crs.GetAngularUnits();
   const double turn = 2 * std::numbers::pi / radians;
@@ -192,7 +192,7 @@ PointFrame point_frame_in_map(const PointFrameRequest& request) {
   frame.metres_per_unit = unit_m;
   frame.crs_name = crs_name;
   if (is_geographic)
-    use_ground(frame, crs, request);
+    use_lon_lat(frame, crs, request);
   else
     use_map(frame, crs, request, projection);
   set_heights(frame, read, request, unit_m);

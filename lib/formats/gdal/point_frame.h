@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "chain/terrain/relief/ground_extent.h"
+#include "chain/terrain/relief/geodetic_extent.h"
 #include "chain/terrain/relief/site_mapping.h"
 #include "chain/terrain/site_point.h"
 
@@ -40,8 +40,8 @@ struct PointFrameRequest {
   std::optional<MapPoint> center;  ///< none: the middle of the extent, rounded
   std::optional<double> vertical_scale{};
   std::optional<StatedMapUnit> stated{};  ///< none: the file states no unit
-  /// Their extent where they lie across the seam of their CRS (GroundExtentSearch).
-  std::optional<GroundExtent> across_seam{};
+  /// Their extent where they lie across the seam of their CRS (GeodeticExtentSearch).
+  std::optional<GeodeticExtent> across_seam{};
   /// Whether body-fixed x, y, z of a geocentric CRS are longitude, latitude (degrees) and height (metres)
   /// now.
   bool is_geodetic = false;
@@ -62,10 +62,10 @@ struct PointFrame {
   /// Not set: (point - center) metres_per_unit.
   std::function<std::optional<SitePoint>(const MapPoint&)> site{};
   /// Set where the points may lie across the seam of their CRS: ask again with their extent if they do.
-  std::function<LonLat(const MapPoint&)> ground{};
+  std::function<LonLat(const MapPoint&)> lon_lat{};
   /// Set for a geocentric CRS, and nothing else: ask again with geodetic points.
   std::optional<BodyFixed> body_fixed{};
-  bool one_thread = false;             ///< `site` and `ground` must not be called from several threads
+  bool one_thread = false;             ///< `site` and `lon_lat` must not be called from several threads
   std::string crs_wkt;                 ///< of the site
   std::string crs_name;                ///< of the points
   std::vector<std::string> assumed{};  ///< sentences without the file's name

@@ -36,10 +36,10 @@ std::string warp_command(const DemBase& dem, const std::string& target, double p
          " " + short_number(posting) + " -r bilinear " + dem.path + " square.tif";
 }
 
-std::string plane_at(const LonLat& ground) {
+std::string plane_at(const LonLat& lon_lat) {
   constexpr double kDegreesPerRadian = 180 / std::numbers::pi;
-  return "+proj=ortho +lat_0=" + short_number(ground.lat_rad * kDegreesPerRadian) +
-         " +lon_0=" + short_number(std::remainder(ground.lon_rad * kDegreesPerRadian, 360));
+  return "+proj=ortho +lat_0=" + short_number(lon_lat.lat_rad * kDegreesPerRadian) +
+         " +lon_0=" + short_number(std::remainder(lon_lat.lon_rad * kDegreesPerRadian, 360));
 }
 
 GeoTransform transform_of(const OpenRaster& raster, const RasterStatement& statement, const DemBase& dem) {
@@ -74,13 +74,13 @@ double map_unit_m(const RasterStatement& statement, const GeoTransform& transfor
   const double unit_m = crs->GetLinearUnits();
   const std::optional<MapProjection> projection = MapProjection::of(*crs);
   if (!projection) return unit_m;
-  const LonLat ground = projection->ground(middle);
-  if (!std::isfinite(ground.lon_rad) || !std::isfinite(ground.lat_rad))
+  const LonLat lon_lat = projection->lon_lat(middle);
+  if (!std::isfinite(lon_lat.lon_rad) || !std::isfinite(lon_lat.lat_rad))
     throw FormatError(dem.path + ": its middle lies outside its map projection");
-  if (map_distortion(*projection, OrthographicFrame(projection->body(), ground), ground, unit_m).matters())
+  if (map_distortion(*projection, OrthographicFrame(projection->body(), lon_lat), lon_lat, unit_m).matters())
     throw UsageError(dem.path +
                      ": its pixels are not squares on the ground, because the scale of its map is not 1: " +
-                     warp_command(dem, plane_at(ground), edge * unit_m));
+                     warp_command(dem, plane_at(lon_lat), edge * unit_m));
   return unit_m;
 }
 

@@ -20,7 +20,7 @@ bool is_shift_of(const MapProjection& site, const MapProjection& map, const MapP
   constexpr double kTolerance_m = 1e-3;  // the accuracy of inverse projections
   const double step_m = kStep * metres_per_unit;
   for (const auto& [steps_x, steps_y] : {std::pair(0, 0), std::pair(1, 0), std::pair(0, 1)}) {
-    const MapPoint at = site.map_point(map.ground({center.x + steps_x * kStep, center.y + steps_y * kStep}));
+    const MapPoint at = site.map_point(map.lon_lat({center.x + steps_x * kStep, center.y + steps_y * kStep}));
     if (!(std::hypot(at.x - steps_x * step_m, at.y - steps_y * step_m) < kTolerance_m)) return false;
   }
   return true;
@@ -57,9 +57,9 @@ std::string shifted_wkt(const OGRSpatialReference& crs, const std::optional<MapP
   return is_shifted ? wkt : kLocalSiteCrsWkt;
 }
 
-MapPoint lon_lat_of(const OGRSpatialReference& geographic, const LonLat& ground) {
+MapPoint lon_lat_of(const OGRSpatialReference& geographic, const LonLat& lon_lat) {
   const double radians = geographic.GetAngularUnits();
-  return {std::remainder(ground.lon_rad, 2 * std::numbers::pi) / radians, ground.lat_rad / radians};
+  return {std::remainder(lon_lat.lon_rad, 2 * std::numbers::pi) / radians, lon_lat.lat_rad / radians};
 }
 
 std::string orthographic_wkt(const OGRSpatialReference& geographic, const MapPoint& center) {

@@ -18,7 +18,7 @@ namespace landfall {
                                       const std::optional<MapProjection>& projection, const MapPoint& center);
 
 /// Longitude and latitude in the units of `geographic`, the longitude within half a turn.
-[[nodiscard]] MapPoint lon_lat_of(const OGRSpatialReference& geographic, const LonLat& ground);
+[[nodiscard]] MapPoint lon_lat_of(const OGRSpatialReference& geographic, const LonLat& lon_lat);
 
 /// The CRS of the orthographic frame around a longitude and latitude.
 [[nodiscard]] std::string orthographic_wkt(const OGRSpatialReference& geographic, const MapPoint& center);

@@ -92,16 +92,16 @@ struct LonLatRaster {
 SiteFrame lon_lat_frame(const LonLatRaster& raster, const OGRSpatialReference& geographic, const DemBase& dem,
                         const PixelPosition& center) {
   const MapPoint point = raster.transform.map_point(center);
-  const LonLat ground{point.x * raster.radians, point.y * raster.radians};
+  const LonLat lon_lat{point.x * raster.radians, point.y * raster.radians};
   constexpr double kPole = std::numbers::pi / 2;
-  if (!(std::abs(ground.lat_rad) <= kPole * (1 + 1e-12)))
+  if (!(std::abs(lon_lat.lat_rad) <= kPole * (1 + 1e-12)))
     throw FormatError(dem.path + ": the site centre's latitude " +
-                      number_text(ground.lat_rad * 180 / std::numbers::pi) + " lies beyond a pole");
-  const OrthographicFrame frame(raster.body, ground);
+                      number_text(lon_lat.lat_rad * 180 / std::numbers::pi) + " lies beyond a pole");
+  const OrthographicFrame frame(raster.body, lon_lat);
   const double posting_m =
       std::ranges::max(raster.transform.edges()) * raster.radians * raster.body.semi_major_m;
   return {SiteMapping(raster.transform, center, frame, raster.radians),
-          orthographic_wkt(geographic, lon_lat_of(geographic, ground)),
+          orthographic_wkt(geographic, lon_lat_of(geographic, lon_lat)),
           posting_m,
           cover_of(raster.transform, raster.size, raster.radians),
           {}};
@@ -125,18 +125,18 @@ class ProjectedSite {
         dem_(dem),
         center_(center),
         projection_(std::move(projection)),
-        ground_(projection_.ground(transform.map_point(center))),
+        lon_lat_(projection_.lon_lat(transform.map_point(center))),
         geographic_(georeference.crs->CloneGeogCS()) {}
 
   /// None where the map's scale is that of the ground.
   [[nodiscard]] std::optional<SiteFrame> frame() const {
-    if (!std::isfinite(ground_.lon_rad) || !std::isfinite(ground_.lat_rad))
+    if (!std::isfinite(lon_lat_.lon_rad) || !std::isfinite(lon_lat_.lat_rad))
       throw FormatError(dem_.path + ": the site centre lies outside its map projection; give another center");
-    const OrthographicFrame frame(projection_.body(), ground_);
+    const OrthographicFrame frame(projection_.body(), lon_lat_);
     const MapDistortion distortion =
-        map_distortion(projection_, frame, ground_, georeference_.crs->GetLinearUnits());
+        map_distortion(projection_, frame, lon_lat_, georeference_.crs->GetLinearUnits());
     if (!distortion.matters()) return std::nullopt;
-    const std::optional<LinearMap> linear = linear_map(projection_, ground_);
+    const std::optional<LinearMap> linear = linear_map(projection_, lon_lat_);
     return linear && linear->y_per_lat ? equidistant(*linear) : general(frame, linear);
   }
 
@@ -147,23 +147,23 @@ class ProjectedSite {
     const auto c = transform_.coefficients();
     const double x = 1 / map.x_per_lon;
     const double y = 1 / *map.y_per_lat;
-    const GeoTransform radians({ground_.lon_rad + (c[0] - at.x) * x, c[1] * x, c[2] * x,
-                                ground_.lat_rad + (c[3] - at.y) * y, c[4] * y, c[5] * y});
+    const GeoTransform radians({lon_lat_.lon_rad + (c[0] - at.x) * x, c[1] * x, c[2] * x,
+                                lon_lat_.lat_rad + (c[3] - at.y) * y, c[4] * y, c[5] * y});
     return lon_lat_frame({radians, georeference_.size, 1, projection_.body()}, *geographic_, dem_, center_);
   }
 
   /// Any other map, point by point.
   [[nodiscard]] SiteFrame general(const OrthographicFrame& frame,
                                   const std::optional<LinearMap>& linear) const {
-    const auto pixel_of = [projection = projection_, transform = transform_, ground = ground_,
+    const auto pixel_of = [projection = projection_, transform = transform_, lon_lat = lon_lat_,
                            around = linear ? 2 * std::numbers::pi * std::abs(linear->x_per_lon) : 0.0,
                            middle = transform_.map_point(center_)](const LonLat& difference) {
       MapPoint point =
-          projection.map_point({ground.lon_rad + difference.lon_rad, ground.lat_rad + difference.lat_rad});
+          projection.map_point({lon_lat.lon_rad + difference.lon_rad, lon_lat.lat_rad + difference.lat_rad});
       if (around > 0) point.x = middle.x + std::remainder(point.x - middle.x, around);  // across the seam
       return transform.pixel(point);
     };
-    const MapPoint center = lon_lat_of(*geographic_, ground_);
+    const MapPoint center = lon_lat_of(*geographic_, lon_lat_);
     SiteFrame site{SiteMapping(center_, frame, pixel_of), orthographic_wkt(*geographic_, center), 0, {}, {}};
     site.posting_m = site.mapping.posting_m();
     if (!(std::isfinite(site.posting_m) && site.posting_m > 0))
@@ -178,7 +178,7 @@ class ProjectedSite {
   const DemBase& dem_;
   PixelPosition center_;
   MapProjection projection_;
-  LonLat ground_;
+  LonLat lon_lat_;
   std::unique_ptr<OGRSpatialReference> geographic_;
 };
 

@@ -80,10 +80,10 @@ double read_property(Values& values, const PlyProperty& property, std::vector<do
 }
 
 void require_room(const Values& values, const PlyElement& element) {
-  std::size_t least = 0;
+  std::size_t minimum = 0;
   for (const PlyProperty& property : element.properties)
-    least += values.min_size(property.length.value_or(property.type));
-  if (least > 0 && static_cast<std::uint64_t>(element.count) > values.bytes_left() / least)
+    minimum += values.min_size(property.length.value_or(property.type));
+  if (minimum > 0 && static_cast<std::uint64_t>(element.count) > values.bytes_left() / minimum)
     values.fail(std::to_string(element.count) + " elements '" + shown_word(element.name) +
                 "', more than the file has left");
 }

@@ -44,8 +44,8 @@ double quantile(std::vector<double>& values, double q) {
 double magnitude_bound(std::vector<double> values, const MapStyle& style) {
   for (double& value : values) value = std::abs(value);
   const double bound = quantile(values, style.cut ? 1 - dictionary::kOutliers : 1);
-  const double least = std::max(kMinRange, style.limit ? dictionary::kLimitInside * *style.limit : 0);
-  return std::max(bound, least);
+  const double minimum = std::max(kMinRange, style.limit ? dictionary::kLimitInside * *style.limit : 0);
+  return std::max(bound, minimum);
 }
 
 /// The positions of all elements, in image pixels.
@@ -222,9 +222,9 @@ std::string range_text(const PixelMap& map, const MapStyle& style, const std::ar
   const std::vector<double> values = finite_values(map);
   std::string text = "no value anywhere";
   if (!values.empty()) {
-    const auto [least, greatest] = std::minmax_element(values.begin(), values.end());
-    text = "pixels " + text_of(*least, 4) + " .. " + text_of(*greatest, 4);
-    if (*least < range[0] || *greatest > range[1])
+    const auto [minimum, maximum] = std::minmax_element(values.begin(), values.end());
+    text = "pixels " + text_of(*minimum, 4) + " .. " + text_of(*maximum, 4);
+    if (*minimum < range[0] || *maximum > range[1])
       text += ", colours end at " + text_of(range[0], 4) + " and " + text_of(range[1], 4);
   }
   if (style.limit)

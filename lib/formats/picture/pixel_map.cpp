@@ -16,8 +16,8 @@ constexpr double kPointsPerPixel = 4;
 
 std::int64_t divided_up(std::int64_t a, std::int64_t b) { return (a + b - 1) / b; }
 
-std::int64_t pixels_over(double extent_m, double pixel_m, std::int64_t most) {
-  return std::clamp<std::int64_t>(std::llround(std::ceil(extent_m / pixel_m)), 1, most);
+std::int64_t pixels_over(double extent_m, double pixel_m, std::int64_t max_pixels) {
+  return std::clamp<std::int64_t>(std::llround(std::ceil(extent_m / pixel_m)), 1, max_pixels);
 }
 
 std::int64_t pixel_of(double distance_m, double pixel_m, std::int64_t count) {
@@ -60,10 +60,10 @@ double shade_of(const Slope& slope, double factor) {
 
 }  // namespace
 
-LayerReducer::LayerReducer(const GridSpec& layer, Reduction reduction, std::int64_t most)
+LayerReducer::LayerReducer(const GridSpec& layer, Reduction reduction, std::int64_t max_pixels)
     : layer_(layer),
       reduction_(reduction),
-      factor_(divided_up(std::max(layer.rows, layer.cols), most)),
+      factor_(divided_up(std::max(layer.rows, layer.cols), max_pixels)),
       frame_{divided_up(layer.rows, factor_),
              divided_up(layer.cols, factor_),
              static_cast<double>(factor_) * layer.resolution_m,
@@ -116,8 +116,8 @@ PixelMap LayerReducer::map() const {
 }
 
 template <class T>
-PixelMap reduce(const Grid<T>& layer, Reduction reduction, std::int64_t most) {
-  LayerReducer reducer(layer.spec(), reduction, most);
+PixelMap reduce(const Grid<T>& layer, Reduction reduction, std::int64_t max_pixels) {
+  LayerReducer reducer(layer.spec(), reduction, max_pixels);
   reducer.add(layer);
   return reducer.map();
 }
@@ -131,16 +131,16 @@ template PixelMap reduce(const Grid<float>&, Reduction, std::int64_t);
 template PixelMap reduce(const Grid<std::int32_t>&, Reduction, std::int64_t);
 template PixelMap reduce(const Grid<std::int8_t>&, Reduction, std::int64_t);
 
-PointMap::PointMap(const Box& box, std::size_t count, std::int64_t most, Reduction reduction)
+PointMap::PointMap(const Box& box, std::size_t count, std::int64_t max_pixels, Reduction reduction)
     : reduction_(reduction) {
   const double width = box.east_m - box.west_m;
   const double height = box.north_m - box.south_m;
   const double even = std::sqrt(width * height * kPointsPerPixel / static_cast<double>(count));
-  const double finest = std::max(width, height) / static_cast<double>(most);
+  const double finest = std::max(width, height) / static_cast<double>(max_pixels);
   const double pixel = std::max(even, finest);
   frame_.pixel_m = pixel > 0 && std::isfinite(pixel) ? pixel : 1;  // all points at one place
-  frame_.rows = pixels_over(height, frame_.pixel_m, most);
-  frame_.cols = pixels_over(width, frame_.pixel_m, most);
+  frame_.rows = pixels_over(height, frame_.pixel_m, max_pixels);
+  frame_.cols = pixels_over(width, frame_.pixel_m, max_pixels);
   frame_.west_m = box.west_m;
   frame_.north_m = box.north_m;
   gathered_.resize(static_cast<std::size_t>(frame_.rows * frame_.cols));

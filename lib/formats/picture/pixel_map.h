@@ -32,9 +32,9 @@ enum class Reduction {
 /// Reduces a layer that is passed in strips to a map.
 class LayerReducer {
  public:
-  /// At most `most` pixels a side (>= 1). Each pixel covers a square of equally many bins of the layer;
+  /// At most `max_pixels` pixels a side (>= 1). Each pixel covers a square of equally many bins of the layer;
   /// pixels at the southern and eastern border may cover fewer.
-  LayerReducer(const GridSpec& layer, Reduction reduction, std::int64_t most);
+  LayerReducer(const GridSpec& layer, Reduction reduction, std::int64_t max_pixels);
 
   /// Adds whole rows of the layer, in any order, each once. T: double, float, std::int32_t or std::int8_t.
   template <class T>
@@ -55,20 +55,20 @@ class LayerReducer {
 
 /// Reduces a layer that is in memory as a whole.
 template <class T>
-[[nodiscard]] PixelMap reduce(const Grid<T>& layer, Reduction reduction, std::int64_t most);
+[[nodiscard]] PixelMap reduce(const Grid<T>& layer, Reduction reduction, std::int64_t max_pixels);
 
 /// Maps points seen from above: per pixel, the mean of their values or their count.
 class PointMap {
  public:
   /// The box that contains the points. Pixels are large enough to hold about four of `count` evenly spread
-  /// points each, with at most `most` pixels a side.
+  /// points each, with at most `max_pixels` pixels a side.
   struct Box {
     double west_m;
     double east_m;
     double south_m;
     double north_m;
   };
-  PointMap(const Box& box, std::size_t count, std::int64_t most, Reduction reduction = Reduction::mean);
+  PointMap(const Box& box, std::size_t count, std::int64_t max_pixels, Reduction reduction = Reduction::mean);
 
   /// A point outside the box is added to the nearest pixel.
   void add(double x_m, double y_m, double value);

@@ -5,7 +5,7 @@
 
 namespace landfall {
 
-void turn(const CloudAxes& axes, CloudBatch& batch) {
+void rotate(const CloudAxes& axes, CloudBatch& batch) {
   if (axes.y_up) {
     std::swap(batch.columns[1], batch.columns[2]);
     for (double& y : batch.columns[1]) y = -y;
@@ -13,7 +13,7 @@ void turn(const CloudAxes& axes, CloudBatch& batch) {
   if (axes.latitude_first) std::swap(batch.columns[0], batch.columns[1]);
 }
 
-void turn(const CloudAxes& axes, CloudInfo& info) {
+void rotate(const CloudAxes& axes, CloudInfo& info) {
   const auto swap_axes = [&](std::size_t a, std::size_t b) {
     std::swap(info.is_float32[a], info.is_float32[b]);
     if (info.steps) {

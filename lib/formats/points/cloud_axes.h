@@ -12,8 +12,8 @@ struct CloudAxes {
 };
 
 /// Turns points to x east, y north, z up.
-void turn(const CloudAxes& axes, CloudBatch& batch);
+void rotate(const CloudAxes& axes, CloudBatch& batch);
 /// The same for the steps and the box that a file declares.
-void turn(const CloudAxes& axes, CloudInfo& info);
+void rotate(const CloudAxes& axes, CloudInfo& info);
 
 }  // namespace landfall

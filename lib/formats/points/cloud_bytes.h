@@ -44,10 +44,10 @@ class CloudBytes {
 /// whole header: comments have any length.
 template <class HoldsHeader>
 [[nodiscard]] std::vector<std::byte> beginning_of(const CloudBytes& file, const HoldsHeader& holds_header) {
-  constexpr std::size_t kMost = std::size_t{1} << 26U;
+  constexpr std::size_t kMax = std::size_t{1} << 26U;
   for (std::size_t size = std::size_t{1} << 18U;; size *= 2) {
     std::vector<std::byte> bytes = file.up_to(0, size);
-    if (size >= kMost || bytes.size() == file.size() || holds_header(text_of(bytes))) return bytes;
+    if (size >= kMax || bytes.size() == file.size() || holds_header(text_of(bytes))) return bytes;
   }
 }
 

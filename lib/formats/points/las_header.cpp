@@ -81,10 +81,10 @@ void read_point_layout(const CloudBytes& file, const std::vector<std::byte>& hea
   las.time_offset = kPointFormats[las.format].time;
   las.rows.begin = number_at<std::uint32_t>(head, 96);
   las.rows.row_size = number_at<std::uint16_t>(head, 105);
-  const std::size_t least = kPointFormats[las.format].bytes;
-  if (las.rows.row_size < least)
+  const std::size_t minimum = kPointFormats[las.format].bytes;
+  if (las.rows.row_size < minimum)
     file.fail("declares points of " + std::to_string(las.rows.row_size) + " bytes; those of format " +
-              std::to_string(las.format) + " have " + std::to_string(least));
+              std::to_string(las.format) + " have " + std::to_string(minimum));
   if (las.rows.begin < header_size)
     file.fail("its points begin at byte " + std::to_string(las.rows.begin) + ", within its header of " +
               std::to_string(header_size) + " bytes");
@@ -280,10 +280,10 @@ LasHeader read_las_header(const CloudBytes& file) {
   if (major != 1 || las.minor > 4)
     file.fail("is LAS " + std::to_string(major) + "." + std::to_string(las.minor) + "; 1.0 to 1.4 are read");
   const std::size_t size = number_at<std::uint16_t>(head, 94);
-  const std::size_t least = las.minor == 4 ? kHeader14 : kHeader;
-  if (size < least || head.size() < least)
+  const std::size_t minimum = las.minor == 4 ? kHeader14 : kHeader;
+  if (size < minimum || head.size() < minimum)
     file.fail("declares a header of " + std::to_string(size) + " bytes; LAS 1." + std::to_string(las.minor) +
-              " has at least " + std::to_string(least));
+              " has at least " + std::to_string(minimum));
   las.has_gps_time_of_1980 = las.minor > 0 && (number_at<std::uint16_t>(head, 6) & 1U) != 0;
   read_point_layout(file, head, size, las);
   read_counts(file, head, las);

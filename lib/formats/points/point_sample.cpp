@@ -17,7 +17,7 @@ void PointSample::add(const CloudBatch& batch) {
     for (std::size_t axis = 0; axis < 3; ++axis)
       positions_[axis].push_back(batch.columns[axis][next_ - begin_]);
     ++block_;
-    if (size() == kMost) thin();
+    if (size() == kMax) thin();
     plan_next();
   }
   begin_ = end;
@@ -35,8 +35,8 @@ void PointSample::plan_next() { next_ = block_ * stride_ + scattered(block_) % s
 /// Keeps one of each two points.
 void PointSample::thin() {
   for (std::vector<double>& column : positions_) {
-    for (std::size_t i = 0; i < kMost / 2; ++i) column[i] = column[2 * i + scattered(i) % 2];
-    column.resize(kMost / 2);
+    for (std::size_t i = 0; i < kMax / 2; ++i) column[i] = column[2 * i + scattered(i) % 2];
+    column.resize(kMax / 2);
   }
   stride_ *= 2;
   block_ /= 2;

@@ -15,7 +15,7 @@ namespace landfall {
 /// small file.
 class PointSample {
  public:
-  static constexpr std::size_t kMost = 1U << 15U;
+  static constexpr std::size_t kMax = 1U << 15U;
 
   /// Adds consecutive points.
   void add(const CloudBatch& batch);

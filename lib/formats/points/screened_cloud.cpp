@@ -12,7 +12,7 @@
 namespace landfall {
 namespace {
 
-constexpr std::int64_t kLeastShared = 10;
+constexpr std::int64_t kMinShared = 10;
 
 /// Calls use(i) for the points of a batch that are searched.
 template <class Use>
@@ -33,7 +33,7 @@ std::string remedy(const std::string& values) {
 }  // namespace
 
 bool SharedPositionSearch::is_shared(std::int64_t count) const {
-  return count >= kLeastShared && 100 * count > total_;
+  return count >= kMinShared && 100 * count > total_;
 }
 
 bool SharedPositionSearch::needs_further_passes() const {

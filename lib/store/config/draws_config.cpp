@@ -247,9 +247,9 @@ DrawsConfig::DrawsConfig(const Json& resolved, std::string name, const Json& sca
   json_["draws"] = draw_count_;
   for (const auto& [key, json] : resolved.at("vary").items())
     add_variation(name_ + ": /vary/", key, variation_of(json));
-  ground_varies_ = has_terrain_seeds_ || std::ranges::any_of(vary_, [](const auto& each) {
-                     return each.first.starts_with("terrain.");
-                   });
+  terrain_varies_ = has_terrain_seeds_ || std::ranges::any_of(vary_, [](const auto& each) {
+                      return each.first.starts_with("terrain.");
+                    });
   if (resolved.at("sigma")) predict();
   if (!sprt_ || tests_landing_) return;
   if (const auto why = why_not_judged())
@@ -306,7 +306,7 @@ void DrawsConfig::check_requirements() const {
 
 void DrawsConfig::predict() {
   if (!has_layers_) throw UsageError(name_ + ": /sigma: is a map, and /layers is false");
-  if (ground_varies_) throw UsageError(name_ + ": /sigma: is a map of one ground, and the ground varies");
+  if (terrain_varies_) throw UsageError(name_ + ": /sigma: is a map of one ground, and the ground varies");
   if (const std::string method = stages_.regrid.at("method"); method != "bilinear_nearest")
     throw UsageError(name_ + ": /sigma: needs the method bilinear_nearest, not " + method);
   Json regrid = stages_.regrid;
@@ -382,8 +382,8 @@ std::vector<std::int64_t> DrawsConfig::deciding_draws(std::int64_t first, std::i
   if (first >= end) return {};
   std::set<std::int64_t> draws = {first, end - 1};  // one of them is not the draw of the scan
   struct Deciding {
-    double least, greatest;
-    std::int64_t min_draw, greatest_draw;
+    double minimum, maximum;
+    std::int64_t min_draw, max_draw;
     std::optional<std::int64_t> fraction_draw;
   };
   std::vector<Deciding> keys;
@@ -392,13 +392,13 @@ std::vector<std::int64_t> DrawsConfig::deciding_draws(std::int64_t first, std::i
     const std::vector<double> drawn = values(draw);
     for (std::size_t i = 0; i < drawn.size(); ++i) {
       Deciding& key = keys[i];
-      if (drawn[i] < key.least) key.least = drawn[i], key.min_draw = draw;
-      if (drawn[i] > key.greatest) key.greatest = drawn[i], key.greatest_draw = draw;
+      if (drawn[i] < key.minimum) key.minimum = drawn[i], key.min_draw = draw;
+      if (drawn[i] > key.maximum) key.maximum = drawn[i], key.max_draw = draw;
       if (!key.fraction_draw && drawn[i] != std::floor(drawn[i])) key.fraction_draw = draw;
     }
   }
   for (const Deciding& key : keys) {
-    draws.insert({key.min_draw, key.greatest_draw});
+    draws.insert({key.min_draw, key.max_draw});
     if (key.fraction_draw) draws.insert(*key.fraction_draw);
   }
   return {draws.begin(), draws.end()};

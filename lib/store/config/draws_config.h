@@ -51,7 +51,7 @@ class DrawsConfig {
   /// Whether each draw traces its rays; else they are those of the scan.
   [[nodiscard]] bool traces() const { return traces_; }
   /// Whether draws have different grounds.
-  [[nodiscard]] bool ground_varies() const { return ground_varies_; }
+  [[nodiscard]] bool terrain_varies() const { return terrain_varies_; }
   /// Whether each DEM has its 1-sigma map.
   [[nodiscard]] bool has_uncertainty() const { return has_uncertainty_; }
   /// How the draws land; empty where they do not.
@@ -107,7 +107,7 @@ class DrawsConfig {
   bool traces_;
   bool has_uncertainty_;
   bool has_terrain_seeds_;
-  bool ground_varies_ = false;
+  bool terrain_varies_ = false;
   std::uint64_t seed_ = 0;
   std::vector<std::string> warnings_;
   DrawStages stages_;

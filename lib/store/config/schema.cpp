@@ -190,13 +190,13 @@ class Resolver {
   static std::string bounds(const Json& schema) {
     const bool above = schema.contains("exclusiveMinimum");
     const bool below = schema.contains("exclusiveMaximum");
-    const bool has_least = above || schema.contains("minimum");
-    const bool has_most = below || schema.contains("maximum");
-    const std::string least = has_least ? number_text(schema[above ? "exclusiveMinimum" : "minimum"]) : "";
-    const std::string most = has_most ? number_text(schema[below ? "exclusiveMaximum" : "maximum"]) : "";
-    if (!has_most) return (above ? "> " : ">= ") + least;
-    if (!has_least) return (below ? "< " : "<= ") + most;
-    return std::string("in ") + (above ? "(" : "[") + least + ", " + most + (below ? ")" : "]");
+    const bool has_min = above || schema.contains("minimum");
+    const bool has_max = below || schema.contains("maximum");
+    const std::string minimum = has_min ? number_text(schema[above ? "exclusiveMinimum" : "minimum"]) : "";
+    const std::string maximum = has_max ? number_text(schema[below ? "exclusiveMaximum" : "maximum"]) : "";
+    if (!has_max) return (above ? "> " : ">= ") + minimum;
+    if (!has_min) return (below ? "< " : "<= ") + maximum;
+    return std::string("in ") + (above ? "(" : "[") + minimum + ", " + maximum + (below ? ")" : "]");
   }
 
   void check_bounds(const Json& schema, const Json& value, const std::string& pointer) const {

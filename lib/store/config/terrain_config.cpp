@@ -69,7 +69,7 @@ DemBase picture(const Json& json) {
   return raster;
 }
 
-std::variant<double, AlbedoGradient, AlbedoPatches, AlbedoRaster> ground_albedo(const Json& json) {
+std::variant<double, AlbedoGradient, AlbedoPatches, AlbedoRaster> terrain_albedo(const Json& json) {
   if (json.is_number()) return json.get<double>();
   if (json.at("type") == "raster")
     return AlbedoRaster{picture(json), number(json, "scale"), number(json, "offset")};
@@ -83,7 +83,7 @@ std::variant<double, AlbedoGradient, AlbedoPatches, AlbedoRaster> ground_albedo(
 
 AlbedoModel albedo_of(const Json& json) {
   if (json.is_number()) return {.ground = json.get<double>()};
-  AlbedoModel albedo{.ground = ground_albedo(json.at("ground"))};
+  AlbedoModel albedo{.ground = terrain_albedo(json.at("ground"))};
   const std::vector<std::string>& kinds = feature_kinds();
   for (std::size_t kind = 0; kind < kinds.size(); ++kind)
     if (json.at("features").contains(kinds[kind]))

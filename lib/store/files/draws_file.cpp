@@ -188,11 +188,11 @@ bool is_varied(const std::string& name) {
 /// Refuses values that no campaign has, because sums of them could overflow.
 template <class T>
 void require_at_most(const LandfallFileReader& file, const std::string& name, const Grid<T>& values,
-                     std::int64_t least, std::int64_t most) {
+                     std::int64_t minimum, std::int64_t maximum) {
   for (const T value : values.values())
-    if (value < least || value > most)
-      file.fail("/state/" + name + ": " + std::to_string(value) + " is not in [" + std::to_string(least) +
-                ", " + std::to_string(most) + "]");
+    if (value < minimum || value > maximum)
+      file.fail("/state/" + name + ": " + std::to_string(value) + " is not in [" + std::to_string(minimum) +
+                ", " + std::to_string(maximum) + "]");
 }
 
 struct NamedCounts {

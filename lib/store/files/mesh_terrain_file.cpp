@@ -60,7 +60,7 @@ std::vector<T> read_rows(const LandfallFileReader& file, hid_t group, const std:
       H5Sget_simple_extent_dims(space.get(), size, nullptr) < 0 || size[1] != 3)
     file.fail(path + " is not of the shape (rows, 3)");
   if (size[0] > kMaxMeshElements) file.fail(path + " has more than 2^31 - 1 rows");
-  if (size[0] * 3 * sizeof(T) > h5::stored_bytes(dataset.get()) * kDeflateAtMost)
+  if (size[0] * 3 * sizeof(T) > h5::stored_bytes(dataset.get()) * kMaxDeflate)
     file.fail(path + " claims more rows than it can hold");
   std::vector<T> values(3 * size[0]);
   if (!h5::read_values(dataset.get(), h5::native(h5::TypeOf<T>::value), values.data()))

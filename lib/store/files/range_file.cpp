@@ -115,7 +115,7 @@ TerrainIdentity RangeFile::terrain() const {
   return terrain;
 }
 
-RangeFile::PulseRows RangeFile::rows_of(PulseSpan pulses, std::int64_t most) {
+RangeFile::PulseRows RangeFile::rows_of(PulseSpan pulses, std::int64_t max_rows) {
   const auto first = static_cast<std::size_t>(pulses.first);
   const auto count = static_cast<std::size_t>(pulses.count);
   if (first + count > pulse_count_)
@@ -124,7 +124,7 @@ RangeFile::PulseRows RangeFile::rows_of(PulseSpan pulses, std::int64_t most) {
   const std::array<ColumnTarget, 2> targets = {std::span(rows.begin), std::span(rows.count)};
   begin_and_count_.read(first, targets);
   rows.total = rows.begin.back() + rows.count.back() - rows.begin.front();
-  if (rows.begin.front() < 0 || rows.total < 0 || rows.total > most)
+  if (rows.begin.front() < 0 || rows.total < 0 || rows.total > max_rows)
     file_.fail("/pulses/point_begin does not fit /points");
   return rows;
 }
@@ -155,8 +155,8 @@ std::vector<Echo> RangeFile::read_echoes(std::size_t first_row, std::size_t coun
 }
 
 RecordedRanges RangeFile::read(PulseSpan pulses, std::size_t pixel_count) {
-  const auto most = pulses.count * static_cast<std::int64_t>(pixel_count);
-  const PulseRows rows = rows_of(pulses, most);
+  const auto max_rows = pulses.count * static_cast<std::int64_t>(pixel_count);
+  const PulseRows rows = rows_of(pulses, max_rows);
   RecordedRanges found{std::vector<double>(static_cast<std::size_t>(rows.total))};
   std::vector<double>& range = found.ranges_m;
   std::vector<std::int32_t> pixel(range.size());

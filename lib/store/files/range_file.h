@@ -83,7 +83,7 @@ class RangeFile {
     [[nodiscard]] bool hold_every_pixel(std::span<const std::int32_t> pixel, std::size_t pixel_count) const;
   };
 
-  [[nodiscard]] PulseRows rows_of(PulseSpan pulses, std::int64_t most);
+  [[nodiscard]] PulseRows rows_of(PulseSpan pulses, std::int64_t max_rows);
   /// Sorts from row order to pixel order.
   [[nodiscard]] RecordedRanges by_pixel(const PulseRows& rows, const RecordedRanges& found,
                                         std::span<const std::int32_t> pixel, std::size_t pixel_count) const;

@@ -41,16 +41,16 @@ std::string_view trimmed(std::string_view text) {
 /// Those between double quotes do not count.
 char separator_of(std::string_view line) {
   char separator = ' ';
-  std::ptrdiff_t most = 0;
+  std::ptrdiff_t maximum = 0;
   for (const char candidate : {';', '\t', ','}) {
     bool quoted = false;
     const auto count = std::ranges::count_if(line, [&](char c) {
       quoted ^= c == '"';
       return c == candidate && !quoted;
     });
-    if (count > most) {
+    if (count > maximum) {
       separator = candidate;
-      most = count;
+      maximum = count;
     }
   }
   return separator;

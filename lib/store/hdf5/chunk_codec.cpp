@@ -158,9 +158,9 @@ std::span<const std::byte> put_zlib_stream(Bytes bytes, const NoiseRun& noise, l
   const Bytes stored = bytes.subspan(noise.begin, noise.end - noise.begin);
   const Bytes behind = bytes.subspan(noise.end);
   const std::size_t before_bound = noise.begin > 0 ? FlushingCompressor::bound(noise.begin) : 0;
-  const std::size_t most = kStreamHeader + before_bound + stored.size() + block_headers(stored.size()) +
-                           libdeflate_deflate_compress_bound(codec, behind.size()) + kStreamChecksum;
-  if (room.size() < most) room.resize(most);
+  const std::size_t max_bytes = kStreamHeader + before_bound + stored.size() + block_headers(stored.size()) +
+                                libdeflate_deflate_compress_bound(codec, behind.size()) + kStreamChecksum;
+  if (room.size() < max_bytes) room.resize(max_bytes);
   std::byte* out = put_stream_header(room.data());
   if (noise.begin > 0) {
     thread_local FlushingCompressor flushing;

@@ -8,7 +8,7 @@
 namespace landfall {
 
 /// The largest number of bytes that one byte of a deflate stream can represent.
-inline constexpr unsigned kDeflateAtMost = 1032;
+inline constexpr unsigned kMaxDeflate = 1032;
 
 /// The bytes of one chunk as HDF5's own shuffle and deflate filters would store it, so that any HDF5 reader
 /// opens it: byte 0 of every element, then byte 1, ..., compressed by libdeflate in zlib form. At level 0

@@ -9,10 +9,10 @@ from landfall.study.page import cell, document, escaped, head, picture, table, t
 
 def write(problem, folder, name, figure, sections_of):
     """Writes the figure, NAME.png, and report.html. sections_of(path of the figure, version of the tools): [(name, heading, HTML)]."""
-    from landfall.plot import plots  # here, because loading matplotlib takes time
+    from landfall.plot import plot_command  # here, because loading matplotlib takes time
 
     path = os.path.join(folder, name + ".png")
-    plots.save({path: figure}, 150)
+    plot_command.save({path: figure}, 150)
     sections = sections_of(path, tools.run_tool(tools.find("monte-carlo"), "--version").stdout)
     description = f"<p>{escaped(problem.tree.get('description', ''))}</p>"
     write_page(document("answers", problem.title, description, sections), os.path.join(folder, "report.html"))

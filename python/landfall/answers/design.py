@@ -23,11 +23,11 @@ def write(problem, answer, folder):
 
 def _rows(problem, answer):
     """candidates.csv."""
-    names = list(dict.fromkeys(name for look in answer["candidates"] for name in look["margins"]))
+    names = list(dict.fromkeys(name for candidate in answer["candidates"] for name in candidate["margins"]))
     yield [*problem.variables, "cost", "stage", "passes", *(f"ln(value/limit) of {name}" for name in names), "reason"]
-    for look in answer["candidates"]:
-        yield [*(look["values"][name] for name in problem.variables), look["cost"], look["stage"], int(look["passes"]),
-               *(look["margins"].get(name, "") for name in names), look["reason"]]
+    for candidate in answer["candidates"]:
+        yield [*(candidate["values"][name] for name in problem.variables), candidate["cost"], candidate["stage"], int(candidate["passes"]),
+               *(candidate["margins"].get(name, "") for name in names), candidate["reason"]]
 
 
 def values_text(values):
@@ -40,22 +40,22 @@ def value_text(value):
 
 def refused(answer):
     """{stage: number of candidates that it refused}."""
-    return {stage: sum(look["stage"] == stage and not look["passes"] for look in answer["candidates"]) for stage in STAGES}
+    return {stage: sum(candidate["stage"] == stage and not candidate["passes"] for candidate in answer["candidates"]) for stage in STAGES}
 
 
-def outcome(look):
+def outcome(candidate):
     """The outcome of a candidate."""
-    if not look["passes"]:
-        return f"refused by {STAGES[look['stage']]}: {look['reason']}"
-    if "race" not in look:
+    if not candidate["passes"]:
+        return f"refused by {STAGES[candidate['stage']]}: {candidate['reason']}"
+    if "race" not in candidate:
         return "one draw passes"
-    counts = look["race"]["terrains"]
-    worst = counts[look["race"]["terrain"]]
-    if not look["race"]["accepted"]:
-        return f"rejected by the sequential test on terrain {look['race']['terrain']}: {worst['passed']} of {worst['draws']} draws pass"
+    counts = candidate["race"]["terrains"]
+    worst = counts[candidate["race"]["terrain"]]
+    if not candidate["race"]["accepted"]:
+        return f"rejected by the sequential test on terrain {candidate['race']['terrain']}: {worst['passed']} of {worst['draws']} draws pass"
     text = f"accepted by the sequential test ({', '.join(str(count['passed']) + ' of ' + str(count['draws']) for count in counts)})"
-    if "proof" in look:
-        text += f"; fresh draws: {', '.join(str(rate['passed']) + ' of ' + str(rate['draws']) for rate in look['proof'])}"
+    if "proof" in candidate:
+        text += f"; fresh draws: {', '.join(str(rate['passed']) + ' of ' + str(rate['draws']) for rate in candidate['proof'])}"
     return text
 
 
@@ -71,7 +71,7 @@ def text_of(problem, answer):
     counts, reference = refused(answer), answer["reference_cost"]
     lines = [f"{len(answer['candidates'])} candidates; refused by {', by '.join(f'{name}: {counts[stage]}' for stage, name in STAGES.items())}",
              f"base, cost {reference:,.6g}: {outcome(answer['base'])}", "", "Candidates that one draw passes, by cost in per cent of the base's:"]
-    lines += [f"  {100 * look['cost'] / reference:5.1f}  {outcome(look)}\n         {values_text(look['values'])}" for look in answer["raced"]]
+    lines += [f"  {100 * candidate['cost'] / reference:5.1f}  {outcome(candidate)}\n         {values_text(candidate['values'])}" for candidate in answer["raced"]]
     winner = answer["winner"]
     if winner is None:
         return "\n".join([*lines, "", "No candidate passes."])
@@ -80,8 +80,8 @@ def text_of(problem, answer):
     lines += [f"  {name:20} {100 * math.exp(value):6.1f} %{'   active' if name == answer['active'] else ''}"
               for name, value in sorted(winner["margins"].items(), key=lambda item: -item[1])]
     lines += ["", "Neighbours that cost no more:"]
-    lines += [f"  {look['changed']} {value_text(look['values'][look['changed']])}, {100 * look['cost'] / reference:.1f} %: {outcome(look)}"
-              for look in answer["neighbours"]]
+    lines += [f"  {candidate['changed']} {value_text(candidate['values'][candidate['changed']])}, {100 * candidate['cost'] / reference:.1f} %: {outcome(candidate)}"
+              for candidate in answer["neighbours"]]
     return "\n".join(lines)
 
 
@@ -95,17 +95,17 @@ def figure_of(problem, answer):
     figure = Figure(figsize=(9, 5.4), constrained_layout=True)
     axes = figure.subplots()
 
-    def scatter(looks, **style):
-        axes.scatter([100 * look["cost"] / answer["reference_cost"] for look in looks], [100 * math.exp(look["violation"]) for look in looks], **style)
+    def scatter(candidates, **style):
+        axes.scatter([100 * candidate["cost"] / answer["reference_cost"] for candidate in candidates], [100 * math.exp(candidate["violation"]) for candidate in candidates], **style)
 
-    drawn = [look for look in answer["candidates"] if look["stage"] == "draw"]
+    drawn = [candidate for candidate in answer["candidates"] if candidate["stage"] == "draw"]
     for passes, color, label in ((False, maps.VERMILION, "fails one draw"), (True, maps.BLUE, "passes one draw")):
-        chosen = [look for look in drawn if look["passes"] == passes]
+        chosen = [candidate for candidate in drawn if candidate["passes"] == passes]
         scatter(chosen, s=22, color=color, alpha=0.8, label=f"{label} ({len(chosen)})")
     front = answer["front"]
-    axes.step([100 * look["cost"] / answer["reference_cost"] for look in front], [100 * math.exp(look["violation"]) for look in front], where="post",
+    axes.step([100 * candidate["cost"] / answer["reference_cost"] for candidate in front], [100 * math.exp(candidate["violation"]) for candidate in front], where="post",
               color="0.5", linewidth=1, label="Pareto front")
-    rejected = [look for look in answer["raced"] if not look["race"]["accepted"]]
+    rejected = [candidate for candidate in answer["raced"] if not candidate["race"]["accepted"]]
     if rejected:
         scatter(rejected, s=70, marker="x", color="black", linewidth=1.2, label=f"rejected by the sequential test ({len(rejected)})")
     if answer["base"]["stage"] == "draw":
@@ -150,8 +150,8 @@ def _answer(answer):
 
 
 def _raced(answer):
-    rows = [[cell(look["cost"], f"{100 * look['cost'] / answer['reference_cost']:.1f}"), text_cell(values_text(look["values"])),
-             text_cell(outcome(look))] for look in answer["raced"]]
+    rows = [[cell(candidate["cost"], f"{100 * candidate['cost'] / answer['reference_cost']:.1f}"), text_cell(values_text(candidate["values"])),
+             text_cell(outcome(candidate))] for candidate in answer["raced"]]
     base = f"<p>Base: {escaped(outcome(answer['base']))}.</p>\n"
     return base + table([head("cost, % of the base’s", True), head("candidate"), head("outcome")], rows)
 
@@ -159,16 +159,16 @@ def _raced(answer):
 def _neighbours(answer):
     if not answer["neighbours"]:
         return "<p>No neighbour costs as little.</p>\n"
-    rows = [[text_cell(look["changed"]), text_cell(value_text(look["values"][look["changed"]])),
-             cell(look["cost"], f"{100 * look['cost'] / answer['reference_cost']:.1f}"), text_cell(outcome(look))] for look in answer["neighbours"]]
+    rows = [[text_cell(candidate["changed"]), text_cell(value_text(candidate["values"][candidate["changed"]])),
+             cell(candidate["cost"], f"{100 * candidate['cost'] / answer['reference_cost']:.1f}"), text_cell(outcome(candidate))] for candidate in answer["neighbours"]]
     return ("<p class=\"note\">Each differs from the winner by one step of one variable and costs no more.</p>\n"
             + table([head("variable"), head("value"), head("cost, % of the base’s", True), head("outcome")], rows))
 
 
 def _candidates(problem, answer):
-    rows = [[*(text_cell(json.dumps(look["values"][name]) if not isinstance(look["values"][name], float) else f"{look['values'][name]:.4g}")
-               for name in problem.variables), cell(look["cost"], f"{100 * look['cost'] / answer['reference_cost']:.1f}"), text_cell(outcome(look))]
-            for look in answer["candidates"]]
+    rows = [[*(text_cell(json.dumps(candidate["values"][name]) if not isinstance(candidate["values"][name], float) else f"{candidate['values'][name]:.4g}")
+               for name in problem.variables), cell(candidate["cost"], f"{100 * candidate['cost'] / answer['reference_cost']:.1f}"), text_cell(outcome(candidate))]
+            for candidate in answer["candidates"]]
     return table([*(head(escaped(name)) for name in problem.variables), head("cost, %", True), head("outcome")], rows)
 
 

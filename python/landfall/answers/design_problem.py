@@ -91,10 +91,10 @@ class Problem:
                 raise UsageError(f"{self.path}: /search/start/{number}: needs a value for each of {', '.join(self.variables)}")
             for name, value in values.items():
                 self._check_start(name, value, f"{self.path}: /search/start/{number}/{name}: {schema.shown(value)}")
-        least = draws_needed(self.probability, 0)
-        if self.proof_draws < least:
+        minimum = draws_needed(self.probability, 0)
+        if self.proof_draws < minimum:
             raise UsageError(f"{self.path}: /proof_draws: {self.proof_draws} draws without a failure show less than {self.probability}; "
-                             f"{least} are needed")
+                             f"{minimum} are needed")
 
     def _check_start(self, name, value, where):
         variable = self.variables[name]
@@ -137,7 +137,7 @@ class Problem:
         parts = dict(zip(COSTS, (pulses * pixels, pulses, pixels, laser["scan_time_s"], laser["pulse_rate_hz"])))
         return sum(weight * parts[name] for name, weight in self.tree.get("cost", {"ranges": 1}).items())
 
-    def campaign(self, runner, configs):
+    def scan_of(self, runner, configs):
         """The draws of a candidate's configurations: over a traced scan, or traced each."""
         return runs.Scan(runner, configs, 1) if self.traced is None else runs.TracedDraws(runner, configs, self.traced)
 
@@ -251,7 +251,7 @@ def frame_gap_bins(configs):
     return (pitch_m - extent_m) / configs["regrid"]["resolution_m"]
 
 
-class Look:
+class CandidateCheck:
     """The filters before the sequential test, for one candidate after another."""
 
     def __init__(self, problem, runner):
@@ -279,7 +279,7 @@ class Look:
                 refused = self._plan(configs)
                 if refused:
                     return refused
-            scan = self.problem.campaign(self.runner, configs)
+            scan = self.problem.scan_of(self.runner, configs)
             try:
                 [row] = scan.rows(self.problem.draws(draws=1, metrics="full", seed=self.problem.seed))
             finally:

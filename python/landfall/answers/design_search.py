@@ -11,7 +11,7 @@ import warnings
 
 from landfall import schema
 from landfall.answers import model, runs
-from landfall.answers.design_problem import ALL_AND_OWN, ALL_REQUIREMENTS, Look, failures_allowed, rate_of
+from landfall.answers.design_problem import ALL_AND_OWN, ALL_REQUIREMENTS, CandidateCheck, failures_allowed, rate_of
 from landfall.errors import DataError
 
 TOGETHER = 4  # candidates that are proposed together, whatever the number of workers
@@ -28,16 +28,16 @@ class Design:
     def __init__(self, problem, folder, workers=1, prefix=(), progress=None):
         self.problem, self.workers, self.progress = problem, workers, progress or runs.Silent()
         self.runner = runs.Runner(folder, 0 if workers == 1 else 1, prefix)
-        self.look = Look(problem, self.runner)
+        self.check_candidate = CandidateCheck(problem, self.runner)
         self.proofs = 0
 
     def run(self):
         """The answer, a tree of JSON."""
-        looks = self.search()
-        front = pareto(looks)
+        candidates = self.search()
+        front = pareto(candidates)
         raced, tried, winner, failed = [], [], None, []
-        for look in by_fronts(look for look in looks if look["passes"]):
-            found = self.race(look)
+        for candidate in by_fronts(candidate for candidate in candidates if candidate["passes"]):
+            found = self.race(candidate)
             raced.append(found)
             if not found["race"]["accepted"]:
                 continue
@@ -50,15 +50,15 @@ class Design:
                 break
             failed.append(found["values"])
         answer = {"format": "landfall.design", "version": 1, "title": self.problem.title, "probability": self.problem.probability,
-                  "requirement": self.problem.requirement, "reference_cost": self.problem.reference_cost, "base": self.look({}), "candidates": looks,
+                  "requirement": self.problem.requirement, "reference_cost": self.problem.reference_cost, "base": self.check_candidate({}), "candidates": candidates,
                   "front": front, "raced": raced, "winner": winner, "neighbours": tried, "proofs": self.proofs}
         if winner:
             answer["cost_frac"] = winner["cost"] / self.problem.reference_cost
             answer["active"] = max(winner["margins"], key=winner["margins"].get)
         return answer
 
-    def percent(self, look):
-        return f"{100 * look['cost'] / self.problem.reference_cost:.1f} % of the base's cost"
+    def percent(self, candidate):
+        return f"{100 * candidate['cost'] / self.problem.reference_cost:.1f} % of the base's cost"
 
     def search(self):
         """All candidates that were looked at, in order."""
@@ -68,35 +68,35 @@ class Design:
         study = module.create_study()
         for values in problem.start[:problem.candidates]:
             study.enqueue_trial(values)
-        looks, random = [], max(len(problem.start) + 8, problem.candidates // 4)
+        candidates, random = [], max(len(problem.start) + 8, problem.candidates // 4)
         self.progress.start("candidates", problem.candidates)
         with model.Workers(self.workers) as pool:
-            while len(looks) < problem.candidates:
+            while len(candidates) < problem.candidates:
                 # A sampler of its own for each step: its random numbers follow from the number of candidates so far.
-                study.sampler = module.samplers.TPESampler(seed=problem.seed + len(looks), n_startup_trials=random, multivariate=True, constant_liar=True,
+                study.sampler = module.samplers.TPESampler(seed=problem.seed + len(candidates), n_startup_trials=random, multivariate=True, constant_liar=True,
                                                            constraints_func=lambda trial: trial.user_attrs["constraints"])
-                trials = [study.ask() for _ in range(min(TOGETHER, problem.candidates - len(looks)))]
+                trials = [study.ask() for _ in range(min(TOGETHER, problem.candidates - len(candidates)))]
                 proposed = [{name: model.suggest(trial, name, problem.bounds(name)) for name in problem.variables} for trial in trials]
-                before = self.look.made
-                for trial, look in zip(trials, pool.map(self.look, proposed)):
-                    trial.set_user_attr("constraints", [look["violation"]])
-                    study.tell(trial, look["cost"])
-                    looks.append(look)
-                made = self.look.made - before
+                before = self.check_candidate.made
+                for trial, candidate in zip(trials, pool.map(self.check_candidate, proposed)):
+                    trial.set_user_attr("constraints", [candidate["violation"]])
+                    study.tell(trial, candidate["cost"])
+                    candidates.append(candidate)
+                made = self.check_candidate.made - before
                 self.progress.step(made, len(trials) - made)
-        return looks
+        return candidates
 
     # Tests by draws
 
-    def campaigns(self, values):
+    def scans_of(self, values):
         """The draws on each terrain."""
-        return [self.problem.campaign(self.runner, self.problem.configs(values, terrain)) for terrain in range(len(self.problem.terrains))]
+        return [self.problem.scan_of(self.runner, self.problem.configs(values, terrain)) for terrain in range(len(self.problem.terrains))]
 
     def part(self, scan, draws, begin, end):
         """The file of the draws begin..end-1 of a campaign; an earlier run may have made it."""
         path = self.runner.place("part", [*scan.depends, draws, begin, end], "h5")
         if not os.path.exists(path):
-            scan.campaign(draws, path, "--draws", f"{begin}:{end}")
+            scan.make_draws(draws, path, "--draws", f"{begin}:{end}")
         return path
 
     def rounds(self, scans, draws, sizes):
@@ -114,13 +114,13 @@ class Design:
             if end == draws["draws"]:
                 return
 
-    def race(self, look):
-        """The look with "race": the sequential test of P(pass) on every terrain; the first terrain that rejects decides."""
+    def race(self, candidate):
+        """The candidate with "race": the sequential test of P(pass) on every terrain; the first terrain that rejects decides."""
         rule = {"p0": self.problem.probability, "p1": 1 - 3 * (1 - self.problem.probability), "alpha": 0.05, "beta": 0.05}
         rule |= self.problem.tree.get("race", {})
         draws = self.problem.draws(draws=MAX_DRAWS, seed=RACE_SEED)
-        scans = self.campaigns(look["values"])
-        self.progress.say(f"sequential test of {self.percent(look)}")
+        scans = self.scans_of(candidate["values"])
+        self.progress.say(f"sequential test of {self.percent(candidate)}")
         try:
             for passes, _ in self.rounds(scans, draws, [FIRST_ROUND, *([runs.PART_DRAWS] * MAX_DRAWS)]):
                 ends = [sprt(terrain, **rule) for terrain in passes]
@@ -132,15 +132,15 @@ class Design:
                 scan.done()
         worst = rejecting[0] if rejecting else min(range(len(ends)), key=lambda terrain: sum(passes[terrain]) / len(passes[terrain]))
         counts = [{"passed": sum(terrain[:count]), "draws": count} for terrain, (_, count) in zip(passes, ends)]
-        return {**look, "race": {**rule, "accepted": not rejecting and all(accepted for accepted, _ in ends), "terrain": worst, "terrains": counts}}
+        return {**candidate, "race": {**rule, "accepted": not rejecting and all(accepted for accepted, _ in ends), "terrain": worst, "terrains": counts}}
 
-    def prove(self, look):
+    def prove(self, candidate):
         """The rates of fresh draws on every terrain, as monte-carlo states them. Ends early where they can no longer suffice."""
         first = PROOF_SEED + PROOF_STEP * self.proofs
         self.proofs += 1
         allowed = failures_allowed(self.problem.probability, self.problem.proof_draws)
         draws = self.problem.draws(draws=self.problem.proof_draws, seed=first)
-        scans = self.campaigns(look["values"])
+        scans = self.scans_of(candidate["values"])
         count = math.ceil(self.problem.proof_draws / runs.PART_DRAWS)
         self.progress.start("rounds of fresh draws", count)
         try:
@@ -149,7 +149,7 @@ class Design:
                 failed = max(terrain.count(False) for terrain in passes)
                 if failed > allowed:
                     return [{"passed": sum(terrain), "draws": len(terrain), "exact_lower_bound": 0.0} for terrain in passes]
-            look["chain"] = self.through_the_chain(look["values"], runs.rows_of(parts[0][0])[0])
+            candidate["chain"] = self.through_the_chain(candidate["values"], runs.rows_of(parts[0][0])[0])
             return [{"first_seed": first, **self.merged(*terrain)} for terrain in zip(passes, parts)]
         finally:
             for scan in scans:
@@ -188,9 +188,9 @@ class Design:
                       if self.problem.cost(self.problem.configs(values)) <= accepted["cost"]]
             self.progress.say(f"{len(around)} neighbours of {self.percent(accepted)}")
             with model.Workers(self.workers) as pool:
-                looks = list(pool.map(self.look, [values for _, values in around]))
-            tried = [{**look, "changed": name} for (name, _), look in zip(around, looks)]
-            cheaper = [i for i, look in enumerate(tried) if look["passes"] and look["cost"] < accepted["cost"]]
+                candidates = list(pool.map(self.check_candidate, [values for _, values in around]))
+            tried = [{**candidate, "changed": name} for (name, _), candidate in zip(around, candidates)]
+            cheaper = [i for i, candidate in enumerate(tried) if candidate["passes"] and candidate["cost"] < accepted["cost"]]
             for i in sorted(cheaper, key=lambda i: tried[i]["cost"]):  # pylint: disable=cell-var-from-loop
                 tried[i] = self.race(tried[i])
                 if tried[i]["race"]["accepted"] and moves < self.problem.moves:
@@ -203,28 +203,28 @@ class Design:
             accepted = better
 
 
-def pareto(looks):
+def pareto(candidates):
     """The candidates with a draw that no other one beats in both cost and worst margin; by cost.
 
     Equal worst margins, as of holes, which are whole bins, are compared by the next ones.
     """
-    def margins(look):
-        return sorted(look["margins"].values(), reverse=True)
+    def margins(candidate):
+        return sorted(candidate["margins"].values(), reverse=True)
 
     front = []
-    for look in sorted((look for look in looks if look["stage"] == "draw"), key=lambda look: (look["cost"], margins(look))):
-        if not front or margins(look) < margins(front[-1]):
-            front.append(look)
+    for candidate in sorted((candidate for candidate in candidates if candidate["stage"] == "draw"), key=lambda candidate: (candidate["cost"], margins(candidate))):
+        if not front or margins(candidate) < margins(front[-1]):
+            front.append(candidate)
     return front
 
 
-def by_fronts(looks):
+def by_fronts(candidates):
     """Those on the Pareto front, then those on the front of the others, and so on: the margins of one draw may mislead."""
-    rest = list(looks)
+    rest = list(candidates)
     while rest:
         front = pareto(rest)
         yield from front
-        rest = [look for look in rest if look not in front]
+        rest = [candidate for candidate in rest if candidate not in front]
 
 
 def sprt(passes, p0, p1, alpha, beta):

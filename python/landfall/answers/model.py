@@ -113,7 +113,7 @@ class Model:
             draws = runs.Scan(self.runner, configs, len(parts)) if self.traced is None else runs.TracedDraws(self.runner, configs, self.traced)
             for part, seed, draw in parts:
                 samples = [{key: value for key, value in rows[number].items() if key in drawn} for number in part]
-                yield _Campaign(self, part, draws, samples, (seed, draw))
+                yield _DrawnRows(self, part, draws, samples, (seed, draw))
 
 
 def _parts(numbers, keys):
@@ -158,7 +158,7 @@ class _Chain(_Task):
             return [{"error": str(error), "code": error.exit_code}]
 
 
-class _Campaign(_Task):
+class _DrawnRows(_Task):
     """Rows over one traced scan, which are consecutive draws of a seed. `first`: (seed, number of the first draw)."""
 
     def __init__(self, of, numbers, scan, samples, first):

@@ -265,7 +265,7 @@ class Runner:
 
 
 class Draws:
-    """Draws of monte-carlo; campaign() of a subclass makes their file, which depends on the values of `depends`."""
+    """Draws of monte-carlo; make_draws() of a subclass makes their file, which depends on the values of `depends`."""
 
     def rows(self, draws, *arguments, samples=None):
         """The numbers of each draw: [{name: value, None where it has none}]. `samples` are (keys, rows of values)."""
@@ -276,7 +276,7 @@ class Draws:
                 command.write_text(table, command.csv_text(rows), is_synced=False)
                 arguments = (*arguments, "--samples", table)
             path = os.path.join(folder, "draws.h5")
-            self.campaign(draws, path, *arguments)
+            self.make_draws(draws, path, *arguments)
             return rows_of(path)
 
 
@@ -286,7 +286,7 @@ class TracedDraws(Draws):
     def __init__(self, runner, configs, traced):
         self.runner, self.configs, self.traced, self.depends = runner, configs, traced, [configs, traced]
 
-    def campaign(self, draws, output, *arguments):
+    def make_draws(self, draws, output, *arguments):
         """Writes `output`, the draws with monte-carlo's configuration `draws`."""
         self.runner.run("monte-carlo", "-o", output, "-O", *arguments, config=self.config(draws))
 
@@ -337,7 +337,7 @@ class Scan(Draws):
             if self.users == 0 and os.path.exists(self.place):
                 os.remove(self.place)
 
-    def campaign(self, draws, output, *arguments):
+    def make_draws(self, draws, output, *arguments):
         """Writes `output`, the draws over the scan with monte-carlo's configuration `draws`."""
         configs = self.configs
         config = {"layers": False, "regrid": configs["regrid"], "eval": configs["eval"], "hazard": configs.get("hazard"), **draws}

@@ -7,7 +7,7 @@ import numpy as np
 
 from landfall import files, tools
 from landfall.errors import DataError
-from landfall.plot import maps, plots, reduction, scales
+from landfall.plot import captions, maps, plot_command, reduction, scales
 
 ZOOM_WIDTH_M = 8.0
 SIGN = "B - A"
@@ -20,7 +20,7 @@ def add_options(parser):
     parser.add_argument("--vertical-datum", choices=["as-is"], help="compare heights on different or unknown vertical datums as they are")
 
 
-parse = plots.parser_of("plot_compare.py", __doc__, {"dem_a": "A", "dem_b": "B"}, add_options, "-compared.png")
+parse = plot_command.parser_of("plot_compare.py", __doc__, {"dem_a": "A", "dem_b": "B"}, add_options, "-compared.png")
 
 
 def read(path, layer):
@@ -64,8 +64,8 @@ def draw_side(ax, grid, name, values, scale):
     maps.draw_scale_marks(ax)
     low, high = scales.extremes(values)
     empty = int(np.isnan(values).sum())
-    maps.note(ax, "no value anywhere" if np.isnan(low) else plots.metre_range(low, high), scale.clipping_text(),
-              f"{plots.counted(empty, 'bin')} without a value (grey)" if empty else "")
+    maps.note(ax, "no value anywhere" if np.isnan(low) else captions.metre_range(low, high), scale.clipping_text(),
+              f"{captions.counted(empty, 'bin')} without a value (grey)" if empty else "")
 
 
 def statistics_text(difference):
@@ -73,8 +73,8 @@ def statistics_text(difference):
     if valid.size == 0:
         return "no bin has a value in both"
     nmad = 1.4826 * np.median(np.abs(valid - np.median(valid)))
-    return (f"{plots.counted(valid.size, 'bin')} with both: mean {plots.metres(valid.mean())}, "
-            f"standard deviation {plots.metres(valid.std())}, NMAD {plots.metres(nmad)}")
+    return (f"{captions.counted(valid.size, 'bin')} with both: mean {captions.metres(valid.mean())}, "
+            f"standard deviation {captions.metres(valid.std())}, NMAD {captions.metres(nmad)}")
 
 
 def draw_difference(axes, grid, difference):
@@ -107,4 +107,4 @@ def figure_of(options):
     return figure
 
 
-main = plots.main_of(parse, figure_of)
+main = plot_command.main_of(parse, figure_of)

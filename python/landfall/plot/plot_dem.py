@@ -6,7 +6,7 @@ import numpy as np
 
 from landfall import files
 from landfall.errors import DataError
-from landfall.plot import maps, plots, reduction, scales
+from landfall.plot import captions, maps, plot_command, reduction, scales
 
 ZOOM_WIDTH_M = 8.0
 SIGN = "true - estimated"
@@ -14,15 +14,15 @@ LIMIT_OF = " of rel_z"
 
 
 def add_options(parser):
-    parser.add_argument("--region-radius-m", type=plots.positive_metres, help="default: the largest that fits")
-    parser.add_argument("--footprint-m", type=plots.positive_metres, default=1.7, help="default 1.7")
-    parser.add_argument("--limit-m", type=plots.positive_metres, default=0.05,
+    parser.add_argument("--region-radius-m", type=plot_command.positive_metres, help="default: the largest that fits")
+    parser.add_argument("--footprint-m", type=plot_command.positive_metres, default=1.7, help="default 1.7")
+    parser.add_argument("--limit-m", type=plot_command.positive_metres, default=0.05,
                         help="limit of the relative elevation error, marked on the scale of e_z, default 0.05")
-    plots.add_data_only_option(parser)
+    plot_command.add_data_only_option(parser)
     parser.set_defaults(draw_region=None)  # of an evaluation
 
 
-parse = plots.parser_of("plot_dem.py", __doc__, {"dem": "DEM"}, add_options)
+parse = plot_command.parser_of("plot_dem.py", __doc__, {"dem": "DEM"}, add_options)
 
 
 def read(path):
@@ -51,7 +51,7 @@ def draw_elevations(ax, grid, layer, scale, options):
     marked = maps.mark_missing(ax, grid, values, "bins without a return")
     finish_map(ax, grid, options)
     low, high = scales.extremes(values)
-    maps.note(ax, "no value anywhere" if np.isnan(low) else plots.metre_range(low, high), scale.clipping_text(), marked)
+    maps.note(ax, "no value anywhere" if np.isnan(low) else captions.metre_range(low, high), scale.clipping_text(), marked)
 
 
 def zoom(ax, grid, center, options):
@@ -100,11 +100,11 @@ def figure_of(options):
     grid, layers = read(options.dem)
     has_truth = layers["z_true"] is not None
     empty = int(np.isnan(layers["z_est"]).sum())
-    title = (f"{os.path.basename(options.dem)}: {grid.shape[1]} x {grid.shape[0]} bins of {plots.metres(grid.resolution_m)}, "
-             f"{empty:,} without a return ({plots.percent(empty / layers['z_est'].size)})")
+    title = (f"{os.path.basename(options.dem)}: {grid.shape[1]} x {grid.shape[0]} bins of {captions.metres(grid.resolution_m)}, "
+             f"{empty:,} without a return ({captions.percent(empty / layers['z_est'].size)})")
     figure, axes = maps.new_figure((2, 2) if has_truth else (1, 2), (14, 13 if has_truth else 6.7), title)
     (draw_with_truth if has_truth else draw_without_truth)(axes, grid, layers, options)
     return figure
 
 
-main = plots.main_of(parse, figure_of)
+main = plot_command.main_of(parse, figure_of)

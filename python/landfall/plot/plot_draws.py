@@ -13,15 +13,15 @@ from matplotlib.colors import LogNorm
 
 from landfall import dictionary, files
 from landfall.errors import DataError
-from landfall.plot import maps, plots, reduction, relief, scales
+from landfall.plot import captions, maps, plot_command, reduction, relief, scales
 
 LAYERS = ["p_invalid", "p_missed_hazard", "p_judged_safe", "p_fail_rel_x", "p_fail_rel_y", "p_fail_rel_z", "p_fail_absolute", "e_z_mean", "e_z_std", "e_map_std", "z_sigma_abs",
           "e_map_std_over_sigma", "z_true_map", "in_region"]
-GROUND = "#f4f1ea"  # where a probability is 0
+TERRAIN_COLOR = "#f4f1ea"  # where a probability is 0
 CLASSES = 30
 
 
-parse = plots.parser_of("plot_draws.py", __doc__, {"draws": "DRAWS"})
+parse = plot_command.parser_of("plot_draws.py", __doc__, {"draws": "DRAWS"})
 
 
 class Draws:
@@ -57,22 +57,22 @@ def light_of(draws, size):
     return relief.light(mean, step_m, relief.factor(mean, step_m))
 
 
-def draw_chance(ax, draws, values, title, quantity):
+def draw_shaded_probability(ax, draws, values, title, quantity):
     """A probability, the largest value of each block; where it is 0, the shaded ground. Elsewhere slopes may darken its colour only a
     little, so that it can be compared with the colour bar."""
     grid = draws.grid
     maps.frame_map(ax, grid, title)
     size = maps.block_size(ax, values.shape)
-    shown = reduction.shrink_most(values, size)
+    shown = reduction.shrink_max(values, size)
     span = scales.extremes(shown)
     scale = scales.Scale("magnitude", 0.0, span[1] if span[1] > 0 else 1.0, scales.extremes(values), span, "", base="")
     image = scales.color_map("magnitude")(np.nan_to_num(shown) / scale.high)[..., :3]
-    image[shown == 0] = tuple(int(GROUND[k:k + 2], 16) / 255 for k in (1, 3, 5))
+    image[shown == 0] = tuple(int(TERRAIN_COLOR[k:k + 2], 16) / 255 for k in (1, 3, 5))
     light = light_of(draws, size)
     light = np.where(shown > 0, np.clip(light, 0.85, 1), light)
     image = np.clip(image * np.nan_to_num(light, nan=1)[..., None], 0, 1)
     image[np.isnan(shown)] = 200 / 255
-    maps.draw_image(ax, grid, image, size, gid="chance")
+    maps.draw_image(ax, grid, image, size, gid="shaded_probability")
     maps.draw_color_bar(ax, scale, quantity)
     largest = "no value" if np.isnan(span[1]) else "0 everywhere" if span[1] == 0 else f"at most {span[1]:.3g}"
     finish(ax, draws, largest, maps.blocks_note(ax, values.shape))
@@ -117,7 +117,7 @@ def draw_prediction(ax, draws):
     maps.note(ax, f"median of observed / predicted {median:.3f}", f"{np.count_nonzero(known):,} bins; darker: more")
 
 
-def draw_ground(ax, draws):
+def draw_terrain(ax, draws):
     """The shaded ground in grey."""
     size = maps.block_size(ax, draws.layers["in_region"].shape)
     light = np.nan_to_num(light_of(draws, size), nan=1)
@@ -127,7 +127,7 @@ def draw_ground(ax, draws):
 def draw_chosen(ax, draws):
     """The best site of each draw over the shaded ground."""
     maps.frame_map(ax, draws.grid, "chosen place of each draw")
-    draw_ground(ax, draws)
+    draw_terrain(ax, draws)
     x, y, safe = (draws.columns[f"site.{name}"] for name in ("x_m", "y_m", "true_safe"))
     for shown, color, marker, label in ((safe == 1, maps.BLUE, "o", "safe"), (safe == 0, maps.VERMILION, "X", "a hazard")):
         if shown.any():
@@ -144,11 +144,11 @@ def draw_chosen(ax, draws):
 def edges_of(values, limit, is_whole):
     """Edges of equally wide classes, between whole numbers for counts. Bars are wide enough to be seen beside a limit far away."""
     low, high = float(values.min()), float(values.max())
-    least = max(abs(low - limit), abs(high - limit), abs(limit) / 2) / 100
+    minimum = max(abs(low - limit), abs(high - limit), abs(limit) / 2) / 100
     if is_whole:
-        width = max(1.0, np.ceil(max((high - low + 1) / CLASSES, least)))
+        width = max(1.0, np.ceil(max((high - low + 1) / CLASSES, minimum)))
         return low - 0.5 + width * np.arange(np.ceil((high - low + 1) / width) + 1)
-    width = max((high - low) / CLASSES * (1 + 1e-9), least)
+    width = max((high - low) / CLASSES * (1 + 1e-9), minimum)
     count = max(1.0, np.ceil((high - low) / width))
     return (low + high - count * width) / 2 + width * np.arange(count + 1)
 
@@ -201,27 +201,27 @@ def draw(draws):
     names = [*dictionary.requirements(), *dictionary.own_paths(draws.columns)]
     histograms = math.ceil(len(names) / 3)
     rows = histograms + (0 if draws.grid is None else 3 if draws.has_hazards() else 2)
-    title = f"{draws.name}: {plots.counted(draws.count(), 'draw')}; {rate_text(draws, 'all' if len(names) == 6 else 'all_and_own')}"
+    title = f"{draws.name}: {captions.counted(draws.count(), 'draw')}; {rate_text(draws, 'all' if len(names) == 6 else 'all_and_own')}"
     figure, axes = maps.new_figure((rows, 3), (19, 5.2 * rows), title)
     if draws.grid is not None:
         layers, share = draws.layers, "share of the draws"
-        draw_chance(axes[0, 0], draws, layers["p_invalid"], "empty bin", share)
-        draw_chance(axes[0, 1], draws, layers["p_fail_rel_z"], "footprint fails: relative z", share)
-        draw_chance(axes[0, 2], draws, np.fmax(layers["p_fail_rel_x"], layers["p_fail_rel_y"]), "footprint fails: relative x or y, the likelier", share)
-        draw_layer(axes[1, 0], draws, "e_z_std", "spread of e_z", scales.magnitude_scale, reduction.shrink_most, "largest")
+        draw_shaded_probability(axes[0, 0], draws, layers["p_invalid"], "empty bin", share)
+        draw_shaded_probability(axes[0, 1], draws, layers["p_fail_rel_z"], "footprint fails: relative z", share)
+        draw_shaded_probability(axes[0, 2], draws, np.fmax(layers["p_fail_rel_x"], layers["p_fail_rel_y"]), "footprint fails: relative x or y, the likelier", share)
+        draw_layer(axes[1, 0], draws, "e_z_std", "spread of e_z", scales.magnitude_scale, reduction.shrink_max, "largest")
         if layers["z_sigma_abs"] is not None:
             draw_layer(axes[1, 1], draws, "e_map_std_over_sigma", "spread of the map's error, observed / predicted",
-                       lambda values, shown: scales.count_scale(values, shown, "magnitude", least=1.0), reduction.shrink_mean, "mean")
+                       lambda values, shown: scales.count_scale(values, shown, "magnitude", minimum=1.0), reduction.shrink_mean, "mean")
             draw_prediction(axes[1, 2], draws)
         else:
             if layers["e_map_std"] is None:
                 maps.notice(axes[1, 1], "the ground varies: no spread of the map's error")
             else:
-                draw_layer(axes[1, 1], draws, "e_map_std", "spread of the map's error", scales.magnitude_scale, reduction.shrink_most, "largest")
+                draw_layer(axes[1, 1], draws, "e_map_std", "spread of the map's error", scales.magnitude_scale, reduction.shrink_max, "largest")
             draw_layer(axes[1, 2], draws, "e_z_mean", "mean of e_z", scales.error_scale, reduction.shrink_extreme, "largest")
         if draws.has_hazards():
-            draw_chance(axes[2, 0], draws, layers["p_missed_hazard"], "missed hazard", share)
-            draw_chance(axes[2, 1], draws, layers["p_judged_safe"], "judged safe", share)
+            draw_shaded_probability(axes[2, 0], draws, layers["p_missed_hazard"], "missed hazard", share)
+            draw_shaded_probability(axes[2, 1], draws, layers["p_judged_safe"], "judged safe", share)
             draw_chosen(axes[2, 2], draws)
     places = list(axes[rows - histograms:].flat)
     for name, ax in zip(names, places):
@@ -235,4 +235,4 @@ def figure_of(options):
     return draw(Draws(options.draws))
 
 
-main = plots.main_of(parse, figure_of)
+main = plot_command.main_of(parse, figure_of)

@@ -12,7 +12,7 @@ import os
 import numpy as np
 
 from landfall import command, dictionary, files
-from landfall.plot import maps, plot_dem, plots, scales, scores
+from landfall.plot import captions, maps, plot_command, plot_dem, scales, scores
 
 LAYERS = ["e_z", "abs_x", "abs_y", "abs_z", "rel_x", "rel_y", "rel_z", "invalid", "in_region", "fail"]
 ZOOM_WIDTH_M = 6.0
@@ -25,8 +25,8 @@ def parse(arguments):
     parser.add_argument("-o", "--output", metavar="DIR|PREFIX",
                         help="a folder (made if the name ends with /), or the prefix of the figures' names "
                              "(default: EVAL-)")
-    plots.add_data_only_option(parser)
-    plots.add_output_options(parser)
+    plot_command.add_data_only_option(parser)
+    plot_command.add_output_options(parser)
     options = parser.parse_args(arguments)
     options.output = options.output or os.path.splitext(options.evaluation)[0] + "-"
     if os.path.isdir(options.output):
@@ -147,7 +147,7 @@ def draw_error_histogram(ax, within, scale):
     values = within[~np.isnan(within)]
     ax.set_box_aspect(1)
     end = max(scale.high, *np.abs(scale.extremes)) if values.size else scale.high
-    unit, factor = plots.length_unit(end)
+    unit, factor = captions.length_unit(end)
     ax.set(title=f"{values.size:,} valid bins", xlabel=f"e_z = {SIGN} ({unit})", ylabel="bins")
     if values.size == 0:
         maps.notice(ax, "no valid bin")
@@ -190,13 +190,13 @@ def draw_mask(ax, evaluation, title, flags):
 
 def invalid_text(metrics):
     count, fraction = metrics.get("coverage/invalid_count"), metrics.get("coverage/invalid_frac")
-    return f"{plots.counted(count, 'invalid bin')} ({plots.percent(fraction)})"
+    return f"{captions.counted(count, 'invalid bin')} ({captions.percent(fraction)})"
 
 
 def draw_hole_map(ax, evaluation):
     holes = evaluation.metrics.get("coverage/holes_over_limit")
     far = evaluation.metrics.get("coverage/distance_over_limit_count")
-    title = f"over the limits: {plots.counted(holes, 'hole')}, {plots.counted(far, 'distance')}"
+    title = f"over the limits: {captions.counted(holes, 'hole')}, {captions.counted(far, 'distance')}"
     draw_mask(ax, evaluation, title, {"hole too large": (evaluation.failing("hole_size"), maps.SKY_BLUE),
                                       "too far from a valid bin": (evaluation.failing("hole_distance"), maps.VERMILION)})
 
@@ -206,8 +206,8 @@ def draw_hole_histogram(ax, metrics):
     counts = metrics.get("coverage/hole_size_histogram/count") or []
     largest, limit = metrics.get("coverage/largest_hole_bins"), metrics.get("requirements/hole_size/limit")
     ax.set_box_aspect(1)
-    holes = plots.counted(metrics.get("coverage/hole_count"), "hole")
-    ax.set(title=f"{holes}, largest {plots.counted(largest, 'bin')}",
+    holes = captions.counted(metrics.get("coverage/hole_count"), "hole")
+    ax.set(title=f"{holes}, largest {captions.counted(largest, 'bin')}",
            xlabel="hole size (bins, 8-connected)", ylabel="holes")
     if len(sizes) == 0 or len(sizes) != len(counts):
         maps.notice(ax, "no holes")
@@ -217,7 +217,7 @@ def draw_hole_histogram(ax, metrics):
     if max(sizes) >= 60:
         ax.set_xscale("log")
     if limit is not None:
-        ax.axvline(limit + 0.5, color=maps.VERMILION, linestyle="--", label=f"limit {plots.counted(limit, 'bin')}")
+        ax.axvline(limit + 0.5, color=maps.VERMILION, linestyle="--", label=f"limit {captions.counted(limit, 'bin')}")
         ax.legend(loc="upper right")
 
 
@@ -228,10 +228,10 @@ def draw_accuracy(evaluation):
     title = f"{evaluation.name}: accuracy over the footprint centred on each bin, error = {SIGN}"
     figure, axes = maps.new_figure((2, 3), (15, 10.2), title)
     for column, axis in enumerate("xyz"):
-        p95 = plots.metres(evaluation.metrics.get(f"accuracy/absolute/{axis}/p95_m"))
+        p95 = captions.metres(evaluation.metrics.get(f"accuracy/absolute/{axis}/p95_m"))
         draw_footprint_map(axes[0, column], evaluation, f"abs_{axis}", f"absolute {axis} (mean)\n95 % within {p95}")
         count, largest = (evaluation.metrics.get(f"accuracy/relative/{axis}/{key}") for key in ("violation_count", "max_m"))
-        found = "not judged" if count is None else f"{plots.counted(count, 'violation')}, largest {plots.metres(largest)}"
+        found = "not judged" if count is None else f"{captions.counted(count, 'violation')}, largest {captions.metres(largest)}"
         title = f"relative {axis}\n{found}"
         draw_footprint_map(axes[1, column], evaluation, f"rel_{axis}", title)
     return figure
@@ -332,7 +332,7 @@ def figures_of(evaluation):
 
 def main(arguments):
     options = parse(arguments)
-    plots.use_dpi(options.dpi)
+    plot_command.use_dpi(options.dpi)
     evaluation = Evaluation(options.evaluation, options.data_only)
     chosen = figures_of(evaluation)
     dem_figure = [options.output + "dem.png"] if options.dem else []
@@ -342,7 +342,7 @@ def main(arguments):
         figures = {options.output + name: draw(evaluation) for name, draw in chosen.items()}
         if options.dem:
             figures[dem_figure[0]] = draw_dem(options, evaluation)
-        plots.save(figures, options.dpi)
+        plot_command.save(figures, options.dpi)
 
 
 def draw_dem(options, evaluation):

@@ -7,7 +7,7 @@ import numpy as np
 from matplotlib.colors import LightSource
 
 from landfall import files
-from landfall.plot import plots
+from landfall.plot import plot_command
 
 RESOLUTION_M = 0.05
 
@@ -42,7 +42,7 @@ def terrain(panel, folder, options):
     """x and y of the nodes, metres, and the elevations, one row per y."""
     resolution_m = RESOLUTION_M if panel.half_width_m <= 12 else 2 * RESOLUTION_M
     config = {"grid": {"half_width_m": panel.half_width_m, "resolution_m": resolution_m}, "features": [panel.feature]}
-    with files.open_landfall(plots.run_tool("terrain-gen", folder, "terrain", config, options), "landfall.terrain") as file:
+    with files.open_landfall(plot_command.run_tool("terrain-gen", folder, "terrain", config, options), "landfall.terrain") as file:
         return file["x"][()], file["y"][()], file["z"][()]
 
 
@@ -90,4 +90,4 @@ def figure_of(folder, options):
     return figure
 
 
-main = plots.main_of_tools("plot_features.py", __doc__, figure_of)
+main = plot_command.main_of_tools("plot_features.py", __doc__, figure_of)

@@ -11,7 +11,7 @@ from matplotlib.patches import Circle
 
 from landfall import dictionary, files
 from landfall.errors import DataError
-from landfall.plot import maps, plots, reduction, relief, scales
+from landfall.plot import captions, maps, plot_command, reduction, relief, scales
 
 LAYERS = ["slope", "roughness", "safe", "p_safe", "p_touchdown", "cost", "outcome"]
 MAX_LISTED = 6  # sites in the legend
@@ -24,10 +24,10 @@ MARKED = (3, 2)
 
 def add_options(parser):
     parser.add_argument("--dem", metavar="DEM.h5", help="the DEM that was judged: its relief shades the first panel")
-    plots.add_data_only_option(parser)
+    plot_command.add_data_only_option(parser)
 
 
-parse = plots.parser_of("plot_hazards.py", __doc__, {"hazards": "HAZARDS"}, add_options)
+parse = plot_command.parser_of("plot_hazards.py", __doc__, {"hazards": "HAZARDS"}, add_options)
 
 
 class Hazards:
@@ -92,7 +92,7 @@ def draw_safety(ax, hazards, z):
             text, color = classes[value]
             how[text] = maps.draw_marks(ax, hazards.grid, (values == value) & inside, color, np.count_nonzero(inside), fill_few=True)
     total = np.count_nonzero(inside)
-    maps.legend(ax, {f"{text}: {counts[value]:,} ({plots.percent(counts[value] / total if total else None)})": color
+    maps.legend(ax, {f"{text}: {counts[value]:,} ({captions.percent(counts[value] / total if total else None)})": color
                      for value, (text, color) in classes.items()}, 2)
     maps.draw_scale_marks(ax)
     maps.note(ax, *(f"{text}: {manner}" for text, manner in how.items() if manner))
@@ -111,9 +111,9 @@ def shaded(grid, image, z, size):
 def draw_limited(ax, hazards, name, base, limit_key, data_only):
     """A layer with a limit: the largest value of each block, and a line around the places over the limit."""
     values, limit = hazards.layers[name], hazards.config.get(limit_key)
-    scale = dataclasses.replace(scales.magnitude_scale(values, maps.reduced(ax, values, reduction.shrink_most), limit, data_only), base=base)
+    scale = dataclasses.replace(scales.magnitude_scale(values, maps.reduced(ax, values, reduction.shrink_max), limit, data_only), base=base)
     frame(ax, hazards, f"{name} under the lander")
-    maps.draw_values(ax, hazards.grid, values, scale, name, reduction.shrink_most)
+    maps.draw_values(ax, hazards.grid, values, scale, name, reduction.shrink_max)
     over = limit is not None and maps.outline_flags(ax, hazards.grid, values > limit, "white")
     maps.draw_scale_marks(ax)
     maps.note(ax, *scale.notes(), maps.blocks_note(ax, values.shape), "white line: over the limit" if over else "")
@@ -123,11 +123,11 @@ def draw_probability(ax, hazards):
     """p_safe, or without it p_touchdown, with the landing sites and the circle in which they are looked for."""
     name = "p_touchdown" if hazards.layers["p_safe"] is None else "p_safe"
     values = hazards.layers[name]
-    shown = maps.reduced(ax, values, reduction.shrink_least)
+    shown = maps.reduced(ax, values, reduction.shrink_min)
     scale = scales.Scale("magnitude", 0.0, 1.0, scales.extremes(values), scales.extremes(shown), "", base="")
     what = "probability that the place is safe" if name == "p_safe" else "share of touchdowns that meet places judged safe"
     frame(ax, hazards, f"{what}, and landing sites")
-    maps.draw_values(ax, hazards.grid, values, scale, name, reduction.shrink_least)
+    maps.draw_values(ax, hazards.grid, values, scale, name, reduction.shrink_min)
     maps.draw_scale_marks(ax)
     maps.note(ax, scale.range_text(), maps.blocks_note(ax, values.shape, "smallest"))
     handles = [*draw_sites(ax, hazards), *draw_reach(ax, hazards)]
@@ -144,7 +144,7 @@ def draw_reach(ax, hazards):
     if radius_m is None:
         return []
     ax.add_patch(Circle((0, 0), radius_m, fill=False, edgecolor="black", linewidth=1.4, linestyle="--", path_effects=maps.OUTLINE, gid="divert"))
-    return [Line2D([], [], color="black", linestyle="--", label=f"divert radius {plots.metres(float(radius_m))}")]
+    return [Line2D([], [], color="black", linestyle="--", label=f"divert radius {captions.metres(float(radius_m))}")]
 
 
 def draw_sites(ax, hazards):
@@ -158,8 +158,8 @@ def draw_sites(ax, hazards):
         ax.plot(*place, linestyle="none", zorder=5 + (count - row) / count, gid="site", **style)
         ax.text(*place, str(rank), fontsize=maps.NOTE_PT, ha="center", va="center_baseline", zorder=5 + (count - row) / count)
         if row < MAX_LISTED:
-            least = "at least " if "p_capped" in sites and sites["p_capped"][row] and sites["p_touchdown"][row] >= sites["p_safe"][row] - 1e-6 else ""
-            touchdown = "" if hazards.layers["p_safe"] is None else f", p_touchdown {least}{sites['p_touchdown'][row]:.4f}"
+            prefix = "at least " if "p_capped" in sites and sites["p_capped"][row] and sites["p_touchdown"][row] >= sites["p_safe"][row] - 1e-6 else ""
+            touchdown = "" if hazards.layers["p_safe"] is None else f", p_touchdown {prefix}{sites['p_touchdown'][row]:.4f}"
             text = f"cost {sites['cost'][row]:.4f}{touchdown}" + (", true hazard" if wrong else "")
             handles.append(Line2D([], [], linestyle="none", label=f"{rank}: {text}", **{**style, "markersize": 8}))
     if count > MAX_LISTED:
@@ -192,7 +192,7 @@ def draw_roc(ax, hazards):
     at = None if limit is None else int(np.argmin(np.abs(limits - limit)))
     if at is not None and np.isclose(limits[at], limit):
         ax.plot(alarms[at], missed[at], linestyle="none", marker="o", markersize=10, color=maps.VERMILION, gid="limit",
-                label=f"limit {plots.metres(float(limit))}: {missed[at]:.3g} % missed,\n{alarms[at]:.3g} % false alarms")
+                label=f"limit {captions.metres(float(limit))}: {missed[at]:.3g} % missed,\n{alarms[at]:.3g} % false alarms")
     label_limits(ax, alarms, missed, limits)
     ax.legend(loc="upper right", fontsize=maps.NOTE_PT, framealpha=0.9)
 
@@ -200,8 +200,8 @@ def draw_roc(ax, hazards):
 def set_percent_axes(ax, alarms, missed):
     """Logarithmic, because good maps are near 0 in both, but with 0 on them."""
     for name, values in (("x", alarms), ("y", missed)):
-        least = np.min(values[values > 0], initial=1)
-        threshold = 10.0 ** np.floor(np.log10(least))
+        minimum = np.min(values[values > 0], initial=1)
+        threshold = 10.0 ** np.floor(np.log10(minimum))
         getattr(ax, f"set_{name}scale")("symlog", linthresh=threshold, linscale=0.5)
         getattr(ax, f"set_{name}lim")(-0.2 * threshold, 400)
         axis = getattr(ax, f"{name}axis")
@@ -219,7 +219,7 @@ def label_limits(ax, alarms, missed, limits):
         if all(np.hypot(*(at - other)) > 0.09 for other in labelled):
             labelled.append(at)
             same = limits[np.hypot(*(places - at).T) < 0.01]
-            text = plots.metre_range(same[0], same[-1]) if same.size > 1 else plots.metres(float(same[0]))
+            text = captions.metre_range(same[0], same[-1]) if same.size > 1 else captions.metres(float(same[0]))
             ax.annotate(text, (x, y), (5, 7), textcoords="offset points", fontsize=maps.NOTE_PT, gid="roc label")
 
 
@@ -250,7 +250,7 @@ def draw_reliability(ax, hazards):
 def draw(hazards, z=None, data_only=False):
     scored = hazards.score is not None
     grid, places = hazards.grid, np.count_nonzero(hazards.inside())
-    title = f"{hazards.name}: {places:,} places, bins of {plots.metres(grid.resolution_m)}"
+    title = f"{hazards.name}: {places:,} places, bins of {captions.metres(grid.resolution_m)}"
     figure, axes = maps.new_figure((3 if scored else 2, 2), (14, 20.5 if scored else 14.4), title)
     draw_safety(axes[0, 0], hazards, z)
     draw_probability(axes[0, 1], hazards)
@@ -268,4 +268,4 @@ def figure_of(options):
     return draw(hazards, z, options.data_only)
 
 
-main = plots.main_of(parse, figure_of)
+main = plot_command.main_of(parse, figure_of)

@@ -6,13 +6,13 @@ distance that the lander diverted, and slope and roughness on the true ground ag
 import numpy as np
 
 from landfall.errors import DataError
-from landfall.plot import maps, plots
-from landfall.plot.plot_draws import draw_ground, Draws
+from landfall.plot import captions, maps, plot_command
+from landfall.plot.plot_draws import draw_terrain, Draws
 
 ARMS = {"landing": "with the lidar", "blind": "without a lidar"}
 
 
-parse = plots.parser_of("plot_landing.py", __doc__, {"draws": "DRAWS"}, ending="-landing.png")
+parse = plot_command.parser_of("plot_landing.py", __doc__, {"draws": "DRAWS"}, ending="-landing.png")
 
 
 def frame(ax, draws):
@@ -25,11 +25,11 @@ def frame(ax, draws):
 
 def draw_touchdowns(ax, draws, arm):
     if draws.grid is not None:
-        draw_ground(ax, draws)
+        draw_terrain(ax, draws)
     x, y, slope, safe = (draws.columns[f"{arm}.{name}"] for name in ("x_m", "y_m", "slope_deg", "safe"))
-    safe, over_ground = safe == 1, ~np.isnan(slope)
-    for shown, color, marker, label in ((safe, maps.BLUE, "o", "safe"), (~safe & over_ground, maps.VERMILION, "X", "not safe"),
-                                        (~over_ground, "black", "1", "over no ground")):
+    safe, over_terrain = safe == 1, ~np.isnan(slope)
+    for shown, color, marker, label in ((safe, maps.BLUE, "o", "safe"), (~safe & over_terrain, maps.VERMILION, "X", "not safe"),
+                                        (~over_terrain, "black", "1", "over no ground")):
         if shown.any():
             ax.scatter(x[shown], y[shown], s=28, color=color, marker=marker, alpha=0.6, linewidths=0 if marker != "1" else 1,
                        label=f"{label}: {np.count_nonzero(shown)}", gid=f"{arm}-{label.replace(' ', '-')}")
@@ -116,7 +116,7 @@ def draw_pairs(ax, draws):
 
 def draw(draws):
     landing = draws.verdict["landing"]
-    title = f"{draws.name}: {plots.counted(draws.count(), 'landing')}, safe with the lidar {landing['safe']['passed']}, without {landing['blind']['passed']}"
+    title = f"{draws.name}: {captions.counted(draws.count(), 'landing')}, safe with the lidar {landing['safe']['passed']}, without {landing['blind']['passed']}"
     figure, axes = maps.new_figure((2, 3), (19, 11), title)
     for ax, arm in zip(axes[0], ARMS):
         draw_touchdowns(ax, draws, arm)
@@ -134,4 +134,4 @@ def figure_of(options):
     return draw(draws)
 
 
-main = plots.main_of(parse, figure_of)
+main = plot_command.main_of(parse, figure_of)

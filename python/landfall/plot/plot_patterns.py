@@ -8,7 +8,7 @@ import numpy as np
 from matplotlib.collections import LineCollection
 
 from landfall import files
-from landfall.plot import plots
+from landfall.plot import plot_command
 
 HALF_WIDTH_M = 50
 SCAN_TIME_S = 2
@@ -59,7 +59,7 @@ def configuration(panel, folder):
 
 def scan(panel, folder, options):
     """(x, y), metres, one row per pulse and one column per pixel."""
-    path = plots.run_tool("scan-sim", folder, "scan", configuration(panel, folder), options, "--terrain", os.path.join(folder, "terrain.h5"))
+    path = plot_command.run_tool("scan-sim", folder, "scan", configuration(panel, folder), options, "--terrain", os.path.join(folder, "terrain.h5"))
     with files.open_landfall(path, "landfall.scan") as file:
         x, y = file["points/x_true"][()], file["points/y_true"][()]
     return x.reshape(-1, panel.pixels ** 2), y.reshape(-1, panel.pixels ** 2)
@@ -92,7 +92,7 @@ def draw_panel(ax, panel, x, y):
 
 def figure_of(folder, options):
     write_star(os.path.join(folder, "star.csv"))
-    plots.run_tool("terrain-gen", folder, "terrain", TERRAIN, options)
+    plot_command.run_tool("terrain-gen", folder, "terrain", TERRAIN, options)
     figure, axes = plt.subplots(2, 5, figsize=(15, 7.0), layout="constrained")
     for ax, panel in zip(axes.flat, PANELS):
         draw_panel(ax, panel, *scan(panel, folder, options))
@@ -104,4 +104,4 @@ def figure_of(folder, options):
     return figure
 
 
-main = plots.main_of_tools("plot_patterns.py", __doc__, figure_of)
+main = plot_command.main_of_tools("plot_patterns.py", __doc__, figure_of)

@@ -7,7 +7,7 @@ import numpy as np
 
 from landfall import files
 from landfall.errors import DataError
-from landfall.plot import maps, plots, reduction, scales
+from landfall.plot import captions, maps, plot_command, reduction, scales
 
 BUDGET = [("in_region", "frame in the region", "#0072b2"),
           ("partly_in_region", "partly in the region", "#56b4e9"),
@@ -16,7 +16,7 @@ BUDGET = [("in_region", "frame in the region", "#0072b2"),
 UNCOVERED = maps.MARK
 
 
-parse = plots.parser_of("plot_plan.py", __doc__, {"plan": "PLAN"})
+parse = plot_command.parser_of("plot_plan.py", __doc__, {"plan": "PLAN"})
 
 
 def read(path):
@@ -51,7 +51,7 @@ def draw_budget(ax, plan):
     for key, name, color in BUDGET:
         part = plan["time"][key]
         ax.barh([0], [part["time_s"]], left=left, color=color, edgecolor="white",
-                label=f"{name}: {part['time_s']:.4g} s, {plots.percent(part['frac'])}")
+                label=f"{name}: {part['time_s']:.4g} s, {captions.percent(part['frac'])}")
         left += part["time_s"]
     ax.set(title=f"{plan['time']['total']['pulse_count']:,} pulses in {left:.4g} s", xlabel="time spent (s)", yticks=[],
            xlim=(0, left), ylim=(-1.2, 0.6))
@@ -73,13 +73,13 @@ def draw_histogram(ax, plan, layers):
 def figure_of(options):
     grid, layers, plan = read(options.plan)
     coverage, frames = plan["coverage"], plan["frames_per_bin"]
-    title = (f"{os.path.basename(options.plan)}: {plots.percent(coverage['uncovered_frac'])} of the region uncovered "
-             f"({plots.counted(coverage['uncovered_count'], 'bin')} in {plots.counted(coverage['hole_count'], 'hole')}), "
-             f"{plots.percent(frames['overlap_frac'])} seen by more than one frame")
+    title = (f"{os.path.basename(options.plan)}: {captions.percent(coverage['uncovered_frac'])} of the region uncovered "
+             f"({captions.counted(coverage['uncovered_count'], 'bin')} in {captions.counted(coverage['hole_count'], 'hole')}), "
+             f"{captions.percent(frames['overlap_frac'])} seen by more than one frame")
     figure, axes = maps.new_figure((2, 3), (18.5, 11.2), title)
     radius_m = plan["region"]["radius_m"]
     known = {name: np.where(layers["count"] > 0, layers[name], np.nan) for name in ("count", "frames")}
-    seen_style = {"colors": "magnitude", "base": "s", "least": 1e-9}
+    seen_style = {"colors": "magnitude", "base": "s", "minimum": 1e-9}
     how = [draw_map(ax, grid, values, style, layers, radius_m) for ax, values, style in
            ((axes[0, 0], known["count"], ("returns per bin", "returns", {})),
             (axes[0, 1], known["frames"], ("frames per bin (overlap)", "frames", {})),
@@ -94,4 +94,4 @@ def figure_of(options):
     return figure
 
 
-main = plots.main_of(parse, figure_of)
+main = plot_command.main_of(parse, figure_of)

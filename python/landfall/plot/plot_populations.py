@@ -12,7 +12,7 @@ import numpy as np
 
 from landfall import command, files
 from landfall.errors import DataError, printable
-from landfall.plot import plots
+from landfall.plot import captions, plot_command
 
 STEPS_PER_DECADE = 12
 COLOURS = ["#0072b2", "#d55e00", "#009e73", "#cc79a7", "#56b4e9", "#e69f00"]  # Okabe and Ito's, for colour-blind readers
@@ -164,10 +164,10 @@ def parse(arguments):
     parser = command.Parser(prog="plot_populations.py", description=__doc__)
     parser.add_argument("terrain", metavar="TERRAIN", help="terrain.h5 of terrain-gen")
     parser.add_argument("-o", "--output", metavar="PNG", required=True)
-    plots.add_output_options(parser)
+    plot_command.add_output_options(parser)
     options = parser.parse_args(arguments)
     options.sources = [options.terrain]
-    plots.require_png(options.output)
+    plot_command.require_png(options.output)
     return options
 
 
@@ -177,7 +177,7 @@ def title_of(sample):
     law = keys.get("model") or f"k = {golombek_k(keys):.3g}"
     if law in ("custom", "production"):
         law += f", {keys['coefficient']:g} D^-{keys['exponent']:g}"
-    return f"{sample.number}: {keys['type']}, {law} ({plots.counted(sample.diameters.size, 'object')})"
+    return f"{sample.number}: {keys['type']}, {law} ({captions.counted(sample.diameters.size, 'object')})"
 
 
 def draw_sample(ax, sample, style):
@@ -198,9 +198,9 @@ def draw_sample(ax, sample, style):
 
 def limit_axes(ax, samples, densities):
     """Limits the axis to values near the measured ones, because a law falls to 0 at its largest diameter."""
-    least = min([d.min() for d in densities if d.size] + [s.model([s.pattern["min_diameter_m"]])[0] for s in samples])
+    minimum = min([d.min() for d in densities if d.size] + [s.model([s.pattern["min_diameter_m"]])[0] for s in samples])
     ax.set(xscale="log", yscale="log")
-    ax.set_ylim(bottom=least / 30)
+    ax.set_ylim(bottom=minimum / 30)
 
 
 def figure_of(options):
@@ -220,4 +220,4 @@ def figure_of(options):
     return figure
 
 
-main = plots.main_of(parse, figure_of)
+main = plot_command.main_of(parse, figure_of)

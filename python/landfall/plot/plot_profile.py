@@ -12,20 +12,20 @@ from dataclasses import dataclass
 import numpy as np
 
 from landfall.errors import UsageError
-from landfall.plot import maps, plot_dem, plots, reduction, scales
+from landfall.plot import captions, maps, plot_command, plot_dem, reduction, scales
 
 TRUE, ESTIMATED, LIMIT = maps.SKY_BLUE, maps.VERMILION, "#a3478f"  # as in the report
 
 
 def add_options(parser):
-    parser.add_argument("--from", dest="start", type=plots.place, metavar="X,Y", required=True,
+    parser.add_argument("--from", dest="start", type=plot_command.place, metavar="X,Y", required=True,
                         help="first end of the line, metres in the frame of the DEM")
-    parser.add_argument("--to", dest="end", type=plots.place, metavar="X,Y", required=True, help="other end of the line")
-    parser.add_argument("--limit-m", type=plots.positive_metres, default=0.05,
+    parser.add_argument("--to", dest="end", type=plot_command.place, metavar="X,Y", required=True, help="other end of the line")
+    parser.add_argument("--limit-m", type=plot_command.positive_metres, default=0.05,
                         help="limit of the relative elevation error, drawn as lines, default 0.05")
 
 
-parse = plots.parser_of("plot_profile.py", __doc__, {"dem": "DEM"}, add_options, "-profile.png")
+parse = plot_command.parser_of("plot_profile.py", __doc__, {"dem": "DEM"}, add_options, "-profile.png")
 
 
 def require_inside(options, grid):
@@ -91,18 +91,18 @@ def draw_elevations(ax, bins, layers):
     empty = int(np.isnan(bins.of(layers["z_est"])).sum())
     gaps = f", {empty:,} of them without a return" if empty else ""
     truth = "" if layers["z_true"] is not None else "; this DEM has no truth layer"
-    ax.set_title(f"{plots.counted(bins.at_m.size, 'bin')} along {bins.length_m:.2f} m{gaps}{truth}")
+    ax.set_title(f"{captions.counted(bins.at_m.size, 'bin')} along {bins.length_m:.2f} m{gaps}{truth}")
     ax.legend(fontsize=maps.NOTE_PT, framealpha=0.9)
 
 
 def draw_error(ax, bins, error, limit_m):
     known = error[~np.isnan(error)]
     end = max(1.15 * limit_m, 1e-3, 1.06 * np.abs(known).max(initial=0))
-    unit, factor = plots.length_unit(end)
+    unit, factor = captions.length_unit(end)
     draw_curve(ax, bins.at_m, error * factor, color="black", linewidth=1.1)
     for place, limit in enumerate((limit_m, -limit_m)):
         ax.axhline(limit * factor, color=LIMIT, linestyle="--", linewidth=1.5,
-                   label=None if place else f"limit ±{plots.metres(limit_m)} of rel_z")
+                   label=None if place else f"limit ±{captions.metres(limit_m)} of rel_z")
     ax.set(ylabel=f"{plot_dem.SIGN} ({unit})", xlim=(0, bins.length_m), ylim=(-end * factor, end * factor),
            title=f"error e_z: {error_text(known, limit_m)}")
     ax.grid(True, color="#e0e0e0", linewidth=0.6)
@@ -114,8 +114,8 @@ def error_text(known, limit_m):
         return "no value on the line"
     largest = float(known[np.argmax(np.abs(known))])
     beyond = int((np.abs(known) > limit_m).sum())
-    return (f"largest {plots.metres(largest)}, root mean square {plots.metres(float(np.sqrt(np.mean(known**2))))}, "
-            f"{plots.counted(beyond, 'bin')} beyond ±{plots.metres(limit_m)}")
+    return (f"largest {captions.metres(largest)}, root mean square {captions.metres(float(np.sqrt(np.mean(known**2))))}, "
+            f"{captions.counted(beyond, 'bin')} beyond ±{captions.metres(limit_m)}")
 
 
 def draw_map(ax, grid, estimated, options):
@@ -154,4 +154,4 @@ def figure_of(options):
     return draw(grid, layers, options)
 
 
-main = plots.main_of(parse, figure_of)
+main = plot_command.main_of(parse, figure_of)

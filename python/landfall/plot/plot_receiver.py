@@ -6,7 +6,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 from landfall import files
-from landfall.plot import plots
+from landfall.plot import plot_command
 
 LIGHT_MPS = 299792458
 FWHM_S = 1e-9
@@ -45,7 +45,7 @@ def configuration(slope_deg, kind, keys):
 def error_m(slope_deg, kind, keys, folder, options):
     """The mean of measured minus true range."""
     config, terrain = configuration(slope_deg, kind, keys), os.path.join(folder, "terrain.h5")
-    path = plots.run_tool("scan-sim", folder, "scan", config, options, "--terrain", terrain)
+    path = plot_command.run_tool("scan-sim", folder, "scan", config, options, "--terrain", terrain)
     with files.open_landfall(path, "landfall.scan") as file:
         error = file["points/range_measured"][()] - file["points/range_true"][()]
     return np.nanmean(error)
@@ -53,7 +53,7 @@ def error_m(slope_deg, kind, keys, folder, options):
 
 def errors_of_slopes(folder, options):
     """{type: the error on each slope, metres}"""
-    plots.run_tool("terrain-gen", folder, "terrain", TERRAIN, options)
+    plot_command.run_tool("terrain-gen", folder, "terrain", TERRAIN, options)
     return {kind: np.array([error_m(slope, kind, keys, folder, options) for slope in SLOPES_DEG]) for kind, keys, _, _ in RECEIVERS}
 
 
@@ -97,4 +97,4 @@ def figure_of(folder, options):
     return figure
 
 
-main = plots.main_of_tools("plot_receiver.py", __doc__, figure_of)
+main = plot_command.main_of_tools("plot_receiver.py", __doc__, figure_of)

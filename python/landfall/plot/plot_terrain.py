@@ -11,7 +11,7 @@ from matplotlib.patches import Patch
 
 from landfall import files
 from landfall.errors import DataError
-from landfall.plot import maps, plots, reduction, scales
+from landfall.plot import captions, maps, plot_command, reduction, scales
 
 CELLS = 900  # blocks along a panel's edge
 BAND_NODES = 1 << 23  # nodes held at a time: a terrain of any size is drawn in the same memory
@@ -22,11 +22,11 @@ KIND_COLORS = ("#d55e00", "#56b4e9", "#009e73", "#e69f00", "#cc79a7", "#0072b2",
 def add_options(parser):
     parser.add_argument("--sun-azimuth-deg", type=finite, default=315, help="clockwise from +y, default 315")
     parser.add_argument("--sun-elevation-deg", type=sun_elevation, default=35, help="0..90, default 35")
-    parser.add_argument("--zoom-width-m", type=plots.positive_metres, help="default: a tenth of the site")
-    parser.add_argument("--zoom-at", type=plots.place, metavar="X,Y", help="default: the steepest place")
+    parser.add_argument("--zoom-width-m", type=plot_command.positive_metres, help="default: a tenth of the site")
+    parser.add_argument("--zoom-at", type=plot_command.place, metavar="X,Y", help="default: the steepest place")
 
 
-parse = plots.parser_of("plot_terrain.py", __doc__, {"terrain": "TERRAIN"}, add_options)
+parse = plot_command.parser_of("plot_terrain.py", __doc__, {"terrain": "TERRAIN"}, add_options)
 
 
 def finite(text):
@@ -132,11 +132,11 @@ def kind_colors(objects):
     return dict(zip(objects.by_kind, KIND_COLORS * (1 + len(objects.by_kind) // len(KIND_COLORS))))
 
 
-def draw_objects(ax, objects, most=None):
+def draw_objects(ax, objects, max_count=None):
     """A circle for each object that shows in the panel, at most the `most` largest of each kind."""
     (left, right), (bottom, top) = ax.get_xlim(), ax.get_ylim()
     for kind, color in kind_colors(objects).items():
-        x, y, diameter = (column[:most] for column in objects.by_kind[kind])
+        x, y, diameter = (column[:max_count] for column in objects.by_kind[kind])
         shows = ((x + diameter / 2 > left) & (x - diameter / 2 < right) & (y + diameter / 2 > bottom)
                  & (y - diameter / 2 < top))
         x, y, diameter = x[shows], y[shows], diameter[shows]
@@ -211,8 +211,8 @@ def figure_of(options):
         draw_objects(axes[0, 0], objects, MAX_OBJECTS)
         maps.draw_scale_marks(axes[0, 0])
         object_legend(axes[0, 0], objects)
-        over = f", mean over {plots.metres(relief.size * grid.resolution_m)}" if relief.size > 1 else ""
-        node_frame(axes[0, 1], grid, f"slope of cells of {plots.metres(grid.resolution_m)}{over}")
+        over = f", mean over {captions.metres(relief.size * grid.resolution_m)}" if relief.size > 1 else ""
+        node_frame(axes[0, 1], grid, f"slope of cells of {captions.metres(grid.resolution_m)}{over}")
         draw_slope(axes[0, 1], grid, relief)
         window = draw_zoom(axes[0, 2], grid, file["z"], objects, options, relief)
         for ax in axes[0, :2]:
@@ -224,8 +224,8 @@ def figure_of(options):
 def title(grid, relief, objects, options):
     heights = f", {relief.low_m:.3g} to {relief.high_m:.3g} m high" if np.isfinite(relief.low_m) else ""
     return (f"{os.path.basename(options.terrain)}: {grid.shape[1]:,} x {grid.shape[0]:,} nodes of "
-            f"{plots.metres(grid.resolution_m)}{heights}"
-            + (f", {plots.counted(objects.count, 'object')}" if objects.count else ""))
+            f"{captions.metres(grid.resolution_m)}{heights}"
+            + (f", {captions.counted(objects.count, 'object')}" if objects.count else ""))
 
 
-main = plots.main_of(parse, figure_of)
+main = plot_command.main_of(parse, figure_of)

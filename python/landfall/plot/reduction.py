@@ -35,12 +35,12 @@ def shrink_extreme(values, size):
     return np.where(-low > high, low, high)
 
 
-def shrink_most(values, size):
+def shrink_max(values, size):
     """The largest value of each block; NaN where a block has none."""
     return np.fmax.reduce(blocks(values, size, np.nan), axis=(1, 3))
 
 
-def shrink_least(values, size):
+def shrink_min(values, size):
     """The smallest value of each block; NaN where a block has none."""
     return np.fmin.reduce(blocks(values, size, np.nan), axis=(1, 3))
 

@@ -9,7 +9,7 @@ import numpy as np
 from matplotlib.colors import ListedColormap
 
 from landfall import dictionary
-from landfall.plot import plots
+from landfall.plot import captions
 
 OUTLIERS = dictionary.table("maps")["outliers"]          # on either side
 LIMIT_INSIDE = dictionary.table("maps")["limit_inside"]  # a scale reaches at least this times the limit
@@ -67,7 +67,7 @@ class Scale:
     @property
     def unit(self):
         """(name, factor) of the unit that the colour bar and the texts show."""
-        return plots.length_unit(max(abs(self.low), abs(self.high))) if self.base == "m" else (self.base, 1.0)
+        return captions.length_unit(max(abs(self.low), abs(self.high))) if self.base == "m" else (self.base, 1.0)
 
     @property
     def clipped(self):
@@ -89,7 +89,7 @@ class Scale:
 
     def text(self, value):
         """A value with its unit."""
-        return plots.metres(value) if self.base == "m" else f"{value:.4g} {self.base}".rstrip()
+        return captions.metres(value) if self.base == "m" else f"{value:.4g} {self.base}".rstrip()
 
     def range_text(self):
         """The extremes of all values."""
@@ -97,7 +97,7 @@ class Scale:
         if np.isnan(low):
             return "no value anywhere"
         if self.base == "m":
-            return plots.metre_range(low, high)
+            return captions.metre_range(low, high)
         return f"{low:.4g} to {high:.4g} {self.base}".rstrip()
 
     def notes(self, of=""):
@@ -161,16 +161,16 @@ def elevation_scale(layers, shown):
     low, high = span = extremes(*shown)
     if np.isnan(low):
         return Scale("elevation", 0.0, 1.0, span, span, "")
-    least, most = quantiles([OUTLIERS, 1 - OUTLIERS], *shown)
-    if most > least and high - low > 2 * (most - least):
-        low, high = least, most
+    minimum, maximum = quantiles([OUTLIERS, 1 - OUTLIERS], *shown)
+    if maximum > minimum and high - low > 2 * (maximum - minimum):
+        low, high = minimum, maximum
     return Scale("elevation", low, max(high, low + MIN_M), extremes(*layers), span, "0.5 and 99.5 % quantiles")
 
 
-def count_scale(values, shown, colors="count", base="", least=1.0):
+def count_scale(values, shown, colors="count", base="", minimum=1.0):
     """From 0 to the largest value or, if that is more than twice the 99.5 % quantile, to this; at least to `least`."""
     span = extremes(shown)
     high = 0.0 if np.isnan(span[1]) else span[1]
-    most = quantiles([1 - OUTLIERS], shown)[0]
-    end = most if most >= least and high > 2 * most else max(high, least)
+    maximum = quantiles([1 - OUTLIERS], shown)[0]
+    end = maximum if maximum >= minimum and high > 2 * maximum else max(high, minimum)
     return Scale(colors, 0.0, end, extremes(values), span, "99.5 % quantile", base=base)

@@ -6,7 +6,7 @@ import math
 import numpy as np
 from matplotlib.ticker import LogLocator, NullLocator
 
-from landfall.plot import maps, plots
+from landfall.plot import captions, maps
 
 
 def draw(name, metrics):
@@ -22,7 +22,7 @@ def draw_reliability(ax, metrics, kind):
     """Predicted sigma against the root mean square of the errors, bins of nearly equal sigma together."""
     values = {key: np.asarray(metrics.get(f"uncertainty/{kind}/reliability/{key}") or [], float)
               for key in ("sigma_m", "rmse_m", "bins")}
-    ax.set(title=f"{kind}: {plots.number(metrics.get(f'uncertainty/{kind}/count'))} bins",
+    ax.set(title=f"{kind}: {captions.number(metrics.get(f'uncertainty/{kind}/count'))} bins",
            xlabel="predicted sigma (cm)", ylabel="root mean square of the errors (cm)", xscale="log", yscale="log")
     ax.set_box_aspect(1)
     shown = values["rmse_m"] > 0
@@ -50,7 +50,7 @@ def draw_shares(ax, metrics, kind):
     """The share of the errors within k sigma against that of a normal distribution."""
     k = np.asarray(metrics.get(f"uncertainty/{kind}/within_k_sigma/k") or [], float)
     found = np.asarray(metrics.get(f"uncertainty/{kind}/within_k_sigma/frac") or [], float)
-    within = [plots.percent(metrics.get(f"uncertainty/{kind}/within_{n}_sigma_frac")) for n in (1, 2)]
+    within = [captions.percent(metrics.get(f"uncertainty/{kind}/within_{n}_sigma_frac")) for n in (1, 2)]
     spread = metrics.get(f"uncertainty/{kind}/std")
     ax.set(title=f"{kind}: {within[0]} within 1 sigma, {within[1]} within 2"
                  + ("" if spread is None else f"\nstandard deviation of the z-scores {spread:.3g}"),

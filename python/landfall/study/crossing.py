@@ -20,8 +20,8 @@ class Crossing:
     """Over the repeats; -inf where the metric exceeds the level everywhere, inf where it does nowhere."""
 
     median: float
-    least: float
-    largest: float
+    minimum: float
+    maximum: float
 
 
 def crossing_of(curve, level):
@@ -66,7 +66,7 @@ def rows(results, x, spec):
     for metric in spec["metrics"]:
         for key, points in series_of(results, x).items():
             found = crossings_of(results, points, metric, spec)
-            made.append([*key, metric, spec["level"], spec["against"], results.repeats(), found.median, found.least, found.largest])
+            made.append([*key, metric, spec["level"], spec["against"], results.repeats(), found.median, found.minimum, found.maximum])
     return made
 
 
@@ -103,8 +103,8 @@ def draw_panel(axes, results, x, spec, metric, across):
             axes.plot(*np.concatenate(pairs).T, linestyle="none", markersize=3, alpha=0.5, **style)
         if math.isfinite(found.median):
             axes.axvline(found.median * across.factor, color=style["color"], linestyle=":", linewidth=1.4)
-        if math.isfinite(found.least) and math.isfinite(found.largest):
-            axes.axvspan(found.least * across.factor, found.largest * across.factor, color=style["color"], alpha=0.12, linewidth=0)
+        if math.isfinite(found.minimum) and math.isfinite(found.maximum):
+            axes.axvspan(found.minimum * across.factor, found.maximum * across.factor, color=style["color"], alpha=0.12, linewidth=0)
     axes.axhline(100 * level, color=LIMIT_COLOR, linestyle="--", linewidth=1.2)
     axes.set_title(Scale(results, metric).name, fontsize=9)
     axes.set_xlabel(across.title(), fontsize=9)
@@ -117,9 +117,9 @@ def crossing_text(found, across):
     if not math.isfinite(found.median):
         return "exceeds it everywhere" if found.median < 0 else "exceeds it nowhere"
     text = with_unit(found.median * across.factor, across.unit, 2)
-    if found.least == found.largest:
+    if found.minimum == found.maximum:
         return text
-    return f"{text} ({bound(found.least, across)} to {bound(found.largest, across)})"
+    return f"{text} ({bound(found.minimum, across)} to {bound(found.maximum, across)})"
 
 
 def bound(value, across):

@@ -303,9 +303,9 @@ def map_norm(values, limit):
     return matplotlib.colors.Normalize(finite.min(), finite.max()) if finite.size else None
 
 
-def map_ticks(values, most):
+def map_ticks(values, max_count):
     """Places and labels; of many values every so many."""
-    places = range(0, len(values), -(-len(values) // most))
+    places = range(0, len(values), -(-len(values) // max_count))
     return places, [number(values[place]) for place in places]
 
 

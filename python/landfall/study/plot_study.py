@@ -13,14 +13,14 @@ import os
 
 from landfall import command, dictionary, files
 from landfall.errors import UsageError, printable
-from landfall.plot import plots
+from landfall.plot import plot_command
 from landfall.study import crossing, figures, verdicts
 from landfall.study.table import Results
 
 DEFAULT_METRICS = [*(dictionary.requirements()[name].value for name in ("coverage", "hole_size")), "accuracy.relative.z.max_m",
                    "requirements.relative_elevation.value", "accuracy.absolute.horizontal.p95_m"]
 HAZARD_METRICS = ["score.missed_hazard_frac", "score.false_alarm_frac"]
-CAMPAIGN_METRICS = ["draws.all.passed_frac", "draws.all_and_own.passed_frac"]
+DRAWS_METRICS = ["draws.all.passed_frac", "draws.all_and_own.passed_frac"]
 
 
 def parse(arguments):
@@ -30,7 +30,7 @@ def parse(arguments):
     parser.add_argument("--metrics", metavar="A,B", help="columns of the results; default: the study's, or five of the requirements, those of hazards and of campaigns")
     parser.add_argument("--x", metavar="AXIS", help="axis to the right; default: the study's, or the first that is a number")
     parser.add_argument("--percentile", type=percentile, default=50, help="of the repeats, 0..100, default 50")
-    plots.add_output_options(parser)
+    plot_command.add_output_options(parser)
     return parser.parse_args(arguments)
 
 
@@ -46,7 +46,7 @@ def chosen_metrics(options, results):
     if options.metrics:
         names = options.metrics.split(",")
     else:
-        names = results.plot.get("metrics") or [name for name in DEFAULT_METRICS + HAZARD_METRICS + CAMPAIGN_METRICS if name in results.columns]
+        names = results.plot.get("metrics") or [name for name in DEFAULT_METRICS + HAZARD_METRICS + DRAWS_METRICS if name in results.columns]
     for name in names:
         if not results.is_metric(name):
             raise UsageError(f"--metrics: '{name}' is not a metric of {options.results}")
@@ -111,7 +111,7 @@ def draw_all(options, results, metrics):
     wholes = {"overview": figures.overview_figure(results, metrics, x, quantile),
               "crossing": crossing.crossing_figure(results, x, spec) if spec else None,
               "hazards": verdicts.hazards_figure(results, quantile),
-              "campaigns": verdicts.campaigns_figure(results),
+              "campaigns": verdicts.draws_figure(results),
               "landings": figures.landings_figure(results, x, quantile),
               "requirements": verdicts.requirements_figure(results),
               "shares": verdicts.shares_figure(results, quantile)}
@@ -134,7 +134,7 @@ def write(options, results):
     command.check_outputs(tables, options.overwrite, makes_folder=True)
     made = draw_all(options, results, metrics)
     command.check_outputs(made, options.overwrite, makes_folder=True)
-    plots.save(made, options.dpi)
+    plot_command.save(made, options.dpi)
     axes = [axis.name for axis in results.axes]
     if spec:
         x = chosen_x(options, results)

@@ -66,7 +66,7 @@ def read_result(folder, name):
     """The numbers of one file of results: those of a score begin with score., those of the best of its sites with site., those of a
     campaign with draws. The score of a map on which no place could be judged has the text score.remark."""
     if session.kind_of(name) == "verdict":
-        return campaign_numbers(_read_json(folder, name))
+        return draws_numbers(_read_json(folder, name))
     if session.kind_of(name) != "score":
         return flatten(_read_json(folder, name))
     score, sites = _read_json(folder, name), _read_json(folder, session.sites_of(name))["sites"]
@@ -75,7 +75,7 @@ def read_result(folder, name):
     return {**remark, **flatten({**score, **shares_of(score["counts"]), **margins_of(score["roc"])}, "score."), **flatten(best, "site.")}
 
 
-def campaign_numbers(verdict):
+def draws_numbers(verdict):
     """{"draws.REQUIREMENT.passed": number, ...}. A sequential test leaves no valid interval; it has draws.accepted, None if it did not end."""
     stopped = "sprt" in verdict
     hazard = {**verdict.get("hazard", {})}

@@ -92,7 +92,7 @@ class Fragment:
             for stage in (*graph.eval.values(), *graph.hazard.values()):
                 self.judgement(stage)
         for stage in graph.draws.values():
-            self.campaign(stage)
+            self.draws(stage)
 
     def each(self, kind, made, recipe_of):
         """A rule for the file of each stage that others read, unless their recipes make it."""
@@ -142,7 +142,7 @@ class Fragment:
         self.judge(recipe, stage, dem)
         self.rule("score" if stage.id in self.graph.hazard else "metrics", stage.id, self.outputs(stage), recipe)
 
-    def campaign(self, stage):
+    def draws(self, stage):
         """Its truth is order-only, as for a scan; the data files of its rays are those of the truth. Draws that trace have none."""
         config, verdict, output = self.layout.config("draws", stage), self.layout.file("verdict", stage), self.layout.file("draws", stage)
         truth = stage.upstream

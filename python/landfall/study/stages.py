@@ -203,8 +203,8 @@ class _Builder:
             truth = self.add_truth(scans[0]) if len(scans) > 1 or (self.graph.draws and not self.study.traces) else None
             for scan in scans:
                 scan.truth = truth
-        for campaign in self.graph.draws.values():
-            campaign.upstream = campaign.upstream and campaign.upstream.truth
+        for draws_stage in self.graph.draws.values():
+            draws_stage.upstream = draws_stage.upstream and draws_stage.upstream.truth
 
     @staticmethod
     def truth_of(scan):

@@ -116,7 +116,7 @@ class Results:
         if values.size == 0:
             return math.nan, math.nan, math.nan
         if is_probability(metric) and len(set(values)) == 1:
-            passed, count, low, high = self.campaign_rate(point, metric.removeprefix("draws.").removesuffix(PASSED))
+            passed, count, low, high = self.draws_rate(point, metric.removeprefix("draws.").removesuffix(PASSED))
             return passed / count, low, high
         return (float(np.quantile(values, quantile)), *bootstrap(values, quantile))
 
@@ -134,7 +134,7 @@ class Results:
         passed = int(values.sum())
         return (passed, len(values), *wilson(passed, len(values)))
 
-    def campaign_rate(self, point, name):
+    def draws_rate(self, point, name):
         """(passed, draws, low, high) of a campaign: of its first one, where the repeats of a point have several. NaN where not known."""
         columns = (self.columns.get(f"draws.{name}.{key}") for key in ("passed", "draws", "wilson_low", "wilson_high"))
         return tuple(column[point.rows[0]] if column else math.nan for column in columns)

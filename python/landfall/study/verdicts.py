@@ -18,7 +18,7 @@ REQUIREMENT_NAMES = {**{name: "\n".join(name.split("_")) for name in REQUIREMENT
 HAZARD_NAMES = {"score.missed_hazard_frac": "missed\nhazards", "score.false_alarm_frac": "false\nalarms", "score.true_hazard_frac": "true\nhazards",
                 "score.judged_hazard_frac": "hazards\non the map", "score.unknown_frac": "unknown\nplaces",
                 "site.p_touchdown": "touchdown\non site 1"}
-CAMPAIGN_NAMES = {**REQUIREMENT_NAMES, "hazard.chosen_place_safe": "chosen place\nsafe", "landing.safe": "safe\nlanding",
+DRAWS_NAMES = {**REQUIREMENT_NAMES, "hazard.chosen_place_safe": "chosen place\nsafe", "landing.safe": "safe\nlanding",
                   "landing.blind": "landing\nblind"}
 BAR_COLOR = "#9DC3E6"
 
@@ -39,14 +39,14 @@ def shares_figure(results, quantile):
         axes, row, column, results.share_of_limit(point, name, quantile)))
 
 
-def campaigns_figure(results):
+def draws_figure(results):
     """How many draws of each point's campaign meet each requirement; None for a study without campaigns."""
     names = [column.removeprefix("draws.").removesuffix(PASSED) for column in results.columns if is_probability(column)]
     if not names:
         return None
     interval = ", 95 % interval (Wilson)" if "draws.all.wilson_low" in results.columns else ""
-    return table_figure(results, names, f"draws that meet each requirement{interval}", lambda axes, row, column, point, name: draw_campaign(
-        axes, row, column, results.values(point, f"draws.{name}{PASSED}"), results.campaign_rate(point, name)))
+    return table_figure(results, names, f"draws that meet each requirement{interval}", lambda axes, row, column, point, name: draw_shares_of_draws(
+        axes, row, column, results.values(point, f"draws.{name}{PASSED}"), results.draws_rate(point, name)))
 
 
 def hazards_figure(results, quantile):
@@ -74,7 +74,7 @@ def table_figure(results, names, note, draw_cell):
         for column, name in enumerate(names):
             draw_cell(axes, row, column, point, name)
     axes.set(xlim=(-0.5, len(names) - 0.5), ylim=(len(points) - 0.5, -0.5))
-    known = {**CAMPAIGN_NAMES, **HAZARD_NAMES}  # those of the user's own requirements are their names on short lines
+    known = {**DRAWS_NAMES, **HAZARD_NAMES}  # those of the user's own requirements are their names on short lines
     axes.set_xticks(range(len(names)), [known.get(name) or textwrap.fill(name.replace("_", " "), 12) for name in names], fontsize=9)
     axes.set_yticks(range(len(points)), labels, fontsize=8)
     axes.tick_params(length=0, labeltop=True, labelbottom=False)
@@ -96,7 +96,7 @@ def draw_rate(axes, row, column, passed, count, low, high):
     draw_cell_of(axes, row, column, color, 1, text)
 
 
-def draw_campaign(axes, row, column, shares, rate):
+def draw_shares_of_draws(axes, row, column, shares, rate):
     """The smallest and the largest share of several terrains at one point."""
     if len(set(shares)) > 1:
         draw_cell_of(axes, row, column, rate_color(np.median(shares)), 1, f"{number(100 * min(shares))} to {number(100 * max(shares))} %")

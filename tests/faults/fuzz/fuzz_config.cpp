@@ -11,7 +11,7 @@
 
 #include "base/text/json_text.h"
 #include "chain/lidar/simulation/simulation.h"
-#include "chain/ray/flat_ground.h"
+#include "chain/ray/flat_terrain.h"
 #include "fuzz_target.h"
 #include "store/config/dem_config.h"
 #include "store/config/draws_config.h"
@@ -90,7 +90,7 @@ double step_count(const Json& resolved) {
 
 /// The first and the last pulse over flat ground.
 void simulate(ScanModel model) {
-  const FlatGround ground;
+  const FlatTerrain ground;
   const Simulation simulation(std::move(model), &ground, &ground);
   static_cast<void>(simulation.simulate({0, 1}));
   static_cast<void>(simulation.simulate({simulation.pulse_count() - 1, 1}));

@@ -45,7 +45,7 @@ void use_aims(const std::filesystem::path& file) {
   for (const AtTableEnd at_end : {AtTableEnd::stop, AtTableEnd::hold, AtTableEnd::wrap}) {
     const TablePattern pattern({aim_samples(table), at_end}, table.file() + ": pattern table");
     for (const double t : {0.0, 0.1, 1e3})
-      static_cast<void>(pattern.ground_aim({.pulse = 0, .since_start_s = t}));
+      static_cast<void>(pattern.aim_point({.pulse = 0, .since_start_s = t}));
   }
 }
 

@@ -134,9 +134,9 @@ std::vector<std::byte> edited(std::vector<std::byte> bytes, std::mt19937_64& dra
   return bytes;
 }
 
-class Campaign {
+class DrawSeries {
  public:
-  Campaign(const LandfallFile& original, const Options& options)
+  DrawSeries(const LandfallFile& original, const Options& options)
       : kind_(original.kind),
         bytes_(options.sealed || options.check > 0 ? original.sealed : original.bytes),
         options_(options),
@@ -305,6 +305,6 @@ int main(int argc, char** argv) {
   for (const fuzz::LandfallFile& file : fuzz::landfall_files())
     if ((options.kind.empty() || options.kind == file.kind) &&
         !((options.sealed || options.check > 0) && file.kind == "table"))
-      findings += fuzz::Campaign(file, options).run();
+      findings += fuzz::DrawSeries(file, options).run();
   return findings == 0 ? 0 : 1;
 }

@@ -9,7 +9,7 @@
 #include "app/exports/las.h"
 #include "app/exports/quick_look.h"
 #include "app/exports/sites.h"
-#include "app/runs/campaign_parts.h"
+#include "app/runs/draws_parts.h"
 #include "app/runs/redraw.h"
 #include "chain/evaluation/evaluate.h"
 #include "chain/lidar/trajectory/table_trajectory.h"

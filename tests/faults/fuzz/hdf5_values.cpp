@@ -11,9 +11,9 @@ namespace {
 using h5::Handle;
 
 Handle simple_space(const std::vector<hsize_t>& extent, bool growing) {
-  std::vector<hsize_t> most = extent;
-  if (growing) most.assign(extent.size(), H5S_UNLIMITED);
-  return {H5Screate_simple(static_cast<int>(extent.size()), extent.data(), most.data()), H5Sclose};
+  std::vector<hsize_t> maximum = extent;
+  if (growing) maximum.assign(extent.size(), H5S_UNLIMITED);
+  return {H5Screate_simple(static_cast<int>(extent.size()), extent.data(), maximum.data()), H5Sclose};
 }
 
 std::size_t count_of(const std::vector<hsize_t>& extent) {

@@ -15,7 +15,7 @@
 
 #include "chain/lidar/simulation/scan_pipeline.h"
 #include "chain/lidar/simulation/scan_plan.h"
-#include "chain/ray/flat_ground.h"
+#include "chain/ray/flat_terrain.h"
 #include "chain/ray/heightfield_engine.h"
 #include "store/config/dem_config.h"
 #include "store/config/hazard_config.h"
@@ -186,7 +186,7 @@ void make_draws(const fs::path& path) {
 void make_plan(const fs::path& path) {
   constexpr double kRadius_m = 3;
   const Provenance provenance = provenance_of("scan-sim", "scan", scan_json());
-  const FlatGround ground;
+  const FlatTerrain ground;
   const Simulation simulation(model_of(provenance), &ground);
   const ScanPlan plan =
       plan_scan(simulation, circular_region(GridSpec::centered(3, 1, "plan"), kRadius_m), 1 << 12);

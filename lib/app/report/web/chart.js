@@ -25,8 +25,8 @@ export class Axis {
   ticks() {
     if (this.words) return this.words.slice(0, MAX_WORDS).map((text, value) => ({value, text}));
     if (!this.log) {
-      const most = Math.max(2, Math.abs(this.pixels[1] - this.pixels[0]) / this.spacing);
-      return ticks(this.low, this.high, this.whole ? Math.min(most, this.high - this.low) : most);
+      const max_count = Math.max(2, Math.abs(this.pixels[1] - this.pixels[0]) / this.spacing);
+      return ticks(this.low, this.high, this.whole ? Math.min(max_count, this.high - this.low) : max_count);
     }
     const digits = this.high / this.low < 30 ? [1, 2, 3, 5] : [1];
     const result = [];

@@ -46,7 +46,7 @@ function quantileOfColumn(column, share) {
 
 // The view
 
-const SIZE_px = {least: 1.5, most: 30};
+const SIZE_px = {minimum: 1.5, maximum: 30};
 const REACH_px = 8;     // a click chooses a point at most so far away
 const CLICK_px = 4;     // a longer movement of the pointer is a drag
 const OUTER = 0.005;    // share of the points beyond either end of an axis that the first view may leave out
@@ -57,7 +57,7 @@ const VERTEX_SHADER = `#version 300 es
 in vec3 place, color;
 uniform mat4 projection;
 uniform vec3 low, high;  // of the box
-uniform float pointScale, least, grown, loose;
+uniform float pointScale, minimum, grown, loose;
 uniform vec2 depth;
 out vec3 shade;
 void main() {
@@ -68,7 +68,7 @@ void main() {
   mixed = (mixed ^ (mixed >> 15)) * 2246822519u;
   float nearer = max(0.5 * gl_Position.w, gl_Position.w - loose * float(mixed >> 16) / 65536.0);
   if (inside) gl_Position.z = gl_Position.w * (depth[0] + depth[1] / nearer);
-  gl_PointSize = clamp(pointScale / gl_Position.w, least, ${SIZE_px.most.toFixed(1)}) + grown;
+  gl_PointSize = clamp(pointScale / gl_Position.w, minimum, ${SIZE_px.maximum.toFixed(1)}) + grown;
   shade = color;
 }`;
 
@@ -202,7 +202,7 @@ export class CloudView extends OrbitView {
     gl.uniform3fv(at("low"), this.low);
     gl.uniform3fv(at("high"), this.high);
     gl.uniform1f(at("pointScale"), this.pixels);
-    gl.uniform1f(at("least"), SIZE_px.least);
+    gl.uniform1f(at("minimum"), SIZE_px.minimum);
     gl.uniform1f(at("loose"), LOOSE * this.spacing);
     gl.uniform2fv(at("depth"), this.depth);
     gl.uniform1f(at("grown"), 0);
@@ -230,7 +230,7 @@ export class CloudView extends OrbitView {
   pointAt(x_px, y_px) {
     const {clientWidth, clientHeight} = this.canvas, m = this.matrix;
     const ratio = this.canvas.width / clientWidth;
-    let nearest = -1, least = REACH_px, foremost = -1, first = Infinity;
+    let nearest = -1, minimum = REACH_px, foremost = -1, first = Infinity;
     for (let i = 0; i < this.count; ++i) {
       const x = this.places[3 * i], y = this.places[3 * i + 1], z = this.places[3 * i + 2];
       const w = m[3] * x + m[7] * y + m[11] * z + m[15];
@@ -239,9 +239,9 @@ export class CloudView extends OrbitView {
       const dy = (1 - (m[1] * x + m[5] * y + m[9] * z + m[13]) / w) / 2 * clientHeight - y_px;
       const away = Math.max(Math.abs(dx), Math.abs(dy));
       if (away > REACH_px || !this.isInside(i)) continue;
-      const half = Math.min(SIZE_px.most, Math.max(SIZE_px.least, this.pixels / w)) / 2 / ratio;
+      const half = Math.min(SIZE_px.maximum, Math.max(SIZE_px.minimum, this.pixels / w)) / 2 / ratio;
       if (away <= half && w < first) [foremost, first] = [i, w];
-      if (away < least) [nearest, least] = [i, away];
+      if (away < minimum) [nearest, minimum] = [i, away];
     }
     return foremost >= 0 ? foremost : nearest;
   }

@@ -6,7 +6,7 @@ import {htmlElement} from "./elements.js";
 import {formatNumber} from "./numbers.js";
 import {valueText} from "./scales.js";
 
-const LEAST_DRAG = 6;  // pixels, so that a click draws no line
+const MIN_DRAG = 6;  // pixels, so that a click draws no line
 export const pointing = {cursor: null, line: null};  // {x_m, y_m}; {from, to}
 export const panels = [];                            // all maps of the page
 export const lineListeners = [];                     // called with the line when it changes
@@ -48,7 +48,7 @@ export function listenToPointer(panel) {
   plot.addEventListener("pointermove", (event) => {
     const place = panel.placeOf(event);
     if (place) setCursor(place);
-    const isDrag = start && Math.hypot(event.clientX - start.x, event.clientY - start.y) >= LEAST_DRAG;
+    const isDrag = start && Math.hypot(event.clientX - start.x, event.clientY - start.y) >= MIN_DRAG;
     if (place && isDrag && !panel.options.footprint) setLine({from: start.place, to: place});
   });
   for (const name of ["pointerup", "pointercancel"]) plot.addEventListener(name, () => { start = null; });

@@ -84,9 +84,9 @@ function distributionChart(requirement) {
   const whole = !requirement.deciding && ["bins", "footprints"].includes(requirement.unit);
   const classes = classesOf(values, whole), end = whole ? limit + (requirement.at_least ? -0.5 : 0.5) : limit;  // whole numbers that are equal to the limit pass
   const all = barsOf(classes, values), passed = barsOf(classes, known.filter(({pass}) => pass).map(({value}) => value));
-  const least = Math.min(classes.low, end), most = Math.max(classes.low + classes.count * classes.width, end);
-  const room = 0.04 * (most - least);
-  const chart = new Chart(requirement.name, {low: least - room, high: most + room, label, whole},
+  const minimum = Math.min(classes.low, end), maximum = Math.max(classes.low + classes.count * classes.width, end);
+  const room = 0.04 * (maximum - minimum);
+  const chart = new Chart(requirement.name, {low: minimum - room, high: maximum + room, label, whole},
                           {low: 0, high: 1.08 * Math.max(...all.map(({count}) => count)), label: "draws", whole: true});
   const fails = known.some(({pass}) => !pass);
   chart.bars(all, LINE.vermilion).bars(passed, LINE.blue);
@@ -213,16 +213,16 @@ function drawCommands(index) {
   const draw = `draw-${drawNumber(index)}`;
   const sets = (stage) => report.varied.filter(({name}) => name.startsWith(`${stage}.`))
       .map(({name, values}) => ` \\\n  --set ${name.slice(stage.length + 1)}=${values[index]}`).join("");
-  const makesGround = report.stages.terrain !== undefined;
-  const ground = makesGround ? `${draw}-terrain.h5` : "terrain.h5";
+  const makesTerrain = report.stages.terrain !== undefined;
+  const terrain = makesTerrain ? `${draw}-terrain.h5` : "terrain.h5";
   const setsNumber = ` --set draw=${report.numbers[index]}`;
-  const commands = makesGround ? [`terrain-gen -c terrain.json${report.terrain_seeds === "each" ? setsNumber : ""}${sets("terrain")} -o ${ground}`] : [];
+  const commands = makesTerrain ? [`terrain-gen -c terrain.json${report.terrain_seeds === "each" ? setsNumber : ""}${sets("terrain")} -o ${terrain}`] : [];
   const ranges = report.traces ? "" : " --ranges-from scan.h5";
-  commands.push(`scan-sim -c scan.json${ranges} --terrain ${ground} \\\n ${setsNumber}${sets("scan")} \\\n  -o ${draw}-scan.h5`,
-          `regrid ${draw}-scan.h5 -c regrid.json --terrain ${ground}${report.uncertainty ? " --uncertainty" : ""}${sets("regrid")} \\\n  -o ${draw}-dem.h5`,
+  commands.push(`scan-sim -c scan.json${ranges} --terrain ${terrain} \\\n ${setsNumber}${sets("scan")} \\\n  -o ${draw}-scan.h5`,
+          `regrid ${draw}-scan.h5 -c regrid.json --terrain ${terrain}${report.uncertainty ? " --uncertainty" : ""}${sets("regrid")} \\\n  -o ${draw}-dem.h5`,
           `dem-eval ${draw}-dem.h5 -c eval.json${sets("eval")} \\\n  --metrics ${draw}-metrics.json -o ${draw}-eval.h5`);
   if (report.stages.hazard !== undefined) {
-    commands.push(`hazard-map ${draw}-dem.h5 -c hazard.json --terrain ${ground}${sets("hazard")} \\\n` +
+    commands.push(`hazard-map ${draw}-dem.h5 -c hazard.json --terrain ${terrain}${sets("hazard")} \\\n` +
         `  --sites ${draw}-sites.json --score ${draw}-score.json -o ${draw}-hazards.h5`);
   }
   return commands.join("\n");

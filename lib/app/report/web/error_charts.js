@@ -6,7 +6,7 @@ import {Chart} from "./chart.js";
 import {LINE, TEXT_COLOR} from "./elements.js";
 import {counted, lengthUnit, metresAs} from "./numbers.js";
 
-const LEAST_BOUND_M = 1e-6;  // least bound of an axis, so that rounding errors do not fill it
+const MIN_BOUND_M = 1e-6;  // least bound of an axis, so that rounding errors do not fill it
 const AXIS_STYLES = {x: {color: LINE.blue, dash: ""}, y: {color: LINE.vermilion, dash: "6 3"}, z: {color: TEXT_COLOR, dash: "2 2"}};
 
 /** `curves`: [[axis, points]]. */
@@ -39,7 +39,7 @@ function shareBelow(histogram, share) {
 export function errorChart(axes) {
   const shown = axes.filter(([, h]) => h.error.count.length > 1);
   if (shown.length === 0) return null;
-  const bound = Math.max(LEAST_BOUND_M, ...shown.map(([, h]) => Math.max(Math.abs(shareBelow(h.error, 0.001)),
+  const bound = Math.max(MIN_BOUND_M, ...shown.map(([, h]) => Math.max(Math.abs(shareBelow(h.error, 0.001)),
                                                                  Math.abs(shareBelow(h.error, 0.999)))));
   const [unit, factor] = lengthUnit(bound);
   const curves = shown.map(([axis, h]) => [axis, merged(h.error, bound, 80)]);
@@ -68,7 +68,7 @@ export function absoluteErrorChart(axes) {
   const shown = axes.filter(([, h]) => h.error.count.length > 0);
   if (shown.length === 0) return null;
   const curves = shown.map(([axis, h]) => [axis, folded(h.error)]);
-  const bound = Math.max(LEAST_BOUND_M, ...curves.map(([, points]) => points.find(([, y]) => y >= 0.999)[0]));
+  const bound = Math.max(MIN_BOUND_M, ...curves.map(([, points]) => points.find(([, y]) => y >= 0.999)[0]));
   const [unit, factor] = lengthUnit(bound);
   const chart = new Chart("Bins with an error up to ...", {low: 0, high: bound * factor, label: `|error| (${unit})`},
                           {low: 0, high: 100, label: "share of the bins (%)"});
@@ -90,7 +90,7 @@ export function relativeChart(axes, limits) {
   const largest = Math.max(...shown.map(([, h]) => h.relative.high));
   const [ofX, , ofZ] = limits.relative_m;
   const closest = Math.max(ofZ, ofX);
-  const bound = Math.max(LEAST_BOUND_M, closest > 30 * largest ? largest : Math.max(largest, closest) * 1.05);
+  const bound = Math.max(MIN_BOUND_M, closest > 30 * largest ? largest : Math.max(largest, closest) * 1.05);
   const [unit, factor] = lengthUnit(bound);
   const chart = new Chart("Footprints with a relative error up to ...",
                           {low: 0, high: bound * factor, label: `relative error (${unit})`},
@@ -105,10 +105,10 @@ export function holeChart({size_bins, count}, limit) {
   const largest = size_bins[size_bins.length - 1];
   const log = largest >= 60;
   const high = Math.max(largest, limit <= Math.max(30, 3 * largest) ? limit : 0) * (log ? 1.3 : 1) + 1;
-  const most = Math.max(...count);
-  const countLog = most > 50;
+  const maximum = Math.max(...count);
+  const countLog = maximum > 50;
   const chart = new Chart("Sizes of the holes", {low: log ? 0.8 : 0, high, label: "bins of a hole (8-connected)", log, whole: true},
-                          {low: countLog ? 0.7 : 0, high: countLog ? most * 1.5 : most * 1.1, label: "holes", log: countLog,
+                          {low: countLog ? 0.7 : 0, high: countLog ? maximum * 1.5 : maximum * 1.1, label: "holes", log: countLog,
                            whole: true});
   const bars = size_bins.map((size, k) => log ? {low: size / 1.05, high: size * 1.05, count: count[k]} :
                                                 {low: size - 0.4, high: size + 0.4, count: count[k]});
@@ -121,11 +121,11 @@ export function reliabilityChart(title, {sigma_m, rmse_m, bins}) {
   const values = shown.flatMap(([sigma, rmse]) => [sigma, rmse]);
   const [unit, factor] = lengthUnit(Math.max(...values));
   const low = factor * Math.min(...values) / 1.3, high = factor * Math.max(...values) * 1.3;
-  const most = Math.max(...shown.map(([, , n]) => n));
+  const maximum = Math.max(...shown.map(([, , n]) => n));
   const chart = new Chart(title, {low, high, log: true, label: `predicted sigma (${unit})`},
                           {low, high, log: true, label: `root mean square error (${unit})`});
   return chart.curve([[low, low], [high, high]], {color: TEXT_COLOR, text: "as predicted", width: 1.2})
-      .dots(shown.map(([sigma, rmse, n]) => [sigma * factor, rmse * factor, 2.5 + 6 * Math.sqrt(n / most)]), LINE.blue,
+      .dots(shown.map(([sigma, rmse, n]) => [sigma * factor, rmse * factor, 2.5 + 6 * Math.sqrt(n / maximum)]), LINE.blue,
             "found (area: bins)").element;
 }
 

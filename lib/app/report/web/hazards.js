@@ -123,8 +123,8 @@ function percentText(part, whole = 1) {
 
 /** The ends of a logarithmic axis in percent; 0 is drawn at its low end. */
 function percentAxis(values, label) {
-  const least = Math.min(1, ...values.filter((value) => value > 0));
-  return {low: 10 ** Math.floor(Math.log10(least) - 1e-9) / 2, high: 150, log: true, label};
+  const minimum = Math.min(1, ...values.filter((value) => value > 0));
+  return {low: 10 ** Math.floor(Math.log10(minimum) - 1e-9) / 2, high: 150, log: true, label};
 }
 
 /** Missed hazards against false alarms for other roughness limits of the map. */

@@ -14,8 +14,8 @@ import {colorOf, flagColor, MARK_COLOR, markColor, NO_VALUE_COLOR, parseColor, s
 
 const MAP_MARGIN = {left: 50, right: 92, top: 22, bottom: 40};
 let clipCount = 0;
-const GROUND_COLOR = [244, 241, 234];
-const LEAST_LIGHT = 0.85;  // on a probability above 0
+const TERRAIN_COLOR = [244, 241, 234];
+const MIN_LIGHT = 0.85;  // on a probability above 0
 
 export class MapPanel {
   clip;
@@ -143,7 +143,7 @@ export class MapPanel {
   blockColors(blocks, isShare) {
     if (this.raster.layer.style === "elevation") return reliefColors(this.raster, blocks, this.scale);
     if (this.raster.layer.style === "classes") return this.classColors(blocks);
-    if (this.raster.layer.style === "chance") return this.chanceColors(blocks);
+    if (this.raster.layer.style === "shaded_probability") return this.shadedColors(blocks);
     const {region} = this.options;
     const judged = this.isMarks() && region ? blocksOf(region, blocks.stride).values : null;
     const colors = new Float32Array(3 * blocks.values.length);
@@ -171,10 +171,10 @@ export class MapPanel {
 
   /** Colours of probabilities; the ground has its own colour where the probability is 0. Elsewhere the light is nearly even, so that a colour can
    * be compared with the colour bar. */
-  chanceColors(blocks) {
+  shadedColors(blocks) {
     return this.colorsInLight(blocks, (value, light) => {
-      const color = value === 0 ? GROUND_COLOR : colorOf(this.scale, value);
-      const shade = value === 0 ? light : Math.min(1, Math.max(LEAST_LIGHT, light));
+      const color = value === 0 ? TERRAIN_COLOR : colorOf(this.scale, value);
+      const shade = value === 0 ? light : Math.min(1, Math.max(MIN_LIGHT, light));
       return color.map((part) => Number.isNaN(value) ? NO_VALUE_COLOR[0] : Math.min(255, part * shade));
     });
   }
@@ -182,10 +182,10 @@ export class MapPanel {
   /** A mask's value is the share of its bins that are set; `isShare`: the colour shows it. */
   blockColor(value, judged, isShare) {
     if (!this.isMarks()) return colorOf(this.scale, value);
-    const ground = judged ? [255, 255, 255] : NO_VALUE_COLOR;
-    if (value === 0) return ground;
+    const base = judged ? [255, 255, 255] : NO_VALUE_COLOR;
+    if (value === 0) return base;
     const color = parseColor(markColor(this.raster.layer, value));
-    return isShare ? color.map((part, k) => ground[k] + value * (part - ground[k])) : color;
+    return isShare ? color.map((part, k) => base[k] + value * (part - base[k])) : color;
   }
 
   /** The marks to be painted, those with at most one neighbour at least 3 pixels wide, because a single bad bin of a large

@@ -9,11 +9,11 @@ export function lengthUnit(largest_m) {
       ["\u00b5m", 1e6];
 }
 
-/** At most about `most` multiples of 1, 2 or 5 times a power of ten from low to high. */
-export function ticks(low, high, most) {
-  const least = (high - low) / most;
-  const power = 10 ** Math.floor(Math.log10(least));
-  const step = power * ([1, 2, 5].find((digit) => digit * power >= least * (1 - 1e-9)) ?? 10);
+/** At most about `max_count` multiples of 1, 2 or 5 times a power of ten from low to high. */
+export function ticks(low, high, max_count) {
+  const minimum = (high - low) / max_count;
+  const power = 10 ** Math.floor(Math.log10(minimum));
+  const step = power * ([1, 2, 5].find((digit) => digit * power >= minimum * (1 - 1e-9)) ?? 10);
   const result = [];
   for (let k = Math.ceil(low / step - 1e-9); k * step <= high + 1e-9 * step; ++k) {
     result.push({value: k * step, text: formatNumber(k * step, step)});

@@ -33,14 +33,14 @@ function makeThemeButton(button) {
 
 // Layout and start
 
-const LEAST_WIDTH = 160;  // pixels, below which the page has no layout yet
+const MIN_WIDTH = 160;  // pixels, below which the page has no layout yet
 const fits = [];
 
 /** Calls view.draw() whenever the width of its element, which it puts into view.width, changes. */
 export function fitToElement(view, element) {
   const fit = () => {
     const width = Math.round(element.clientWidth);
-    if (width < LEAST_WIDTH || width === view.width) return;
+    if (width < MIN_WIDTH || width === view.width) return;
     view.width = width;
     view.draw();
   };

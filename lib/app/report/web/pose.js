@@ -13,7 +13,7 @@ import {rasterOf} from "./rasters.js";
 import {report} from "./report_data.js";
 
 const SIDE = {height: 260, left: 66, right: 14, top: 14, bottom: 44};
-const GROUND = "var(--soft)";
+const TERRAIN_FILL = "var(--soft)";
 const PLANE = LINE.blue;
 const DECIDING = LINE.vermilion;
 
@@ -49,7 +49,7 @@ function drawPose(panel, site, pose) {
 }
 
 /** The lowest and the highest ground under the body along the side view: [[distance, low, high]]. */
-function groundUnder(raster, site, [ux, uy]) {
+function terrainUnder(raster, site, [ux, uy]) {
   const radius = report.footprint.width_m / 2 + 1e-9, classes = new Map();
   for (let row = 0; row < raster.rows; ++row) {
     for (let col = 0; col < raster.cols; ++col) {
@@ -70,7 +70,7 @@ class SideView {
   constructor(raster, site, pose) {
     Object.assign(this, {raster, site, pose, width: 0});
     this.direction = directionOf(pose);
-    this.ground = groundUnder(raster, site, this.direction);
+    this.terrain = terrainUnder(raster, site, this.direction);
     this.svg = svgElement("svg", {role: "img", class: "side", "aria-label": "The lander from the side"});
     this.note = htmlElement("span", {class: "note"});
     this.element = htmlElement("figure", {class: "panel"}, htmlElement("figcaption", {}, "From the side", this.note), this.svg);
@@ -99,32 +99,32 @@ class SideView {
     const pads = pose.pads.map((pad) => ({...pad, at: this.along(pad)}));
     const pad_m = report.lander.pad_diameter_m / 2;
     const reach = 1.06 * Math.max(report.footprint.width_m / 2, ...pads.map(({at}) => Math.abs(at) + pad_m));
-    const heights = [...this.ground.flatMap(([, low, high]) => [low, high]), this.planeAlong(-reach), this.planeAlong(reach),
+    const heights = [...this.terrain.flatMap(([, low, high]) => [low, high]), this.planeAlong(-reach), this.planeAlong(reach),
                      ...pads.map(({z_m}) => z_m), pose.highest.z_m];
     const [low, high] = endsOf(heights, 0.02);
     const near = this.limits().filter((limit) => pose.centre_z_m + limit < high + 0.5 * (high - low) && pose.centre_z_m + limit > low - 0.5 * (high - low));
-    const [least, most] = endsOf([...heights, ...near.flatMap((limit) => [-reach, reach].map((at) => this.planeAlong(at) + limit))], 0.02);
+    const [minimum, maximum] = endsOf([...heights, ...near.flatMap((limit) => [-reach, reach].map((at) => this.planeAlong(at) + limit))], 0.02);
     this.x = new Axis({low: -reach, high: reach, label: "low to high side of the plane (m)", spacing: 55}, [left, this.width - right]);
-    this.y = new Axis({low: least, high: most, label: "z (m)", spacing: 32}, [height - bottom, top]);
+    this.y = new Axis({low: minimum, high: maximum, label: "z (m)", spacing: 32}, [height - bottom, top]);
     this.svg.setAttribute("viewBox", `0 0 ${this.width} ${height}`);
     this.svg.replaceChildren();
     drawFrame(this.svg, this.x, this.y);
-    this.drawGround();
+    this.drawTerrain();
     this.line("plane", reach, 0, {stroke: PLANE, "stroke-width": 2});
     for (const limit of near) this.line("limit", reach, limit, {stroke: LINE.purple, "stroke-width": 1.5, "stroke-dasharray": "7 3"});
     for (const pad of pads) this.drawPad(pad, pad_m);
     this.drawDeciding();
-    const stretch = (height - top - bottom) / (most - least) / ((this.width - left - right) / (2 * reach));
+    const stretch = (height - top - bottom) / (maximum - minimum) / ((this.width - left - right) / (2 * reach));
     this.note.textContent = `heights x ${Number(stretch.toPrecision(2))}${near.length > 0 ? "" : "; the limit of the roughness lies beyond"}`;
   }
 
   point(at, z) { return `${this.x.at(at).toFixed(2)},${this.y.at(z).toFixed(2)}`; }
 
-  drawGround() {
-    const above = this.ground.map(([at, , high]) => this.point(at, high));
-    const below = this.ground.map(([at, low]) => this.point(at, low)).reverse();
-    this.svg.append(svgElement("polygon", {class: "ground", points: [...above, ...below].join(" "), fill: GROUND, "fill-opacity": 0.35,
-                                           stroke: GROUND, "stroke-width": 1}));
+  drawTerrain() {
+    const above = this.terrain.map(([at, , high]) => this.point(at, high));
+    const below = this.terrain.map(([at, low]) => this.point(at, low)).reverse();
+    this.svg.append(svgElement("polygon", {class: "ground", points: [...above, ...below].join(" "), fill: TERRAIN_FILL, "fill-opacity": 0.35,
+                                           stroke: TERRAIN_FILL, "stroke-width": 1}));
   }
 
   /** A line parallel to the plane. */
@@ -140,7 +140,7 @@ class SideView {
     this.svg.append(svgElement("rect", {class: touches ? "pad" : "pad hanging", x, y: this.y.at(on) - 6, width, height: 6, stroke: PLANE,
                                         "stroke-width": 1.5, fill: touches ? PLANE : "var(--paper)"}));
     if (touches) return;
-    this.svg.append(svgElement("line", {x1: x, x2: x + width, y1: this.y.at(z_m), y2: this.y.at(z_m), stroke: GROUND, "stroke-width": 3}),
+    this.svg.append(svgElement("line", {x1: x, x2: x + width, y1: this.y.at(z_m), y2: this.y.at(z_m), stroke: TERRAIN_FILL, "stroke-width": 3}),
                     svgElement("line", {x1: x + width / 2, x2: x + width / 2, y1: this.y.at(on), y2: this.y.at(z_m), stroke: PLANE,
                                         "stroke-dasharray": "2 3"}));
   }
@@ -185,7 +185,7 @@ export async function siteFigures(site) {
 export function poseLegend(hasPads) {
   const pad = (text, fill) => swatchEntry(text, {x: 1, y: 3, width: 10, height: 6, stroke: PLANE, "stroke-width": 1.5, fill});
   const entries = [
-    swatchEntry("ground under the body, lowest to highest", {fill: GROUND, "fill-opacity": 0.35}),
+    swatchEntry("ground under the body, lowest to highest", {fill: TERRAIN_FILL, "fill-opacity": 0.35}),
     legendEntry(hasPads ? "plane of the pads" : "fitted plane", PLANE, ""),
     ...(hasPads ? [pad("pad", PLANE), pad("fourth pad, above its ground", "var(--paper)")] : []),
     swatchEntry("bin that decides the roughness", {fill: DECIDING}, "circle"),

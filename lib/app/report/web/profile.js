@@ -49,11 +49,11 @@ function piecesOf(points) {
 }
 
 /** The ends of an axis that holds all values, with some room. */
-export function endsOf(values, least) {
+export function endsOf(values, minimum) {
   const known = values.filter((value) => !Number.isNaN(value));
-  if (known.length === 0) return [-least, least];
+  if (known.length === 0) return [-minimum, minimum];
   const low = Math.min(...known), high = Math.max(...known);
-  const room = Math.max(0.06 * (high - low), (least - (high - low)) / 2, 1e-4);
+  const room = Math.max(0.06 * (high - low), (minimum - (high - low)) / 2, 1e-4);
   return [low - room, high + room];
 }
 
@@ -101,10 +101,10 @@ export class ProfileView {
     const {factor} = report.grid;
     const blocks = factor === 1 ? "" : ` Blocks of ${factor} x ${factor} bins: of elevations the mean, of errors the largest.`;
     if (known.length === 0) return `${formatNumber(length, 0.01)} m.${blocks}`;
-    const most = known.reduce((a, b) => Math.abs(b) > Math.abs(a) ? b : a);
-    const [unit, scale] = lengthUnit(Math.abs(most));
+    const maximum = known.reduce((a, b) => Math.abs(b) > Math.abs(a) ? b : a);
+    const [unit, scale] = lengthUnit(Math.abs(maximum));
     const rms = Math.sqrt(known.reduce((sum, value) => sum + value * value, 0) / known.length);
-    return `${formatNumber(length, 0.01)} m; error: largest ${metresAs(most, unit, scale)}, root mean square ${metresAs(rms, unit, scale)}.` +
+    return `${formatNumber(length, 0.01)} m; error: largest ${metresAs(maximum, unit, scale)}, root mean square ${metresAs(rms, unit, scale)}.` +
         blocks;
   }
 
@@ -126,9 +126,9 @@ export class ProfileView {
 
   drawErrors(x, errors, [top, bottom]) {
     const limit = this.error.layer.limit ?? 0;
-    const most = Math.max(1.15 * limit, 1e-3, ...errors.map(([, value]) => Number.isNaN(value) ? 0 : 1.06 * Math.abs(value)));
-    const [unit, factor] = lengthUnit(most);
-    const y = new Axis({low: -most * factor, high: most * factor, label: `error (${unit})`, spacing: 32}, [bottom, top]);
+    const maximum = Math.max(1.15 * limit, 1e-3, ...errors.map(([, value]) => Number.isNaN(value) ? 0 : 1.06 * Math.abs(value)));
+    const [unit, factor] = lengthUnit(maximum);
+    const y = new Axis({low: -maximum * factor, high: maximum * factor, label: `error (${unit})`, spacing: 32}, [bottom, top]);
     drawFrame(this.svg, x, y);
     const scaled = errors.map(([at, value]) => [at, value * factor]);
     for (const value of limit > 0 ? [limit, -limit] : []) {

@@ -107,7 +107,7 @@ function chosenOf(rule, a, b) {
     case "mean": return a + b;
     case "extreme": return Math.abs(b) > Math.abs(a) ? b : a;
     case "largest": return Math.max(a, b);
-    case "least": return Math.min(a, b);
+    case "smallest": return Math.min(a, b);
     default: return a | b;
   }
 }

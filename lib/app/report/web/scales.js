@@ -37,7 +37,7 @@ export function cssColor(rgb) {
 const OUTLIERS = report.colors.outliers;          // share of the values on either side that lie beyond the ends
 const LIMIT_INSIDE = report.colors.limit_inside;  // a scale reaches at least this times the limit
 const MIN_RANGE = 1e-3;                           // of a scale, so that rounding errors do not appear in colour
-const FROM_LEAST = ["elevation", "quantity"];  // the styles whose colours begin at the least value, not at 0
+const FROM_MIN = ["elevation", "quantity"];  // the styles whose colours begin at the least value, not at 0
 const NEAR = 4;  // a limit is near to values if it is at most this times the largest
 
 /** Whether scales of errors reach the limits: "near" those that are near to the values, "all" or "none". */
@@ -49,7 +49,7 @@ export function scaleOf(raster) {
   const {style, unit, limit} = raster.layer;
   const peers = raster.peers ?? [raster];
   const low = Math.min(...peers.map((peer) => peer.layer.low)), high = Math.max(...peers.map((peer) => peer.layer.high));
-  const ends = style === "probability" ? [0, 1] : style === "chance" ? [0, high > 0 ? high : 1] :
+  const ends = style === "probability" ? [0, 1] : style === "shaded_probability" ? [0, high > 0 ? high : 1] :
       style === "signed" || style === "magnitude" ? errorEnds(raster) : ordinaryEnds(peers, low, high);
   const colors = COLOR_MAPS[raster.layer.colors] ?? COLOR_MAPS.magnitude;
   const slack = 1e-9 * (ends[1] - ends[0]);
@@ -70,9 +70,9 @@ function errorEnds(raster) {
  * of returns begin at 0. */
 function ordinaryEnds(peers, low, high) {
   const values = sampleOf(peers).sort();
-  const least = quantileOf(values, OUTLIERS), most = quantileOf(values, 1 - OUTLIERS);
-  if (!FROM_LEAST.includes(peers[0].layer.style)) return [0, most >= 1 && high > 2 * most ? most : Math.max(high, 1)];
-  const ends = most > least && high - low > 2 * (most - least) ? [least, most] : [low, high];
+  const minimum = quantileOf(values, OUTLIERS), maximum = quantileOf(values, 1 - OUTLIERS);
+  if (!FROM_MIN.includes(peers[0].layer.style)) return [0, maximum >= 1 && high > 2 * maximum ? maximum : Math.max(high, 1)];
+  const ends = maximum > minimum && high - low > 2 * (maximum - minimum) ? [minimum, maximum] : [low, high];
   return [ends[0], Math.max(ends[1], ends[0] + MIN_RANGE)];
 }
 

@@ -123,8 +123,8 @@ function boundsOf(column) {
   const [low, high] = ["from", "to"].map((word) => htmlElement("input", {
     type: "number", step: "any", placeholder: word, name: `${column.name} ${word}`, "aria-label": `${titleOf(column)} ${word}`}));
   const change = () => {
-    const least = low.value === "" ? -Infinity : Number(low.value), most = high.value === "" ? Infinity : Number(high.value);
-    state.filters.set(column.name, (value) => value !== null && value >= least && value <= most);
+    const minimum = low.value === "" ? -Infinity : Number(low.value), maximum = high.value === "" ? Infinity : Number(high.value);
+    state.filters.set(column.name, (value) => value !== null && value >= minimum && value <= maximum);
     update();
   };
   low.addEventListener("input", change);

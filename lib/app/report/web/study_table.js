@@ -66,7 +66,7 @@ function breakable(words) {
 
 /** Wide enough for the longest value, and for a heading of some four lines. */
 function columnWidth(column) {
-  const longest = (texts) => texts.reduce((most, value) => Math.max(most, value.length), 0);
+  const longest = (texts) => texts.reduce((maximum, value) => Math.max(maximum, value.length), 0);
   const values = longest(valuesOf(column).map((value) => textOf(column, value))) + (column.role === "verdict" ? 5 : 0);
   const words = longest(titleOf(column).split(/[ ._]/)) + 3;
   return Math.round(18 + 7.4 * Math.min(40, Math.max(5, values, Math.min(words, 14), Math.ceil(titleOf(column).length / 4))));

@@ -70,7 +70,7 @@ template <ValueAt F>
 
 /// The result of one pass over values: their sum, and of their magnitudes the largest (-infinity without a
 /// value), the number above a limit, and the distribution.
-struct ValueLook {
+struct ValueSummary {
   CountedSum sum;
   double largest = -HUGE_VAL;
   std::int64_t above = 0;
@@ -78,9 +78,9 @@ struct ValueLook {
 };
 
 template <ValueAt F>
-[[nodiscard]] ValueLook look_at(std::size_t count, const F& value_at, double limit) {
-  std::vector<ValueLook> pieces = by_piece(count, [&](std::size_t begin, std::size_t end) {
-    ValueLook piece;
+[[nodiscard]] ValueSummary summarize(std::size_t count, const F& value_at, double limit) {
+  std::vector<ValueSummary> pieces = by_piece(count, [&](std::size_t begin, std::size_t end) {
+    ValueSummary piece;
     piece.counts.resize(ValueBucket::kCount + 1);
     for (std::size_t i = begin; i < end; ++i) {
       const double value = value_at(i);
@@ -92,9 +92,9 @@ template <ValueAt F>
     }
     return piece;
   });
-  ValueLook result;
+  ValueSummary result;
   result.counts.resize(ValueBucket::kCount + 1);
-  for (const ValueLook& piece : pieces) {
+  for (const ValueSummary& piece : pieces) {
     result.sum.count += piece.sum.count;
     result.sum.sum += piece.sum.sum;
     result.largest = std::max(result.largest, piece.largest);

@@ -28,13 +28,13 @@ class TailCursor {
   [[nodiscard]] double previous_deviation() const { return deviation(members_.previous(rank_)); }
 
   /// Takes at least one of the members left, but no padding: one member, or the members of a word if there
-  /// are at most `most` of them and none deviates by less than `least`. Returns the number taken.
-  std::size_t take(std::size_t most, double least) {
+  /// are at most `maximum` of them and none deviates by less than `minimum`. Returns the number taken.
+  std::size_t take(std::size_t maximum, double minimum) {
     const std::size_t first = members_.next(rank_);
-    if (most > kFew) {
+    if (maximum > kFew) {
       const TailMembers::Run run = members_.rest_of_word(first);
       const double deviation_of_last = deviation(run.last);
-      if (run.count <= most && deviation_of_last >= least && std::isfinite(deviation_of_last)) {
+      if (run.count <= maximum && deviation_of_last >= minimum && std::isfinite(deviation_of_last)) {
         rank_ = run.last + 1;
         return run.count;
       }
@@ -44,12 +44,12 @@ class TailCursor {
   }
 
   /// The reverse of take(): returns members that were taken, none of which deviates by more than `largest`.
-  std::size_t give_back(std::size_t most, double largest) {
+  std::size_t give_back(std::size_t maximum, double largest) {
     const std::size_t last = members_.previous(rank_);
-    if (most > kFew) {
+    if (maximum > kFew) {
       const TailMembers::Run run = members_.start_of_word(last);
       const double deviation_of_first = deviation(run.first);
-      if (run.count <= most && deviation_of_first <= largest && std::isfinite(deviation_of_first)) {
+      if (run.count <= maximum && deviation_of_first <= largest && std::isfinite(deviation_of_first)) {
         rank_ = run.first;
         return run.count;
       }

@@ -41,7 +41,7 @@ PointingError::PointingError(const PointingErrorParameters& parameters, RandomSe
   jitter_process_.emplace(parameters.pulse_interval_s / parameters.jitter_time_s);
 }
 
-Rotation<LidarFrame, LidarFrame> PointingError::turn(std::int64_t pulse) const {
+Rotation<LidarFrame, LidarFrame> PointingError::rotation(std::int64_t pulse) const {
   const auto i = static_cast<std::uint64_t>(pulse);
   const auto draw = [&](double sigma, std::uint64_t axis) {
     if (sigma == 0) return 0.0;

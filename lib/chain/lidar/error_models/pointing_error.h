@@ -52,7 +52,7 @@ class PointingError {
   /// False: R_lidar_true is the identity at every pulse.
   [[nodiscard]] bool turns_beams() const { return turns_beams_; }
   /// R_lidar_true: from the true to the nominal lidar frame.
-  [[nodiscard]] Rotation<LidarFrame, LidarFrame> turn(std::int64_t pulse) const;
+  [[nodiscard]] Rotation<LidarFrame, LidarFrame> rotation(std::int64_t pulse) const;
   /// The time-stamp error e of the pulse, seconds.
   [[nodiscard]] double time_stamp_error_s(std::int64_t pulse) const;
   /// The mirror-clock error e of the pulse, seconds.

@@ -14,8 +14,8 @@ constexpr double kIndependentExponent = 40;
 }  // namespace
 
 PulseProcess::PulseProcess(double share) {
-  const int most = static_cast<int>(middle_.size());
-  while (levels_ < most && std::ldexp(share, levels_) <= kIndependentExponent) ++levels_;
+  const int maximum = static_cast<int>(middle_.size());
+  while (levels_ < maximum && std::ldexp(share, levels_) <= kIndependentExponent) ++levels_;
   const double block = std::ldexp(share, levels_);
   across_ = {portable::exp(-block), std::sqrt(-portable::expm1(-2 * block))};
   for (int n = 0; n < levels_; ++n) {

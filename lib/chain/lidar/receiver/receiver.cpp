@@ -91,12 +91,12 @@ const Echo& Receiver::chosen(std::span<const Echo> echoes) const {
 
 void Receiver::keep_echoes(std::int64_t pulse, const Waveforms& waveforms, std::span<Echo> kept,
                            std::vector<LaterEcho>& later) const {
-  assert(hears_kept_echoes() && kept.size() + 1 == waveforms.first_echo.size());
+  assert(accepts_kept_echoes() && kept.size() + 1 == waveforms.first_echo.size());
   for (std::size_t pixel = 0; pixel < kept.size(); ++pixel) {
     const std::span<const Echo> echoes = waveforms.of(pixel);
     kept[pixel] = {};
     if (echoes.empty()) continue;
-    if (!hears_later_echoes()) {
+    if (!accepts_later_echoes()) {
       kept[pixel] = chosen(echoes);
       continue;
     }
@@ -112,7 +112,7 @@ double Receiver::timing_sigma_m(const Echo& echo, double signal_pe) const {
   return echo.width_m * std::sqrt(signal_pe + background_pe) / signal_pe;
 }
 
-Reception Receiver::receive_echo(const Echo& echo, const PulsePixel& where, const PhotonDraw& draw) const {
+Detection Receiver::receive_echo(const Echo& echo, const PulsePixel& where, const PhotonDraw& draw) const {
   const ReceiverParameters& p = parameters_;
   const double mean = echo.signal_pe;
   if (mean == 0) return {};
@@ -133,22 +133,22 @@ Reception Receiver::receive_echo(const Echo& echo, const PulsePixel& where, cons
   return {range_m, static_cast<float>(n)};
 }
 
-Reception Receiver::receive_echo(const Echo& echo, const PulsePixel& where) const {
+Detection Receiver::receive_echo(const Echo& echo, const PulsePixel& where) const {
   if (!parameters_.photon_noise) return receive_echo(echo, where, {});
   return receive_echo(echo, where, {count_.normal(where.i(), where.j()), time_.normal(where.i(), where.j())});
 }
 
 void Receiver::receive(std::int64_t pulse, std::span<const Echo> kept, std::span<const LaterEcho> later,
-                       std::span<Reception> out) const {
-  assert(hears_kept_echoes() && kept.size() == out.size());
+                       std::span<Detection> out) const {
+  assert(accepts_kept_echoes() && kept.size() == out.size());
   receive_kept(pulse, kept, out);
   for (const LaterEcho& echo : later) {
-    Reception& reception = out[static_cast<std::size_t>(echo.where.pixel)];
-    if (std::isnan(reception.range_m)) reception = receive_echo(echo.echo, echo.where);
+    Detection& detection = out[static_cast<std::size_t>(echo.where.pixel)];
+    if (std::isnan(detection.range_m)) detection = receive_echo(echo.echo, echo.where);
   }
 }
 
-void Receiver::receive_kept(std::int64_t pulse, std::span<const Echo> kept, std::span<Reception> out) const {
+void Receiver::receive_kept(std::int64_t pulse, std::span<const Echo> kept, std::span<Detection> out) const {
   if (!parameters_.photon_noise) {
     for (std::size_t i = 0; i < kept.size(); ++i)
       out[i] = receive_echo(kept[i], {pulse, static_cast<std::int64_t>(i)}, {});
@@ -168,14 +168,14 @@ void Receiver::receive_kept(std::int64_t pulse, std::span<const Echo> kept, std:
   }
 }
 
-void Receiver::receive(std::int64_t pulse, const Waveforms& waveforms, std::span<Reception> out) const {
-  const std::size_t most = max_returns();
+void Receiver::receive(std::int64_t pulse, const Waveforms& waveforms, std::span<Detection> out) const {
+  const std::size_t max_count = max_returns();
   const std::size_t pixels = waveforms.first_echo.size() - 1;
-  assert(out.size() == pixels * most);
-  std::ranges::fill(out, Reception{});
+  assert(out.size() == pixels * max_count);
+  std::ranges::fill(out, Detection{});
   for (std::size_t pixel = 0; pixel < pixels; ++pixel) {
     const PulsePixel where{pulse, static_cast<std::int64_t>(pixel)};
-    const auto returns = out.subspan(pixel * most, most);
+    const auto returns = out.subspan(pixel * max_count, max_count);
     if (parameters_.type == ReceiverType::geiger) {
       receive_geiger(where, waveforms, returns);
     } else {
@@ -185,13 +185,13 @@ void Receiver::receive(std::int64_t pulse, const Waveforms& waveforms, std::span
 }
 
 void Receiver::receive_linear(PulsePixel where, std::span<const Echo> echoes,
-                              std::span<Reception> out) const {
+                              std::span<Detection> out) const {
   std::size_t reported = 0;
   for (const Echo& echo : echoes) {
-    const Reception reception = receive_echo(echo, where);
+    const Detection detection = receive_echo(echo, where);
     ++where.number;
-    if (std::isnan(reception.range_m)) continue;
-    out[reported++] = reception;
+    if (std::isnan(detection.range_m)) continue;
+    out[reported++] = detection;
     if (reported == out.size()) return;
   }
 }
@@ -199,7 +199,7 @@ void Receiver::receive_linear(PulsePixel where, std::span<const Echo> echoes,
 double Receiver::first_photon_m(const EchoRays& rays, std::size_t echo, const PulsePixel& where) const {
   // The first of a process of mean e lies at the quantile E/e of the pulse's shape, E exponentially
   // distributed.
-  constexpr double kLeast = 1e-32;
+  constexpr double kMin = 1e-32;
   double first_m = std::numeric_limits<double>::infinity();
   for (std::size_t j = 0; j < rays.rays_per_echo(); ++j) {
     const std::size_t at = rays.index(echo, j);
@@ -209,7 +209,7 @@ double Receiver::first_photon_m(const EchoRays& rays, std::size_t echo, const Pu
     if (u >= mean) continue;  // -log(1 - u) >= u
     const double quantile = -natural_log(1 - u) / mean;
     if (quantile >= 1) continue;
-    const double from_center = quantile > 0 ? portable::normal_quantile(std::max(quantile, kLeast)) : -8.3;
+    const double from_center = quantile > 0 ? portable::normal_quantile(std::max(quantile, kMin)) : -8.3;
     first_m = std::min(first_m, rays.ranges_m()[at] + sigma_m_ * from_center);
   }
   return first_m;
@@ -227,7 +227,7 @@ std::vector<double> Receiver::photons_m(PulsePixel where, const Waveforms& wavef
   return photons_m;
 }
 
-void Receiver::receive_geiger(PulsePixel where, const Waveforms& waveforms, std::span<Reception> out) const {
+void Receiver::receive_geiger(PulsePixel where, const Waveforms& waveforms, std::span<Detection> out) const {
   const ReceiverParameters& p = parameters_;
   const double dead_m = range_of_time_m(p.dead_time_s);
   const double background_per_m = p.background_pe / (p.gate_end_m - p.gate_begin_m);

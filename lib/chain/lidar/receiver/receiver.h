@@ -45,7 +45,7 @@ struct ReceiverParameters {
 };
 
 /// One return as a receiver reports it.
-struct Reception {
+struct Detection {
   double range_m = std::numeric_limits<double>::quiet_NaN();  ///< NaN: nothing was detected
   float intensity_pe = std::numeric_limits<float>::quiet_NaN();
   bool is_background = false;  ///< a photoelectron that is not signal
@@ -99,14 +99,14 @@ class Receiver {
 
   [[nodiscard]] ReceiverType type() const { return parameters_.type; }
   /// False: pixels report the ranges of their detector.
-  [[nodiscard]] bool sees_waveforms() const { return parameters_.type != ReceiverType::none; }
+  [[nodiscard]] bool uses_waveforms() const { return parameters_.type != ReceiverType::none; }
   /// True: the reception follows from the echoes that keep_echoes() keeps. False: it needs whole waveforms.
-  [[nodiscard]] bool hears_kept_echoes() const {
+  [[nodiscard]] bool accepts_kept_echoes() const {
     return parameters_.type != ReceiverType::geiger && parameters_.returns != ReportedReturns::all;
   }
   /// True: also from echoes behind a pixel's first one.
-  [[nodiscard]] bool hears_later_echoes() const {
-    return hears_kept_echoes() && sees_waveforms() && parameters_.returns == ReportedReturns::first;
+  [[nodiscard]] bool accepts_later_echoes() const {
+    return accepts_kept_echoes() && uses_waveforms() && parameters_.returns == ReportedReturns::first;
   }
   [[nodiscard]] std::size_t max_returns() const {
     return parameters_.returns == ReportedReturns::all ? static_cast<std::size_t>(parameters_.max_returns)
@@ -118,34 +118,34 @@ class Receiver {
   void add_pixel(std::span<double> ranges_m, std::span<double> signals_pe, Waveforms& waveforms) const;
   /// Times the echoes of all pixels; call after the last add_pixel().
   void time(Waveforms& waveforms) const;
-  /// The echoes from which receive() follows; hears_kept_echoes() must hold. `kept`: of each pixel the first
-  /// one, or that which `last` or `strongest` chooses, without signal where a pixel has none. The echoes
-  /// behind the first ones are appended to `later`, in the order of pixel and number, if the receiver hears
-  /// them.
+  /// The echoes from which receive() follows; accepts_kept_echoes() must hold. `kept`: of each pixel the
+  /// first one, or that which `last` or `strongest` chooses, without signal where a pixel has none. The
+  /// echoes behind the first ones are appended to `later`, in the order of pixel and number, if the receiver
+  /// hears them.
   void keep_echoes(std::int64_t pulse, const Waveforms& waveforms, std::span<Echo> kept,
                    std::vector<LaterEcho>& later) const;
 
-  /// The reception of kept echoes, one for each pixel; hears_kept_echoes() must hold. `later`: those of this
-  /// pulse.
+  /// The reception of kept echoes, one for each pixel; accepts_kept_echoes() must hold. `later`: those of
+  /// this pulse.
   void receive(std::int64_t pulse, std::span<const Echo> kept, std::span<const LaterEcho> later,
-               std::span<Reception> out) const;
+               std::span<Detection> out) const;
   /// The reception of whole waveforms: max_returns() for each pixel, those detected first.
-  void receive(std::int64_t pulse, const Waveforms& waveforms, std::span<Reception> out) const;
+  void receive(std::int64_t pulse, const Waveforms& waveforms, std::span<Detection> out) const;
 
  private:
   struct PhotonDraw {
     double count_normal = 0;
     double time_normal = 0;
   };
-  [[nodiscard]] Reception receive_echo(const Echo& echo, const PulsePixel& where,
+  [[nodiscard]] Detection receive_echo(const Echo& echo, const PulsePixel& where,
                                        const PhotonDraw& draw) const;
-  [[nodiscard]] Reception receive_echo(const Echo& echo, const PulsePixel& where) const;
+  [[nodiscard]] Detection receive_echo(const Echo& echo, const PulsePixel& where) const;
   [[nodiscard]] const Echo& chosen(std::span<const Echo> echoes) const;
-  void receive_kept(std::int64_t pulse, std::span<const Echo> kept, std::span<Reception> out) const;
+  void receive_kept(std::int64_t pulse, std::span<const Echo> kept, std::span<Detection> out) const;
   /// One sigma of the time of an echo in which so many photoelectrons of signal were counted.
   [[nodiscard]] double timing_sigma_m(const Echo& echo, double signal_pe) const;
-  void receive_linear(PulsePixel where, std::span<const Echo> echoes, std::span<Reception> out) const;
-  void receive_geiger(PulsePixel where, const Waveforms& waveforms, std::span<Reception> out) const;
+  void receive_linear(PulsePixel where, std::span<const Echo> echoes, std::span<Detection> out) const;
+  void receive_geiger(PulsePixel where, const Waveforms& waveforms, std::span<Detection> out) const;
   /// The first photoelectrons of a pixel's echoes, nearest first.
   [[nodiscard]] std::vector<double> photons_m(PulsePixel where, const Waveforms& waveforms) const;
   [[nodiscard]] double first_photon_m(const EchoRays& rays, std::size_t echo, const PulsePixel& where) const;

@@ -67,7 +67,7 @@ bool Fsm::is_known() const {
   return parameters_.encoder_sigma_rad == 0 && parameters_.encoder_harmonics.empty() && !parameters_.tof_lag;
 }
 
-ScannerState Fsm::believed_state(const PulseContext& pulse, const ScannerState& truth) const {
+ScannerState Fsm::estimated_state(const PulseContext& pulse, const ScannerState& truth) const {
   ScannerState at_pulse = parameters_.tof_lag ? following(pulse, pulse.aim) : truth;
   if (!parameters_.encoder_harmonics.empty()) {
     const TiltAngles tilts{at_pulse.angle_1_rad, at_pulse.angle_2_rad};
@@ -88,15 +88,15 @@ void Fsm::steer(const ScannerState& state, std::span<const Direction<LidarFrame>
     steer_from_focal_point(state, pixels, beams);
     return;
   }
-  const Matrix3d turn = mirror_.steering(state.mirror_normal);
-  turn_all(turn, pixels, beams);
+  const Matrix3d rotation = mirror_.steering(state.mirror_normal);
+  rotate_all(rotation, pixels, beams);
 }
 
 void Fsm::steer_from_focal_point(const ScannerState& state, std::span<const Direction<LidarFrame>> pixels,
                                  std::span<Beam> beams) const {
   const Vector3d& m = state.mirror_normal.v;
   const Vector3d& pivot = parameters_.pivot_m.v;
-  const Vector3d surface = pivot - mirror_.turn({state.angle_1_rad, state.angle_2_rad}) * pivot;
+  const Vector3d surface = pivot - mirror_.rotation({state.angle_1_rad, state.angle_2_rad}) * pivot;
   const Vector3d focus = -parameters_.focal_distance_m * mirror_.incoming();
   const double depth = (surface - focus).dot(m);
   const Matrix3d before_mirror = reflection(mirror_.resting().v);

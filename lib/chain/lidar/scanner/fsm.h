@@ -60,8 +60,8 @@ class Fsm : public Scanner {
         .jumps = timing_.depends_on_jumps(), .echo = parameters_.tof_lag, .motion = timing_.is_accelerated()};
   }
   [[nodiscard]] bool is_known() const override;
-  [[nodiscard]] ScannerState believed_state(const PulseContext& pulse,
-                                            const ScannerState& truth) const override;
+  [[nodiscard]] ScannerState estimated_state(const PulseContext& pulse,
+                                             const ScannerState& truth) const override;
 
  private:
   [[nodiscard]] ScannerState following(const PulseContext& pulse,

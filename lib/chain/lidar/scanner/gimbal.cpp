@@ -51,18 +51,18 @@ ScannerState Gimbal::state(const PulseContext& pulse) const {
                       timing_.is_moving(pulse.since_jump_s, axes_jump(*pulse.jump_aims, gimbal_angles)))};
 }
 
-ScannerState Gimbal::believed_state(const PulseContext&, const ScannerState& truth) const {
+ScannerState Gimbal::estimated_state(const PulseContext&, const ScannerState& truth) const {
   const TiltAngles error = encoder_error(encoder_harmonics_, {truth.angle_1_rad, truth.angle_2_rad});
-  ScannerState believed = truth;
-  believed.angle_1_rad += error.angle_1_rad;
-  believed.angle_2_rad += error.angle_2_rad;
-  return believed;
+  ScannerState estimated = truth;
+  estimated.angle_1_rad += error.angle_1_rad;
+  estimated.angle_2_rad += error.angle_2_rad;
+  return estimated;
 }
 
 void Gimbal::steer(const ScannerState& state, std::span<const Direction<LidarFrame>> pixels,
                    std::span<Beam> beams) const {
-  const Eigen::Matrix3d turn = gimbal_rotation({state.angle_1_rad, state.angle_2_rad});
-  turn_all(turn, pixels, beams);
+  const Eigen::Matrix3d rotation = gimbal_rotation({state.angle_1_rad, state.angle_2_rad});
+  rotate_all(rotation, pixels, beams);
 }
 
 }  // namespace landfall

@@ -40,8 +40,8 @@ class Gimbal : public Scanner {
   }
   [[nodiscard]] bool is_known() const override { return encoder_harmonics_.empty(); }
   /// The readings of the encoders.
-  [[nodiscard]] ScannerState believed_state(const PulseContext& pulse,
-                                            const ScannerState& truth) const override;
+  [[nodiscard]] ScannerState estimated_state(const PulseContext& pulse,
+                                             const ScannerState& truth) const override;
   void steer(const ScannerState& state, std::span<const Direction<LidarFrame>> pixels,
              std::span<Beam> beams) const override;
 

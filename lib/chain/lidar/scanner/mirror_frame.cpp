@@ -25,7 +25,7 @@ MirrorFrame::MirrorFrame(double incidence_rad, double fold_azimuth_rad) {
   axis_2_ = resting_.cross(axis_1_);
 }
 
-Matrix3d MirrorFrame::turn(const TiltAngles& tilts) const {
+Matrix3d MirrorFrame::rotation(const TiltAngles& tilts) const {
   return (quaternion_of(tilts.angle_1_rad * axis_1_) * quaternion_of(tilts.angle_2_rad * axis_2_))
       .toRotationMatrix();
 }

@@ -27,8 +27,8 @@ class MirrorFrame {
     return {(c.v - incoming_).normalized()};
   }
   /// The rotation from the resting to the tilted mirror: R(e1, angle_1) R(e2, angle_2).
-  [[nodiscard]] Eigen::Matrix3d turn(const TiltAngles& tilts) const;
-  /// m = turn(tilts) m0.
+  [[nodiscard]] Eigen::Matrix3d rotation(const TiltAngles& tilts) const;
+  /// m = rotation(tilts) m0.
   [[nodiscard]] Direction<LidarFrame> normal(const TiltAngles& tilts) const;
   /// The tilts that give a normal, angle_2 within +-pi/2.
   [[nodiscard]] TiltAngles tilts(const Direction<LidarFrame>& normal) const;

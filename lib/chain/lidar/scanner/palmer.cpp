@@ -37,8 +37,8 @@ ScannerState Palmer::state(const PulseContext& pulse) const {
 
 void Palmer::steer(const ScannerState& state, std::span<const Direction<LidarFrame>> pixels,
                    std::span<Beam> beams) const {
-  const Eigen::Matrix3d turn = mirror_.steering(state.mirror_normal);
-  turn_all(turn, pixels, beams);
+  const Eigen::Matrix3d rotation = mirror_.steering(state.mirror_normal);
+  rotate_all(rotation, pixels, beams);
 }
 
 }  // namespace landfall

@@ -26,7 +26,7 @@ class Pattern {
   virtual ~Pattern() = default;
 
   /// A point on the map, z = 0; empty for a pulse that is not fired.
-  [[nodiscard]] virtual std::optional<Point<DemFrame>> ground_aim(const PulseTime& pulse) const = 0;
+  [[nodiscard]] virtual std::optional<Point<DemFrame>> aim_point(const PulseTime& pulse) const = 0;
   /// Empty where the aim moves without jumps or has not jumped yet.
   [[nodiscard]] virtual std::optional<PatternJump> last_jump(const PulseTime&) const { return std::nullopt; }
   /// The number of pulses after which the scan ends; empty for a pattern without an end.

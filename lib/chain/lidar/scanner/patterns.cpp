@@ -113,7 +113,7 @@ LineSearch::LineSearch(const LineSearchParameters& parameters)
   require_positive({"", "half_width_m"}, parameters.half_width_m);
 }
 
-std::optional<Point<DemFrame>> LineSearch::ground_aim(const PulseTime& pulse) const {
+std::optional<Point<DemFrame>> LineSearch::aim_point(const PulseTime& pulse) const {
   const LineSearchParameters& p = parameters_;
   const auto position = raster_position(order_of(p), pulse.pulse);
   if (!position) return std::nullopt;
@@ -142,7 +142,7 @@ StepStare::StepStare(const StepStareParameters& parameters)
           p.pulses_per_step, "in 1..1048576");
 }
 
-std::optional<Point<DemFrame>> StepStare::ground_aim(const PulseTime& pulse) const {
+std::optional<Point<DemFrame>> StepStare::aim_point(const PulseTime& pulse) const {
   const StepStareParameters& p = parameters_;
   const auto position = raster_position(order_of(p), pulse.pulse / p.pulses_per_step);
   if (!position) return std::nullopt;
@@ -164,7 +164,7 @@ Stare::Stare(const StareParameters& parameters) : Pattern(parameters.compensated
   for (const double value : parameters.aim_m) require_finite({"", "aim_m"}, value);
 }
 
-std::optional<Point<DemFrame>> Stare::ground_aim(const PulseTime& /*pulse*/) const {
+std::optional<Point<DemFrame>> Stare::aim_point(const PulseTime& /*pulse*/) const {
   return Point<DemFrame>{{parameters_.aim_m[0], parameters_.aim_m[1], 0}};
 }
 
@@ -178,7 +178,7 @@ Spiral::Spiral(const SpiralParameters& parameters)
   require_positive({"", "period_s"}, p.period_s);
 }
 
-std::optional<Point<DemFrame>> Spiral::ground_aim(const PulseTime& pulse) const {
+std::optional<Point<DemFrame>> Spiral::aim_point(const PulseTime& pulse) const {
   const SpiralParameters& p = parameters_;
   const double share = share_of_way(pulse.since_start_s / p.period_s);
   const double outward = p.direction == SpiralDirection::outward ? share : 1 - share;
@@ -195,7 +195,7 @@ Rosette::Rosette(const RosetteParameters& parameters)
   for (const double phase : parameters.phases_rad) require_finite({"", "phases_deg"}, phase);
 }
 
-std::optional<Point<DemFrame>> Rosette::ground_aim(const PulseTime& pulse) const {
+std::optional<Point<DemFrame>> Rosette::aim_point(const PulseTime& pulse) const {
   Eigen::Vector3d sum = Eigen::Vector3d::Zero();
   for (std::size_t i = 0; i < 2; ++i) {
     const double angle =
@@ -212,7 +212,7 @@ Lissajous::Lissajous(const LissajousParameters& parameters)
   require_finite({"", "phase_deg"}, parameters.phase_rad);
 }
 
-std::optional<Point<DemFrame>> Lissajous::ground_aim(const PulseTime& pulse) const {
+std::optional<Point<DemFrame>> Lissajous::aim_point(const PulseTime& pulse) const {
   const auto& [width_x, width_y] = parameters_.half_width_m;
   const auto& [rate_x, rate_y] = parameters_.rates_hz;
   const double turn = 2 * std::numbers::pi;
@@ -238,7 +238,7 @@ TablePattern::TablePattern(TablePatternParameters parameters, const std::string&
   check_table(parameters_, name);
 }
 
-std::optional<Point<DemFrame>> TablePattern::ground_aim(const PulseTime& pulse) const {
+std::optional<Point<DemFrame>> TablePattern::aim_point(const PulseTime& pulse) const {
   const std::vector<AimSample>& samples = parameters_.samples;
   const double end_s = samples.back().t_s;
   double t = pulse.since_start_s;

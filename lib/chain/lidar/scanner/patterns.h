@@ -42,7 +42,7 @@ class LineSearch : public Pattern {
  public:
   explicit LineSearch(const LineSearchParameters& parameters);
 
-  [[nodiscard]] std::optional<Point<DemFrame>> ground_aim(const PulseTime& pulse) const override;
+  [[nodiscard]] std::optional<Point<DemFrame>> aim_point(const PulseTime& pulse) const override;
   /// Every line begins with a jump, also where the mirror only reverses (boustrophedon).
   [[nodiscard]] std::optional<PatternJump> last_jump(const PulseTime& pulse) const override;
   [[nodiscard]] std::optional<std::int64_t> pulse_limit() const override;
@@ -70,7 +70,7 @@ class StepStare : public Pattern {
  public:
   explicit StepStare(const StepStareParameters& parameters);
 
-  [[nodiscard]] std::optional<Point<DemFrame>> ground_aim(const PulseTime& pulse) const override;
+  [[nodiscard]] std::optional<Point<DemFrame>> aim_point(const PulseTime& pulse) const override;
   /// Every step is a jump.
   [[nodiscard]] std::optional<PatternJump> last_jump(const PulseTime& pulse) const override;
   [[nodiscard]] std::optional<std::int64_t> pulse_limit() const override;
@@ -90,7 +90,7 @@ class Stare : public Pattern {
  public:
   explicit Stare(const StareParameters& parameters);
 
-  [[nodiscard]] std::optional<Point<DemFrame>> ground_aim(const PulseTime& pulse) const override;
+  [[nodiscard]] std::optional<Point<DemFrame>> aim_point(const PulseTime& pulse) const override;
 
  private:
   StareParameters parameters_;
@@ -116,7 +116,7 @@ class Spiral : public Pattern {
  public:
   explicit Spiral(const SpiralParameters& parameters);
 
-  [[nodiscard]] std::optional<Point<DemFrame>> ground_aim(const PulseTime& pulse) const override;
+  [[nodiscard]] std::optional<Point<DemFrame>> aim_point(const PulseTime& pulse) const override;
 
  private:
   SpiralParameters parameters_;
@@ -138,7 +138,7 @@ class Rosette : public Pattern {
  public:
   explicit Rosette(const RosetteParameters& parameters);
 
-  [[nodiscard]] std::optional<Point<DemFrame>> ground_aim(const PulseTime& pulse) const override;
+  [[nodiscard]] std::optional<Point<DemFrame>> aim_point(const PulseTime& pulse) const override;
 
  private:
   RosetteParameters parameters_;
@@ -159,7 +159,7 @@ class Lissajous : public Pattern {
  public:
   explicit Lissajous(const LissajousParameters& parameters);
 
-  [[nodiscard]] std::optional<Point<DemFrame>> ground_aim(const PulseTime& pulse) const override;
+  [[nodiscard]] std::optional<Point<DemFrame>> aim_point(const PulseTime& pulse) const override;
 
  private:
   LissajousParameters parameters_;
@@ -197,7 +197,7 @@ class TablePattern : public Pattern {
   /// begins with `name` and names the row counted from 1.
   explicit TablePattern(TablePatternParameters parameters, const std::string& name = "pattern table");
 
-  [[nodiscard]] std::optional<Point<DemFrame>> ground_aim(const PulseTime& pulse) const override;
+  [[nodiscard]] std::optional<Point<DemFrame>> aim_point(const PulseTime& pulse) const override;
 
  private:
   TablePatternParameters parameters_;

@@ -102,32 +102,32 @@ bool PolygonScanner::is_known() const {
   return (tilts_rad_.empty() || parameters_.facet_tilt_known) && parameters_.encoder_harmonics.empty();
 }
 
-ScannerState PolygonScanner::believed_state(const PulseContext& pulse, const ScannerState& truth) const {
+ScannerState PolygonScanner::estimated_state(const PulseContext& pulse, const ScannerState& truth) const {
   const PolygonParameters& p = parameters_;
-  ScannerState believed = truth;
+  ScannerState estimated = truth;
   const TiltAngles error =
       encoder_error(p.encoder_harmonics, {2 * pi / p.facets * facets_at(pulse), truth.angle_2_rad});
-  believed.angle_1_rad += error.angle_1_rad;
-  believed.angle_2_rad += error.angle_2_rad;
-  if (tilts_rad_.empty()) return believed;
+  estimated.angle_1_rad += error.angle_1_rad;
+  estimated.angle_2_rad += error.angle_2_rad;
+  if (tilts_rad_.empty()) return estimated;
   // The tilt is the angle of the normal to the plane of the line.
   const double tilt_rad = p.facet_tilt_known ? portable::asin(-truth.mirror_normal.v.dot(across_line_)) : 0;
-  believed.mirror_normal = normal(believed.angle_1_rad, tilt_rad);
-  return believed;
+  estimated.mirror_normal = normal(estimated.angle_1_rad, tilt_rad);
+  return estimated;
 }
 
 void PolygonScanner::steer(const ScannerState& state, std::span<const Direction<LidarFrame>> pixels,
                            std::span<Beam> beams) const {
   const Eigen::Quaterniond frame = quaternion_of(state.angle_2_rad * line_);
   if (!tilts_rad_.empty()) {
-    turn_all(
+    rotate_all(
         frame.toRotationMatrix() * reflection(state.mirror_normal.v) * reflection(Eigen::Vector3d::UnitZ()),
         pixels, beams);
     return;
   }
-  const Eigen::Matrix3d turn =
+  const Eigen::Matrix3d rotation =
       (frame * quaternion_of(2 * state.angle_1_rad * across_line_)).toRotationMatrix();
-  turn_all(turn, pixels, beams);
+  rotate_all(rotation, pixels, beams);
 }
 
 }  // namespace landfall

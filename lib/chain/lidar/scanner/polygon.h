@@ -54,8 +54,8 @@ class PolygonScanner : public Scanner {
   [[nodiscard]] ScannerState state(const PulseContext& pulse) const override;
   [[nodiscard]] bool is_known() const override;
   /// The readings of the encoders, and facets without tilts unless these are known.
-  [[nodiscard]] ScannerState believed_state(const PulseContext& pulse,
-                                            const ScannerState& truth) const override;
+  [[nodiscard]] ScannerState estimated_state(const PulseContext& pulse,
+                                             const ScannerState& truth) const override;
   void steer(const ScannerState& state, std::span<const Direction<LidarFrame>> pixels,
              std::span<Beam> beams) const override;
 

@@ -73,10 +73,10 @@ Beam traced(const std::array<TurnedFace, 4>& faces, const Vector3d& pixel) {
     const double radicand = 1 - mu * mu * (1 - c * c);
     // The test is negated so that NaN counts as lost too.
     if (!(c > 0 && radicand >= 0)) return Beam{.lost = true};
-    const double way = (face.offset_m - (px * face.x + py * face.y + pz * face.z)) / c;
-    px += way * dx;
-    py += way * dy;
-    pz += way * dz;
+    const double path = (face.offset_m - (px * face.x + py * face.y + pz * face.z)) / c;
+    px += path * dx;
+    py += path * dy;
+    pz += path * dz;
     const double bend = std::sqrt(radicand) - mu * c;
     dx = mu * dx + bend * face.x;
     dy = mu * dy + bend * face.y;
@@ -129,12 +129,12 @@ ScannerState Risley::state(const PulseContext& pulse) const {
   return state;
 }
 
-ScannerState Risley::believed_state(const PulseContext& pulse, const ScannerState& truth) const {
-  ScannerState believed = truth;
+ScannerState Risley::estimated_state(const PulseContext& pulse, const ScannerState& truth) const {
+  ScannerState estimated = truth;
   const RisleyAngles angles = commanded(pulse);
-  believed.angle_1_rad = angles.theta_1_rad;
-  believed.angle_2_rad = angles.theta_2_rad;
-  return believed;
+  estimated.angle_1_rad = angles.theta_1_rad;
+  estimated.angle_2_rad = angles.theta_2_rad;
+  return estimated;
 }
 
 void Risley::steer(const ScannerState& state, std::span<const Direction<LidarFrame>> pixels,

@@ -46,8 +46,8 @@ class Risley : public Scanner {
   [[nodiscard]] ScannerState state(const PulseContext& pulse) const override;
   [[nodiscard]] bool is_known() const override { return encoder_sigma_rad_ == 0; }
   /// The commanded angles.
-  [[nodiscard]] ScannerState believed_state(const PulseContext& pulse,
-                                            const ScannerState& truth) const override;
+  [[nodiscard]] ScannerState estimated_state(const PulseContext& pulse,
+                                             const ScannerState& truth) const override;
   void steer(const ScannerState& state, std::span<const Direction<LidarFrame>> pixels,
              std::span<Beam> beams) const override;
 

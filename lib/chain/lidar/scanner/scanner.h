@@ -60,9 +60,9 @@ struct Beam {
 };
 
 /// beams[i] leaves the focal point along the rotated direction of pixels[i]: d' = R d, b = 0.
-inline void turn_all(const Eigen::Matrix3d& turn, std::span<const Direction<LidarFrame>> pixels,
-                     std::span<Beam> beams) {
-  for (std::size_t i = 0; i < pixels.size(); ++i) beams[i] = Beam{.direction = {turn * pixels[i].v}};
+inline void rotate_all(const Eigen::Matrix3d& rotation, std::span<const Direction<LidarFrame>> pixels,
+                       std::span<Beam> beams) {
+  for (std::size_t i = 0; i < pixels.size(); ++i) beams[i] = Beam{.direction = {rotation * pixels[i].v}};
 }
 
 /// Steers the rays of all pixels: a pure function of time, without stepping state. Any thread may call it for
@@ -78,7 +78,7 @@ class Scanner {
   /// False where the state that the lander believes may differ from the true one, e.g. by encoder noise.
   [[nodiscard]] virtual bool is_known() const { return true; }
   /// The state that the lander believes and computes its points from; `truth` is the result of state().
-  [[nodiscard]] virtual ScannerState believed_state(const PulseContext&, const ScannerState& truth) const {
+  [[nodiscard]] virtual ScannerState estimated_state(const PulseContext&, const ScannerState& truth) const {
     return truth;
   }
   /// beams[i] is the ray of pixels[i]; both spans have the same size. `pixels` are directions in L as they

@@ -74,9 +74,9 @@ ScannerState TableScanner::state(const PulseContext& pulse) const {
 
 void TableScanner::steer(const ScannerState& state, std::span<const Direction<LidarFrame>> pixels,
                          std::span<Beam> beams) const {
-  const Eigen::Matrix3d turn = mirror_ ? mirror_->steering(state.mirror_normal)
-                                       : gimbal_rotation({state.angle_1_rad, state.angle_2_rad});
-  turn_all(turn, pixels, beams);
+  const Eigen::Matrix3d rotation = mirror_ ? mirror_->steering(state.mirror_normal)
+                                           : gimbal_rotation({state.angle_1_rad, state.angle_2_rad});
+  rotate_all(rotation, pixels, beams);
 }
 
 }  // namespace landfall

@@ -15,19 +15,19 @@ PulseTime PatternAim::ahead(const PulseTime& pulse, std::int64_t count) const {
   return {pulse.pulse + count, pulse.since_start_s + static_cast<double>(count) * interval_s_};
 }
 
-/// The offset of the last pulse before the pattern's next jump; `most` if it does not jump before.
-std::int64_t PatternAim::pulses_without_jump(const PulseTime& pulse, std::int64_t most) const {
-  while (const auto jump = pattern_.last_jump(ahead(pulse, most))) {
+/// The offset of the last pulse before the pattern's next jump; `maximum` if it does not jump before.
+std::int64_t PatternAim::pulses_without_jump(const PulseTime& pulse, std::int64_t maximum) const {
+  while (const auto jump = pattern_.last_jump(ahead(pulse, maximum))) {
     const std::int64_t before = jump->before.pulse - pulse.pulse;
     if (before < 0) break;
-    most = before;
+    maximum = before;
   }
-  return most;
+  return maximum;
 }
 
 Point<DemFrame> PatternAim::after(const PulseTime& pulse, double later_s) const {
   const double pulses = interval_s_ > 0 ? later_s / interval_s_ : 0;
-  const auto aim = [&](std::int64_t count) { return pattern_.ground_aim(ahead(pulse, count)); };
+  const auto aim = [&](std::int64_t count) { return pattern_.aim_point(ahead(pulse, count)); };
   const std::int64_t wanted = static_cast<std::int64_t>(pulses) + 1;
   const std::int64_t last = pulses_without_jump(pulse, wanted);
   std::int64_t to = last;
@@ -44,7 +44,7 @@ Point<DemFrame> PatternAim::after(const PulseTime& pulse, double later_s) const 
 }
 
 Point<DemFrame> PatternAim::before(const PulseTime& pulse, double earlier_s) const {
-  const auto aim = [&](std::int64_t count) { return pattern_.ground_aim(ahead(pulse, count)); };
+  const auto aim = [&](std::int64_t count) { return pattern_.aim_point(ahead(pulse, count)); };
   const auto jump = pattern_.last_jump(pulse);
   const bool is_first = pulse.pulse == 0 || (jump && jump->before.pulse == pulse.pulse - 1) || !aim(-1);
   if (is_first && (pulses_without_jump(pulse, 1) == 0 || !aim(1))) return *aim(0);
@@ -60,7 +60,7 @@ TimeNearPulse PatternAim::time_after(const PulseTime& pulse, double error_s) con
   if (error_s == 0 || interval_s_ == 0) return {pulse};
   const double pulses = std::trunc(error_s / interval_s_);
   const PulseTime there = ahead(pulse, static_cast<std::int64_t>(pulses));
-  if (there.pulse < 0 || !pattern_.ground_aim(there)) return {pulse};
+  if (there.pulse < 0 || !pattern_.aim_point(there)) return {pulse};
   return {there, error_s - pulses * interval_s_};
 }
 
@@ -72,8 +72,8 @@ JumpAims PatternAim::around(const PatternJump& jump, const PulseTime& pulse,
     return last_jump && last_jump->before.pulse + 1 == number;
   };
   const auto aim = [&](std::int64_t number, std::int64_t otherwise) {
-    const auto point = pattern_.ground_aim(time(number));
-    return direction_to(point ? *point : *pattern_.ground_aim(time(otherwise)), T_dem_lidar);
+    const auto point = pattern_.aim_point(time(number));
+    return direction_to(point ? *point : *pattern_.aim_point(time(otherwise)), T_dem_lidar);
   };
   const std::int64_t last = jump.before.pulse;
   const std::int64_t first = last + 1;

@@ -41,7 +41,7 @@ class PatternAim {
 
  private:
   [[nodiscard]] PulseTime ahead(const PulseTime& pulse, std::int64_t count) const;
-  [[nodiscard]] std::int64_t pulses_without_jump(const PulseTime& pulse, std::int64_t most) const;
+  [[nodiscard]] std::int64_t pulses_without_jump(const PulseTime& pulse, std::int64_t maximum) const;
   [[nodiscard]] Point<DemFrame> after(const PulseTime& pulse, double later_s) const;
   [[nodiscard]] Point<DemFrame> before(const PulseTime& pulse, double earlier_s) const;
 

@@ -27,11 +27,11 @@ namespace {
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 constexpr float kNoIntensity = std::numeric_limits<float>::quiet_NaN();
 
-[[noreturn]] void refuse_origin(std::int64_t pulse, const Point<DemFrame>& origin, double ground_m) {
+[[noreturn]] void refuse_origin(std::int64_t pulse, const Point<DemFrame>& origin, double terrain_m) {
   std::ostringstream message;
   message.precision(10);
   message << "pulse " << pulse << ": the lidar at x = " << origin.v.x() << " m, y = " << origin.v.y()
-          << " m is " << origin.v.z() << " m high, at or below the terrain, " << ground_m << " m";
+          << " m is " << origin.v.z() << " m high, at or below the terrain, " << terrain_m << " m";
   throw FormatError(message.str());
 }
 
@@ -79,19 +79,19 @@ std::vector<std::int8_t> dead_map_of(const Lidar& lidar) {
 
 }  // namespace
 
-PulseSimulator::PulseSimulator(Lidar lidar, const RayEngine* engine, const TerrainSurface* ground,
+PulseSimulator::PulseSimulator(Lidar lidar, const RayEngine* engine, const TerrainSurface* terrain,
                                const SurfaceAlbedo* albedo)
     : lidar_(std::move(lidar)),
       engine_(engine),
-      ground_(ground),
+      terrain_(terrain),
       albedo_(albedo),
       dead_map_(dead_map_of(lidar_)) {
-  if (lidar_.range_errors.needs_incidence() && ground_ == nullptr)
+  if (lidar_.range_errors.needs_incidence() && terrain_ == nullptr)
     throw UsageError(std::string(kIncidenceNoise) + ": needs the terrain's surface");
-  if (lidar_.receiver.sees_waveforms() && engine_ != nullptr && ground_ == nullptr)
+  if (lidar_.receiver.uses_waveforms() && engine_ != nullptr && terrain_ == nullptr)
     throw UsageError("receiver/type: needs the terrain's surface");
   assert(lidar_.link_constants_pe_m2.size() ==
-         (lidar_.receiver.sees_waveforms() ? lidar_.detector.samples().size() : 0));
+         (lidar_.receiver.uses_waveforms() ? lidar_.detector.samples().size() : 0));
 }
 
 void PulseSimulator::simulate(const PulseInput& pulse, std::size_t slot, PulseBatch& batch,
@@ -130,23 +130,23 @@ void PulseSimulator::load_true_ranges(const PulseInput& pulse, const TrueRanges&
 
 Transform<BodyFrame, LidarFrame> PulseSimulator::true_mount(std::int64_t pulse) const {
   if (!lidar_.pointing_error.turns_beams()) return lidar_.mount;
-  return {lidar_.mount.rotation * lidar_.pointing_error.turn(pulse), lidar_.mount.position};
+  return {lidar_.mount.rotation * lidar_.pointing_error.rotation(pulse), lidar_.mount.position};
 }
 
 PulseContext PulseSimulator::context_of(const PulseInput& pulse, double mirror_time_error_s) const {
   PulseContext context{.time = {pulse.time.pulse, pulse.time.since_start_s + mirror_time_error_s}};
   const Pattern* const pattern = lidar_.pattern.get();
-  if (pattern == nullptr || !pattern->ground_aim(pulse.time)) return context;
+  if (pattern == nullptr || !pattern->aim_point(pulse.time)) return context;
   const PatternAim aim(*pattern, pulse.interval_s);
   const auto [near, later_s] = aim.time_after(pulse.time, mirror_time_error_s);
-  const Point<DemFrame> target = later_s == 0 ? *pattern->ground_aim(near) : aim.at(near, later_s);
+  const Point<DemFrame> target = later_s == 0 ? *pattern->aim_point(near) : aim.at(near, later_s);
   const Transform<DemFrame, LidarFrame> T_dem_lidar = pulse.nominal * lidar_.mount;
   context.aim = direction_to(target, T_dem_lidar);
   const ContextNeeds needs = lidar_.scanner->needs();
   if (needs.jumps) {
     if (const auto jump = pattern->last_jump(near)) {
       context.since_jump_s = std::max(0.0, jump->since_s + later_s);
-      if (const auto before = pattern->ground_aim(jump->before))
+      if (const auto before = pattern->aim_point(jump->before))
         context.aim_before_jump = direction_to(*before, T_dem_lidar);
       if (needs.motion && context.aim_before_jump && pulse.interval_s > 0)
         context.jump_aims = aim.around(*jump, near, T_dem_lidar);
@@ -175,12 +175,12 @@ void PulseSimulator::steer(const PulseInput& pulse, AimedPulse& aimed) const {
   const auto pixels = lidar_.detector.pixels();
   aimed.beams.resize(pixels.size());
   scanner.steer(aimed.state, pixels, aimed.beams);
-  aimed.believed_beams.clear();
+  aimed.estimated_beams.clear();
   if (scanner.is_known() && mirror_time_error_s == 0) return;
-  aimed.believed_beams.resize(pixels.size());
-  scanner.steer(scanner.believed_state(context, on_time), pixels, aimed.believed_beams);
+  aimed.estimated_beams.resize(pixels.size());
+  scanner.steer(scanner.estimated_state(context, on_time), pixels, aimed.estimated_beams);
   for (std::size_t i = 0; i < pixels.size(); ++i)
-    if (aimed.believed_beams[i].lost) aimed.beams[i].lost = true;  // such a point has no estimate
+    if (aimed.estimated_beams[i].lost) aimed.beams[i].lost = true;  // such a point has no estimate
 }
 
 std::span<const Beam> PulseSimulator::traced_beams(const AimedPulse& aimed, const TracedPulse& traced) const {
@@ -194,13 +194,13 @@ void PulseSimulator::make_rays(const PulseInput& pulse, const AimedPulse& aimed,
     std::vector<Beam>& samples = traced.sample_beams;
     samples.resize(lidar_.detector.samples().size());
     lidar_.scanner->steer(aimed.state, lidar_.detector.samples(), samples);
-    if (lidar_.receiver.sees_waveforms())
+    if (lidar_.receiver.uses_waveforms())
       samples.insert(samples.end(), aimed.beams.begin(), aimed.beams.end());
   }
   for (const Beam& beam : traced_beams(aimed, traced))
     if (!beam.lost)
       traced.rays.push_back({aimed.T_dem_lidar * beam.exit, aimed.T_dem_lidar.rotation * beam.direction});
-  require_above_ground(pulse, traced.rays);
+  require_above_terrain(pulse, traced.rays);
 }
 
 void PulseSimulator::trace(std::span<const Ray> rays, std::vector<double>& hits_m) const {
@@ -211,13 +211,13 @@ void PulseSimulator::trace(std::span<const Ray> rays, std::vector<double>& hits_
 
 void PulseSimulator::combine_samples(std::int64_t pulse, const AimedPulse& aimed, TracedPulse& traced,
                                      ReceivedPulse& received) const {
-  const bool sees_waveforms = lidar_.receiver.sees_waveforms();
+  const bool uses_waveforms = lidar_.receiver.uses_waveforms();
   const std::size_t pixels = aimed.beams.size();
   received.ranges_m.assign(pixels, kNan);
-  received.echoes.assign(sees_waveforms && lidar_.receiver.hears_kept_echoes() ? pixels : 0, {});
+  received.echoes.assign(uses_waveforms && lidar_.receiver.accepts_kept_echoes() ? pixels : 0, {});
   received.later_echoes.clear();
   if (aimed.state.blanked) return;
-  if (sees_waveforms) return build_waveforms(pulse, aimed, traced, received);
+  if (uses_waveforms) return build_waveforms(pulse, aimed, traced, received);
   const std::size_t per_pixel = lidar_.detector.samples_per_pixel();
   for (std::size_t i = 0; i < pixels; ++i)
     if (!aimed.beams[i].lost)
@@ -242,7 +242,7 @@ void PulseSimulator::build_waveforms(std::int64_t pulse, const AimedPulse& aimed
                               received.waveforms);
   }
   lidar_.receiver.time(received.waveforms);
-  if (lidar_.receiver.hears_kept_echoes())
+  if (lidar_.receiver.accepts_kept_echoes())
     lidar_.receiver.keep_echoes(pulse, received.waveforms, received.echoes, received.later_echoes);
 }
 
@@ -259,7 +259,7 @@ void PulseSimulator::find_signals(const TracedPulse& traced, std::span<const Bea
     r.hit_directions.push_back(sent.direction.v);
   }
   r.cosines.resize(r.hits.size());
-  ground_->cosines(r.hits, r.hit_directions, r.cosines);
+  terrain_->cosines(r.hits, r.hit_directions, r.cosines);
   r.signals_pe.assign(samples.size(), kNan);
   for (std::size_t i = 0, hit = 0; i < samples.size(); ++i) {
     const double range_m = traced.hits_m[i];
@@ -277,21 +277,21 @@ void PulseSimulator::steer_to_trace(const PulseInput& pulse, AimedPulse& aimed) 
     steer(pulse, aimed);
   } catch (const FormatError&) {
     const std::array boresight = {Ray{(pulse.truth * true_mount(pulse.time.pulse)).position, {}}};
-    require_above_ground(pulse, boresight);
+    require_above_terrain(pulse, boresight);
     throw;
   }
 }
 
-void PulseSimulator::require_above_ground(const PulseInput& pulse, std::span<const Ray> rays) const {
-  if (ground_ == nullptr || !ground_->is_ground_below()) return;
-  const double highest_m = ground_->highest_m();
+void PulseSimulator::require_above_terrain(const PulseInput& pulse, std::span<const Ray> rays) const {
+  if (terrain_ == nullptr || !terrain_->is_terrain_below()) return;
+  const double highest_m = terrain_->highest_m();
   const Point<DemFrame>* checked = nullptr;
   for (const Ray& ray : rays) {
     if (checked != nullptr && ray.origin == *checked) continue;
     checked = &ray.origin;
     if (ray.origin.v.z() > highest_m) continue;
-    const double ground_m = ground_->elevation(ray.origin.v.x(), ray.origin.v.y());
-    if (ray.origin.v.z() <= ground_m) refuse_origin(pulse.time.pulse, ray.origin, ground_m);
+    const double terrain_m = terrain_->elevation(ray.origin.v.x(), ray.origin.v.y());
+    if (ray.origin.v.z() <= terrain_m) refuse_origin(pulse.time.pulse, ray.origin, terrain_m);
   }
 }
 
@@ -301,8 +301,8 @@ PointStatus PulseSimulator::status(PulsePixel where, const PulseWorkspace& works
   if (workspace.aimed.state.blanked) return PointStatus::blanked;
   if (workspace.aimed.beams[i].lost) return PointStatus::lost_in_optics;
   if (std::isnan(workspace.received.ranges_m[i])) return PointStatus::miss;
-  if (!workspace.measured.receptions.empty() &&
-      std::isnan(workspace.measured.receptions[i * lidar_.receiver.max_returns()].range_m))
+  if (!workspace.measured.detections.empty() &&
+      std::isnan(workspace.measured.detections[i * lidar_.receiver.max_returns()].range_m))
     return PointStatus::undetected;
   return lidar_.range_errors.is_dropped(where) ? PointStatus::dropout : PointStatus::returned;
 }
@@ -320,14 +320,14 @@ PulseSimulator::Report PulseSimulator::report(PulsePixel where, const PulseWorks
     if (false_m && !(has_echo && *false_m >= workspace.received.ranges_m[i]))
       return {PointStatus::false_return, *false_m, kNoIntensity, 1};
   }
-  if (workspace.measured.receptions.empty())
+  if (workspace.measured.detections.empty())
     return {what, has_echo ? workspace.measured.measured_m[i] : kNan, kNoIntensity};
-  const Reception& reception = workspace.measured.receptions[i * lidar_.receiver.max_returns() + number];
-  const bool is_background = reception.is_background && (has_echo || what == PointStatus::miss);
-  if (!is_background && (!has_echo || std::isnan(reception.range_m)))
+  const Detection& detection = workspace.measured.detections[i * lidar_.receiver.max_returns() + number];
+  const bool is_background = detection.is_background && (has_echo || what == PointStatus::miss);
+  if (!is_background && (!has_echo || std::isnan(detection.range_m)))
     return {what, kNan, kNoIntensity, number == 0 ? std::int8_t{0} : PulseBatch::kNoSuchReturn};
   return {is_background ? PointStatus::false_return : what,
-          workspace.measured.measured_m[number * workspace.aimed.beams.size() + i], reception.intensity_pe,
+          workspace.measured.measured_m[number * workspace.aimed.beams.size() + i], detection.intensity_pe,
           static_cast<std::int8_t>(number + 1)};
 }
 
@@ -338,7 +338,7 @@ void PulseSimulator::find_incidences(const AimedPulse& aimed, const ReceivedPuls
   for (std::size_t i = 0; i < aimed.beams.size(); ++i) {
     const Beam& beam = aimed.beams[i];
     const double tangent =
-        tan_incidence(*ground_, aimed.T_dem_lidar * (beam.exit + received.ranges_m[i] * beam.direction),
+        tan_incidence(*terrain_, aimed.T_dem_lidar * (beam.exit + received.ranges_m[i] * beam.direction),
                       aimed.T_dem_lidar.rotation * beam.direction);
     // a miss, where the receiver may still report background
     measured.tan_incidences.push_back(std::isnan(tangent) ? 0 : tangent);
@@ -350,15 +350,15 @@ void PulseSimulator::measure(std::int64_t pulse, const AimedPulse& aimed, const 
   MeasuredPulse& m = measured;
   find_incidences(aimed, received, m);
   const std::size_t pixels = aimed.beams.size();
-  const std::size_t most = lidar_.receiver.max_returns();
+  const std::size_t max_count = lidar_.receiver.max_returns();
   receive(pulse, aimed, received, m);
-  m.measured_m.resize(pixels * most);
-  for (std::size_t number = 0; number < most; ++number) {
+  m.measured_m.resize(pixels * max_count);
+  for (std::size_t number = 0; number < max_count; ++number) {
     const std::span<double> measured_m = std::span(m.measured_m).subspan(number * pixels, pixels);
     const auto n = static_cast<std::int64_t>(number);
     std::span<const double> reported_m = received.ranges_m;
-    if (!m.receptions.empty()) {
-      for (std::size_t i = 0; i < pixels; ++i) m.reported_m[i] = m.receptions[i * most + number].range_m;
+    if (!m.detections.empty()) {
+      for (std::size_t i = 0; i < pixels; ++i) m.reported_m[i] = m.detections[i * max_count + number].range_m;
       reported_m = m.reported_m;
     }
     lidar_.range_errors.measure(pulse, reported_m, m.tan_incidences, measured_m, n);
@@ -369,15 +369,15 @@ void PulseSimulator::measure(std::int64_t pulse, const AimedPulse& aimed, const 
 void PulseSimulator::receive(std::int64_t pulse, const AimedPulse& aimed, const ReceivedPulse& received,
                              MeasuredPulse& measured) const {
   const Receiver& receiver = lidar_.receiver;
-  measured.receptions.clear();
-  if (!receiver.sees_waveforms()) return;
-  measured.receptions.resize(rows_per_pulse());
+  measured.detections.clear();
+  if (!receiver.uses_waveforms()) return;
+  measured.detections.resize(rows_per_pulse());
   measured.reported_m.resize(aimed.beams.size());
   if (aimed.state.blanked) return;
-  if (receiver.hears_kept_echoes()) {
-    receiver.receive(pulse, received.echoes, received.later_echoes, measured.receptions);
+  if (receiver.accepts_kept_echoes()) {
+    receiver.receive(pulse, received.echoes, received.later_echoes, measured.detections);
   } else {
-    receiver.receive(pulse, received.waveforms, measured.receptions);
+    receiver.receive(pulse, received.waveforms, measured.detections);
   }
 }
 
@@ -416,15 +416,15 @@ void PulseSimulator::record_estimate(const PulseInput& pulse, std::size_t first_
                                      const PulseWorkspace& workspace) const {
   const Transform<DemFrame, LidarFrame> T_dem_lidar_est = pulse.estimate * lidar_.mount;
   const std::vector<Beam>& beams =
-      workspace.aimed.believed_beams.empty() ? workspace.aimed.beams : workspace.aimed.believed_beams;
-  const std::size_t most = lidar_.receiver.max_returns();
+      workspace.aimed.estimated_beams.empty() ? workspace.aimed.beams : workspace.aimed.estimated_beams;
+  const std::size_t max_count = lidar_.receiver.max_returns();
   for (std::size_t i = 0; i < beams.size(); ++i) {
     const Beam& beam = beams[i];
-    for (std::size_t number = 0; number < most; ++number) {
+    for (std::size_t number = 0; number < max_count; ++number) {
       const Report said = report(
           {pulse.time.pulse, static_cast<std::int64_t>(i), static_cast<std::int64_t>(number)}, workspace);
       const Point<DemFrame> estimate = T_dem_lidar_est * (beam.exit + said.range_m * beam.direction);
-      const std::size_t row = first_row + i * most + number;
+      const std::size_t row = first_row + i * max_count + number;
       out.x_est[row] = estimate.v.x();
       out.y_est[row] = estimate.v.y();
       out.z_est[row] = estimate.v.z();
@@ -438,9 +438,9 @@ void PulseSimulator::record_estimate(const PulseInput& pulse, std::size_t first_
 
 void PulseSimulator::record_truth(const PulseInput& pulse, std::size_t first_row, PointColumns& out,
                                   const PulseWorkspace& workspace) const {
-  const std::size_t most = lidar_.receiver.max_returns();
-  for (std::size_t k = 0; k < workspace.aimed.beams.size() * most; ++k) {
-    const std::size_t i = k / most;
+  const std::size_t max_count = lidar_.receiver.max_returns();
+  for (std::size_t k = 0; k < workspace.aimed.beams.size() * max_count; ++k) {
+    const std::size_t i = k / max_count;
     const Beam& beam = workspace.aimed.beams[i];
     const double range = workspace.received.ranges_m[i];
     const std::size_t row = first_row + k;

@@ -66,8 +66,8 @@ struct TrueRanges {
 /// The beams that leave.
 struct AimedPulse {
   ScannerState state;
-  std::vector<Beam> beams;           ///< of the pixels
-  std::vector<Beam> believed_beams;  ///< empty where the lander knows the true ones: equal to `beams`
+  std::vector<Beam> beams;            ///< of the pixels
+  std::vector<Beam> estimated_beams;  ///< empty where the lander knows the true ones: equal to `beams`
   Transform<DemFrame, LidarFrame> T_dem_lidar;  ///< the true lidar
 };
 
@@ -94,7 +94,7 @@ struct ReceivedPulse {
 /// The ranges that the instrument reports.
 struct MeasuredPulse {
   std::vector<double> tan_incidences;  ///< empty where the noise does not depend on them; 0 for a miss
-  std::vector<Reception> receptions;   ///< by pixel, then return; empty without a receiver
+  std::vector<Detection> detections;   ///< by pixel, then return; empty without a receiver
   std::vector<double> reported_m;      ///< the ranges of one return of each pixel, before range errors
   std::vector<double> measured_m;      ///< by return, then pixel
 };
@@ -127,12 +127,12 @@ struct PulseWorkspace {
 /// The caller applies time-stamp errors when it chooses the estimated poses.
 class PulseSimulator {
  public:
-  /// `engine`, `ground` and `albedo` must outlive this object. Without an engine (null), only replay() may be
-  /// called. With a ground, a beam that starts at or below it is refused, if
-  /// TerrainSurface::is_ground_below(). `albedo` is the ground's map of it, in [0, 1]; null:
+  /// `engine`, `terrain` and `albedo` must outlive this object. Without an engine (null), only replay() may
+  /// be called. With a ground, a beam that starts at or below it is refused, if
+  /// TerrainSurface::is_terrain_below(). `albedo` is the ground's map of it, in [0, 1]; null:
   /// link_constants_pe_m2 include the albedo. Throws UsageError without a ground if the noise depends on the
   /// incidence or if waveforms are traced.
-  PulseSimulator(Lidar lidar, const RayEngine* engine, const TerrainSurface* ground,
+  PulseSimulator(Lidar lidar, const RayEngine* engine, const TerrainSurface* terrain,
                  const SurfaceAlbedo* albedo = nullptr);
 
   [[nodiscard]] const Lidar& lidar() const { return lidar_; }
@@ -146,15 +146,15 @@ class PulseSimulator {
   }
   [[nodiscard]] std::size_t rays_per_pulse() const {
     const Detector& detector = lidar_.detector;
-    const bool own_rays = lidar_.receiver.sees_waveforms() && detector.samples_per_pixel() > 1;
+    const bool own_rays = lidar_.receiver.uses_waveforms() && detector.samples_per_pixel() > 1;
     return detector.samples().size() + (own_rays ? detector.pixel_count() : 0);
   }
   /// The columns of this lidar's points.
   [[nodiscard]] OptionalColumns columns(bool keep_echoes = false) const {
-    return {.intensity = lidar_.receiver.sees_waveforms(),
+    return {.intensity = lidar_.receiver.uses_waveforms(),
             .return_number = lidar_.receiver.max_returns() > 1,
             .echo = keep_echoes,
-            .later_echoes = keep_echoes && lidar_.receiver.hears_later_echoes()};
+            .later_echoes = keep_echoes && lidar_.receiver.accepts_later_echoes()};
   }
 
   /// Fills pulse `slot` of `batch`, which has been resized to rows_per_pulse(); the truth only where
@@ -185,7 +185,7 @@ class PulseSimulator {
   /// The beams of the pulse's rays, in order: those of the samples, then the pixels' own where they differ.
   [[nodiscard]] std::span<const Beam> traced_beams(const AimedPulse& aimed, const TracedPulse& traced) const;
   void make_rays(const PulseInput& pulse, const AimedPulse& aimed, TracedPulse& traced) const;
-  void require_above_ground(const PulseInput& pulse, std::span<const Ray> rays) const;
+  void require_above_terrain(const PulseInput& pulse, std::span<const Ray> rays) const;
   void trace(std::span<const Ray> rays, std::vector<double>& hits_m) const;
   /// Uses up the hits: they are sorted in place.
   void combine_samples(std::int64_t pulse, const AimedPulse& aimed, TracedPulse& traced,
@@ -217,7 +217,7 @@ class PulseSimulator {
 
   Lidar lidar_;
   const RayEngine* engine_;
-  const TerrainSurface* ground_;
+  const TerrainSurface* terrain_;
   const SurfaceAlbedo* albedo_;
   std::vector<std::int8_t> dead_map_;
 };

@@ -56,8 +56,9 @@ class BatchPool {
 class ScanPipeline {
  public:
   /// The largest number of batches in the pipeline at once.
-  ScanPipeline(const Simulation& simulation, const Replay& replay, const BatchSink& sink, std::size_t most)
-      : simulation_(simulation), replay_(replay), sink_(sink), passages_(most) {}
+  ScanPipeline(const Simulation& simulation, const Replay& replay, const BatchSink& sink,
+               std::size_t max_passages)
+      : simulation_(simulation), replay_(replay), sink_(sink), passages_(max_passages) {}
 
   Passage* next(std::int64_t pulses_per_batch, tbb::flow_control& control) {
     if (next_pulse_ >= simulation_.pulse_count()) {
@@ -115,8 +116,8 @@ class ScanPipeline {
 
 void run_scan(const Simulation& simulation, const Replay& replay, const BatchSink& sink,
               std::int64_t points_per_batch, const ProgressCallback& progress) {
-  const std::size_t most = 4 * thread_count();
-  ScanPipeline pipeline(simulation, replay, sink, most);
+  const std::size_t max_passages = 4 * thread_count();
+  ScanPipeline pipeline(simulation, replay, sink, max_passages);
   const auto pixels = static_cast<std::int64_t>(simulation.pixel_count());
   const std::int64_t pulses_per_batch = std::max<std::int64_t>(1, points_per_batch / pixels);
   using enum tbb::filter_mode;
@@ -136,7 +137,7 @@ void run_scan(const Simulation& simulation, const Replay& replay, const BatchSin
   });
   const auto finish = tbb::make_filter<Passage*, void>(
       serial_in_order, [&](Passage* passage) { pipeline.finish(*passage, progress); });
-  tbb::parallel_pipeline(most, next & simulate & take & work & finish);
+  tbb::parallel_pipeline(max_passages, next & simulate & take & work & finish);
 }
 
 }  // namespace landfall

@@ -42,7 +42,7 @@ void require_finite(const Pose& pose, const PulseTime& pulse, const char* which)
 
 }  // namespace
 
-Simulation::Simulation(ScanModel model, const RayEngine* engine, const TerrainSurface* ground,
+Simulation::Simulation(ScanModel model, const RayEngine* engine, const TerrainSurface* terrain,
                        const SurfaceAlbedo* albedo)
     : pulse_rate_hz_(model.pulse_rate_hz),
       pulse_count_(landfall::pulse_count(model)),
@@ -53,17 +53,17 @@ Simulation::Simulation(ScanModel model, const RayEngine* engine, const TerrainSu
       navigation_error_(std::move(model.navigation_error)),
       estimate_(std::move(model.estimate)),
       estimate_lead_s_(estimate_ ? trajectory_->epoch_s() - estimate_->epoch_s() : 0),
-      simulator_(std::move(model.lidar), engine, ground, albedo) {
+      simulator_(std::move(model.lidar), engine, terrain, albedo) {
   // Fail now, not after an hour, if a trajectory or a table of angles is too short.
   const PulseInput last = pulse(pulse_count_ - 1);
   const double mirror_s = simulator_.lidar().pointing_error.mirror_time_error_s(last.time.pulse);
   static_cast<void>(
       simulator_.lidar().scanner->state({.time = {last.time.pulse, last.time.since_start_s + mirror_s}}));
-  static_cast<void>(believed_pose(0));
-  static_cast<void>(believed_pose(since_start_s(pulse_count_ - 1)));
+  static_cast<void>(estimated_pose(0));
+  static_cast<void>(estimated_pose(since_start_s(pulse_count_ - 1)));
 }
 
-Pose Simulation::believed_pose(double since_start_s) const {
+Pose Simulation::estimated_pose(double since_start_s) const {
   if (estimate_) return estimate_->pose(since_start_s + estimate_lead_s_);
   Pose known = trajectory_->pose(since_start_s);
   if (attitude_knowledge_ == AttitudeKnowledge::commanded)
@@ -72,7 +72,7 @@ Pose Simulation::believed_pose(double since_start_s) const {
 }
 
 Pose Simulation::aiming_pose(double since_start_s) const {
-  if (aims_from_estimate_) return believed_pose(since_start_s);
+  if (aims_from_estimate_) return estimated_pose(since_start_s);
   return simulator_.lidar().pattern->compensated() ? trajectory_->nominal_pose(since_start_s)
                                                    : first_nominal_pose_;
 }
@@ -91,7 +91,7 @@ PulseInput Simulation::pulse(std::int64_t k) const {
                    .t_s = trajectory_->epoch_s() + since_start_s,
                    .interval_s = 1 / pulse_rate_hz_};
   input.truth = trajectory_->pose(since_start_s);
-  input.estimate = believed_pose(stamped_time_s(input.time));
+  input.estimate = estimated_pose(stamped_time_s(input.time));
   if (simulator_.lidar().pattern) input.nominal = aiming_pose(since_start_s);
   require_finite(input.truth, input.time, "true");
   require_finite(input.estimate, input.time, "estimated");
@@ -131,7 +131,7 @@ void Simulation::replay_slots(PulseSpan pulses, const TrueRanges& truth, std::si
   const std::size_t pixels = pixel_count();
   const auto count = static_cast<std::size_t>(pulses.count);
   const Receiver& receiver = simulator_.lidar().receiver;
-  if (!receiver.hears_kept_echoes())
+  if (!receiver.accepts_kept_echoes())
     throw UsageError(
         "receiver: " + std::string(receiver.type() == ReceiverType::geiger ? "type geiger" : "returns all") +
         " needs the whole waveforms, which no scan keeps; trace the rays");
@@ -141,7 +141,7 @@ void Simulation::replay_slots(PulseSpan pulses, const TrueRanges& truth, std::si
                         std::to_string(count * pixels) + " are needed");
   };
   require_count(truth.ranges_m.size(), "ranges");
-  if (receiver.sees_waveforms()) require_count(truth.echoes.size(), "echoes");
+  if (receiver.uses_waveforms()) require_count(truth.echoes.size(), "echoes");
   PulseWorkspace workspace;
   for (std::size_t i = 0; i < count; ++i)
     simulator_.replay(pulse(pulses.first + static_cast<std::int64_t>(i)), truth.part(i * pixels, pixels),
@@ -157,9 +157,9 @@ Transform<DemFrame, LidarFrame> Simulation::true_lidar(std::int64_t pulse) const
   return trajectory_->pose(since_start_s(pulse)) * simulator_.true_mount(pulse);
 }
 
-Transform<DemFrame, LidarFrame> Simulation::believed_lidar(std::int64_t pulse) const {
+Transform<DemFrame, LidarFrame> Simulation::estimated_lidar(std::int64_t pulse) const {
   const PulseTime time{pulse, since_start_s(pulse)};
-  return believed_pose(stamped_time_s(time)) * simulator_.lidar().mount;
+  return estimated_pose(stamped_time_s(time)) * simulator_.lidar().mount;
 }
 
 Vector<DemFrame> Simulation::position_error(std::int64_t pulse) const {

@@ -50,11 +50,11 @@ struct PulseSpan {
 /// Immutable: any number of threads may simulate batches of any size, with identical results.
 class Simulation {
  public:
-  /// `engine`, `ground` and `albedo` must outlive this object (see PulseSimulator); a null `engine` allows
+  /// `engine`, `terrain` and `albedo` must outlive this object (see PulseSimulator); a null `engine` allows
   /// replay() only. The model's scanner and trajectory must be set. Throws as pulse_count() does, and
   /// FormatError where the trajectory or a scanner that replays angles ends before the last pulse, or where
   /// an estimate does not cover all pulses.
-  Simulation(ScanModel model, const RayEngine* engine, const TerrainSurface* ground = nullptr,
+  Simulation(ScanModel model, const RayEngine* engine, const TerrainSurface* terrain = nullptr,
              const SurfaceAlbedo* albedo = nullptr);
 
   [[nodiscard]] std::int64_t pulse_count() const { return pulse_count_; }
@@ -105,13 +105,13 @@ class Simulation {
   void prepare_replay(std::int64_t pulse, const TrueRanges& truth, PulseWorkspace& workspace) const;
   /// T_dem_lidar at the pulse, and as the lander believes it.
   [[nodiscard]] Transform<DemFrame, LidarFrame> true_lidar(std::int64_t pulse) const;
-  [[nodiscard]] Transform<DemFrame, LidarFrame> believed_lidar(std::int64_t pulse) const;
+  [[nodiscard]] Transform<DemFrame, LidarFrame> estimated_lidar(std::int64_t pulse) const;
   /// The true minus the estimated position of the lander at the pulse, as the pulse table has them.
   [[nodiscard]] Vector<DemFrame> position_error(std::int64_t pulse) const;
 
  private:
   [[nodiscard]] PulseInput pulse(std::int64_t k) const;
-  [[nodiscard]] Pose believed_pose(double since_start_s) const;
+  [[nodiscard]] Pose estimated_pose(double since_start_s) const;
   [[nodiscard]] Pose aiming_pose(double since_start_s) const;
   [[nodiscard]] double stamped_time_s(const PulseTime& pulse) const;
 

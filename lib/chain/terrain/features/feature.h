@@ -48,7 +48,7 @@ struct PatternSite {
 /// `count` equal features on a circle about the origin, evenly spaced counter-clockwise from
 /// first_azimuth_rad; azimuth 0 is +x.
 struct RingPattern {
-  static constexpr bool kByChance = false;
+  static constexpr bool kIsRandom = false;
 
   std::int64_t count = 10;
   double radius_m = 25;

@@ -55,10 +55,10 @@ double plane_elevation(const Corners& t, const Eigen::Vector2d& point) {
 /// The highest point of a triangle above a point; minus infinity beside the triangle.
 double highest_of(const Corners& t, const Eigen::Vector2d& point) {
   const auto side = [&](std::size_t i) { return orient2d(t[i].head<2>(), t[(i + 1) % 3].head<2>(), point); };
-  const auto [least, greatest] = std::minmax({side(0), side(1), side(2)});
-  if (least < 0 && greatest > 0) return -kInfinity;
+  const auto [minimum, maximum] = std::minmax({side(0), side(1), side(2)});
+  if (minimum < 0 && maximum > 0) return -kInfinity;
   // Seen from above, a vertical triangle is a line, on which the point lies if all three sides are 0.
-  if (least == 0 && greatest == 0) return highest_of_upright(t, point);
+  if (minimum == 0 && maximum == 0) return highest_of_upright(t, point);
   const auto [low, high] = std::minmax({t[0].z(), t[1].z(), t[2].z()});
   const double z = plane_elevation(t, point);
   return std::isnan(z) ? high : std::clamp(z, low, high);

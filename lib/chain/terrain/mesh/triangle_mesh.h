@@ -37,7 +37,7 @@ class TriangleMesh final : public TerrainSurface {
   [[nodiscard]] Eigen::Vector3d normal(const Eigen::Vector3d& point) const override;
 
   /// A mesh may overhang: the floor of a cave lies below its roof.
-  [[nodiscard]] bool is_ground_below() const override { return false; }
+  [[nodiscard]] bool is_terrain_below() const override { return false; }
 
  private:
   IndexedTriangles mesh_;

@@ -88,10 +88,10 @@ struct TriangleTree::Builder {
 
   void split(const Branch& branch, std::size_t middle) {
     std::size_t axis = 0;
-    double most = -1;
+    double maximum = -1;
     for (std::size_t i = 0; i < 3; ++i)
-      if (const double found = layers(branch, i); found > most) {
-        most = found;
+      if (const double found = layers(branch, i); found > maximum) {
+        maximum = found;
         axis = i;
       }
     const auto element = [&](std::size_t i) { return tree.order_.begin() + static_cast<std::ptrdiff_t>(i); };

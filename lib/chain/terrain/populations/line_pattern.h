@@ -19,7 +19,7 @@ using LineShape = std::variant<Ridge, Fracture>;
 /// are uniform from shortest_m to the shape's own, yaws uniform within +-yaw_spread_rad of the shape's own.
 /// Copies whose centre is off the site, but which may reach into it, are listed as well.
 struct LinePattern {
-  static constexpr bool kByChance = true;
+  static constexpr bool kIsRandom = true;
 
   LineShape shape;
   double density_per_m2 = 0;

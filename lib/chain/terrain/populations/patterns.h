@@ -21,7 +21,7 @@ namespace landfall {
 /// Half-buried ellipsoids with centres on the site: horizontal axes 1 : 0.8 and the area of a disc of the
 /// diameter, any yaw, heights of 0.5 +- 0.1 (1 sigma) of the diameter, clamped to 0.25 .. 0.75.
 struct RockPattern {
-  static constexpr bool kByChance = true;
+  static constexpr bool kIsRandom = true;
 
   Population population;
 
@@ -34,7 +34,7 @@ struct RockPattern {
 /// Boxes of ice with centres on the site: the diameter is the length, the width 0.8 of it, heights as for
 /// rocks, any yaw, tilts uniform within +-max_tilt_rad.
 struct IceBlockPattern {
-  static constexpr bool kByChance = true;
+  static constexpr bool kIsRandom = true;
 
   /// Up to this tilt the length is the longest side of every block's footprint.
   static constexpr double kMaxTilt_rad = 15 * std::numbers::pi / 180;
@@ -53,7 +53,7 @@ struct IceBlockPattern {
 /// Craters whose centre is off the site, but whose rim or ejecta reach into it, are listed as well, so that
 /// the density at the site's edge equals that at its middle.
 struct CraterPattern {
-  static constexpr bool kByChance = true;
+  static constexpr bool kIsRandom = true;
 
   Population population;
   double freshness_min = 0.1;
@@ -66,7 +66,7 @@ struct CraterPattern {
 };
 
 /// A pattern generates many features: features() lists them in a fixed order, a pure function of pattern and
-/// site. kByChance is true if their positions are random. A new pattern is a struct and a name in this list.
+/// site. kIsRandom is true if their positions are random. A new pattern is a struct and a name in this list.
 using FeaturePattern = std::variant<RingPattern, RockPattern, IceBlockPattern, CraterPattern, LinePattern>;
 
 /// The site that a pattern fills on a grid.

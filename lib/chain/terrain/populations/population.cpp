@@ -46,8 +46,8 @@ void Population::validate(const std::string& owner) const {
           diameters.max_m, "greater than min_diameter_m and less than 1e6");
   landfall::validate(region, owner + "/region");
   require_not_negative({owner, "clear_radius_m"}, clear_radius_m);
-  const double most = 4294967295;
-  require(!seed || *seed <= 4294967295U, {owner, "seed"}, seed ? static_cast<double>(*seed) : most,
+  const double maximum = 4294967295;
+  require(!seed || *seed <= 4294967295U, {owner, "seed"}, seed ? static_cast<double>(*seed) : maximum,
           "in 0..4294967295");
 }
 

@@ -242,7 +242,7 @@ void for_each_of(const Pattern& pattern, std::size_t index, const PatternSite& s
     take(PlacedFeature{.feature = feature,
                        .pattern = static_cast<std::int32_t>(index),
                        .number = number++,
-                       .by_chance = pattern.kByChance});
+                       .is_random = pattern.kIsRandom});
 }
 
 }  // namespace
@@ -252,7 +252,7 @@ void require_on_grid(const TerrainModel& model, const GridSpec& grid) {
   for (std::size_t p = 0; p < model.patterns.size(); ++p)
     std::visit(
         [&](const auto& pattern) {
-          if (!pattern.kByChance)
+          if (!pattern.kIsRandom)
             for_each_of(pattern, p, pattern_site(grid, model.seed, p),
                         [&](const PlacedFeature& placed) { require_on_grid(placed, grid); });
         },
@@ -299,7 +299,7 @@ void FeatureField::seat(const TriangulatedGrid& part) {
     if (!std::isfinite(z_m)) z_m = part.elevation(placed.feature.x_m, placed.feature.y_m);
     if (std::isfinite(z_m))
       placed.ground_m = z_m;
-    else if (role_of(placed.feature) == FeatureRole::stands && placed.by_chance)
+    else if (role_of(placed.feature) == FeatureRole::stands && placed.is_random)
       placed.ground_m = std::numeric_limits<double>::quiet_NaN();
     else if (role_of(placed.feature) == FeatureRole::stands)
       throw FormatError(centre_of(placed) + "on a hole of the base");

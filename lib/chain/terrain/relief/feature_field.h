@@ -19,7 +19,7 @@ struct PlacedFeature {
   std::int32_t pattern = -1;            ///< number of the pattern that it comes from; -1: listed individually
   std::int64_t number = 0;              ///< among the listed features or those of its pattern
   std::optional<double> ground_m = {};  ///< elevation of the ground under its centre, once seated
-  bool by_chance = false;               ///< its position is random
+  bool is_random = false;               ///< its position is random
 
   friend bool operator==(const PlacedFeature&, const PlacedFeature&) = default;
 };

@@ -20,8 +20,8 @@ constexpr std::int64_t kAliasSteps = 64;  // of the table
 constexpr int kAliases = 2;               // on each side that are added one by one
 
 /// Small prime factors make the FFT fast; a multiple of 4 enables the fast real transform.
-std::int64_t next_fft_size(std::int64_t least) {
-  for (std::int64_t size = (least + 3) / 4 * 4;; size += 4) {
+std::int64_t next_fft_size(std::int64_t minimum) {
+  for (std::int64_t size = (minimum + 3) / 4 * 4;; size += 4) {
     std::int64_t rest = size;
     for (const std::int64_t prime : {2, 3, 5})
       while (rest % prime == 0) rest /= prime;
@@ -156,9 +156,9 @@ void FractalSpectrum::add_long_waves() {
 
 void FractalSpectrum::set_slope() {
   const double exponent = 2 - 2 * hurst_;
-  const double least = std::sqrt(std::min(min_k2_, end_k2_));
+  const double minimum = std::sqrt(std::min(min_k2_, end_k2_));
   const auto longer = [&](double k) {
-    return (portable::pow(k, exponent) - portable::pow(std::min(least, k), exponent)) / exponent;
+    return (portable::pow(k, exponent) - portable::pow(std::min(minimum, k), exponent)) / exponent;
   };
   const double half_edge = step_ / portable::pow(3, kRefinements) * (kReplaced + 0.5);
   if (end_k2_ > 0) slope_power_ = over_directions(half_edge, longer) / (2 * square(step_));

@@ -17,8 +17,8 @@ Geodetic geodetic_of(const Ellipsoid& body, const Eigen::Vector3d& p) {
   // Bowring (1976): the parametric latitude, which is exact at once for points of the surface.
   double lat_rad = 0;
   double parametric = portable::atan2(a * p.z(), b * axis_distance);
-  constexpr int kMostSteps = 20;
-  for (int step = 0; step < kMostSteps; ++step) {
+  constexpr int kMaxSteps = 20;
+  for (int step = 0; step < kMaxSteps; ++step) {
     const double s = portable::sin(parametric);
     const double c = portable::cos(parametric);
     lat_rad = portable::atan2(p.z() + e2 / (1 - e2) * b * s * s * s, axis_distance - e2 * a * c * c * c);

@@ -9,7 +9,7 @@ namespace landfall {
 
 /// A point by its longitude, geodetic latitude and height above an ellipsoid.
 struct Geodetic {
-  LonLat ground;
+  LonLat lon_lat;
   double height_m = 0;
 };
 

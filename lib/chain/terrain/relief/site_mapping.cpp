@@ -72,8 +72,8 @@ std::optional<SitePoint> OrthographicFrame::point(const LonLat& difference) cons
   if (R_body_plane_.col(2).dot(normal) <= kHorizonCosine) return std::nullopt;
   const double e2 = body_.flattening * (2 - body_.flattening);
   const double normal_m = body_.semi_major_m / std::sqrt(1 - e2 * s * s);
-  const Eigen::Vector3d ground = normal_m * normal.cwiseProduct(Eigen::Vector3d(1, 1, 1 - e2));
-  const Eigen::Vector3d step = ground - origin_m_;
+  const Eigen::Vector3d surface_m = normal_m * normal.cwiseProduct(Eigen::Vector3d(1, 1, 1 - e2));
+  const Eigen::Vector3d step = surface_m - origin_m_;
   return SitePoint{R_body_plane_.col(0).dot(step), R_body_plane_.col(1).dot(step)};
 }
 
@@ -91,11 +91,11 @@ SiteMapping::SiteMapping(const GeoTransform& georeference, const PixelPosition& 
                          const OrthographicFrame& frame, double radians_per_unit)
     : center_(center), pixels_per_step_(georeference.pixels_per_unit() / radians_per_unit), frame_(frame) {}
 
-SiteMapping::SiteMapping(const PixelPosition& center, const OrthographicFrame& frame, PixelOfGround ground)
+SiteMapping::SiteMapping(const PixelPosition& center, const OrthographicFrame& frame, PixelOfLonLat pixel_of)
     : center_(center), pixels_per_step_(Eigen::Matrix2d::Zero()), frame_(frame) {
-  const PixelPosition first = ground({0, 0});
-  ground_ = [ground = std::move(ground), first](const LonLat& difference) {
-    const PixelPosition pixel = ground(difference);
+  const PixelPosition first = pixel_of({0, 0});
+  pixel_of_ = [pixel_of = std::move(pixel_of), first](const LonLat& difference) {
+    const PixelPosition pixel = pixel_of(difference);
     return PixelPosition{pixel.col - first.col, pixel.row - first.row};
   };
 }
@@ -105,8 +105,8 @@ PixelPosition SiteMapping::pixel(const SitePoint& point) const {
     const Eigen::Vector2d pixels = smooth_->at({point.x_m, point.y_m});
     return {center_.col + pixels.x(), center_.row + pixels.y()};
   }
-  if (ground_) {
-    const PixelPosition pixels = ground_(frame_->difference(point));
+  if (pixel_of_) {
+    const PixelPosition pixels = pixel_of_(frame_->difference(point));
     return {center_.col + pixels.col, center_.row + pixels.row};
   }
   Eigen::Vector2d step(point.x_m, point.y_m);
@@ -119,10 +119,10 @@ PixelPosition SiteMapping::pixel(const SitePoint& point) const {
 }
 
 std::optional<SiteMapping> SiteMapping::smoothed(double half_width_m) const {
-  if (!ground_) return *this;
+  if (!pixel_of_) return *this;
   constexpr double kTolerance_px = 1e-7;
   const auto exact = [&](const Eigen::Vector2d& point) {
-    const PixelPosition pixels = ground_(frame_->difference({point.x(), point.y()}));
+    const PixelPosition pixels = pixel_of_(frame_->difference({point.x(), point.y()}));
     return Eigen::Vector2d(pixels.col, pixels.row);
   };
   SiteMapping mapping = *this;
@@ -131,7 +131,7 @@ std::optional<SiteMapping> SiteMapping::smoothed(double half_width_m) const {
 }
 
 std::optional<SitePoint> SiteMapping::pole() const {
-  return frame_ && !ground_ ? std::optional(frame_->pole()) : std::nullopt;
+  return frame_ && !pixel_of_ ? std::optional(frame_->pole()) : std::nullopt;
 }
 
 double SiteMapping::posting_m() const {

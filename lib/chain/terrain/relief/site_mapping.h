@@ -88,7 +88,7 @@ class OrthographicFrame {
 };
 
 /// The position in a raster of the ground at a longitude and latitude, both relative to a site's centre.
-using PixelOfGround = std::function<PixelPosition(const LonLat& difference)>;
+using PixelOfLonLat = std::function<PixelPosition(const LonLat& difference)>;
 
 /// Maps a point of the site to a position in a raster.
 class SiteMapping {
@@ -99,9 +99,9 @@ class SiteMapping {
   /// those of `frame`, which has the same centre.
   SiteMapping(const GeoTransform& georeference, const PixelPosition& center, const OrthographicFrame& frame,
               double radians_per_unit);
-  /// A raster in any map projection, which `ground` evaluates; the site's axes are those of `frame`. Call
+  /// A raster in any map projection, which `pixel_of` evaluates; the site's axes are those of `frame`. Call
   /// smoothed() before pixel() is called from several threads or for many points.
-  SiteMapping(const PixelPosition& center, const OrthographicFrame& frame, PixelOfGround ground);
+  SiteMapping(const PixelPosition& center, const OrthographicFrame& frame, PixelOfLonLat pixel_of);
 
   [[nodiscard]] PixelPosition pixel(const SitePoint& point) const;
   /// The same mapping for a site of this half width: that of a map projection as a polynomial within 1e-7
@@ -121,7 +121,7 @@ class SiteMapping {
   PixelPosition center_;
   Eigen::Matrix2d pixels_per_step_;  // per metre, or per radian with a frame
   std::optional<OrthographicFrame> frame_;
-  PixelOfGround ground_;             // relative to the centre's pixel where smooth_ is not set
+  PixelOfLonLat pixel_of_;           // relative to the centre's pixel where smooth_ is not set
   std::optional<SmoothMap> smooth_;  // from metres to pixels from the centre
 };
 

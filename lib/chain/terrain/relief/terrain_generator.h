@@ -31,7 +31,7 @@ void validate(const TerrainModel& model, const GridSpec& spec);
 /// Builds a gridded terrain: the sum of the bases at each node, then the features (feature_field.h). Fractal
 /// base number i (counted among all bases) draws its own waves; one without a longest wavelength draws those
 /// that no DEM has, shorter than twice the finest posting. Holes of any base are holes of the terrain, even
-/// under features. The albedo is that of the ground (ground_albedo.h) and of the features (feature_field.h).
+/// under features. The albedo is that of the ground (terrain_albedo.h) and of the features (feature_field.h).
 ///
 /// Throws UsageError as validate() does, and, without a DEM, for an elevation farther than 1e12 m from 0;
 /// FormatError for such an elevation with a DEM, where a DEM is refused (no finite node, NaN at the centre

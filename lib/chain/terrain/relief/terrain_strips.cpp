@@ -96,12 +96,12 @@ bool add_raster(Grid<double>& z, const DemRaster& raster, const DemBase& dem, do
 std::optional<BinIndex> first_absurd_node(const Grid<double>& z, const ProgressCallback& progress) {
   const auto is_absurd = [](double z_m) { return std::abs(z_m) > kLargestCoordinate_m; };
   std::atomic<std::int64_t> first_row = z.spec().rows;
-  const auto look = [&](std::int64_t row) {
+  const auto check_row = [&](std::int64_t row) {
     std::int64_t known = first_row;
     if (row > known || std::ranges::none_of(z.row(row), is_absurd)) return;
     while (row < known && !first_row.compare_exchange_weak(known, row)) continue;
   };
-  by_rows(z.spec(), look, progress);
+  by_rows(z.spec(), check_row, progress);
   if (first_row == z.spec().rows) return std::nullopt;
   const auto nodes = z.row(first_row);
   return BinIndex{first_row, std::ranges::find_if(nodes, is_absurd) - nodes.begin()};
@@ -160,7 +160,7 @@ TerrainStrips::TerrainStrips(TerrainModel model, const GridSpec& spec, const Dem
   }
   make_fractals(progress);
   if (model_.albedo)
-    albedo_.emplace(*model_.albedo, GroundSite{spec_, model_.seed, size_.max_nodes}, load_dem);
+    albedo_.emplace(*model_.albedo, AlbedoSite{spec_, model_.seed, size_.max_nodes}, load_dem);
   report(progress, 1);
 }
 

@@ -13,8 +13,8 @@
 #include "base/raster/grid.h"
 #include "chain/terrain/relief/dem_raster.h"
 #include "chain/terrain/relief/feature_field.h"
-#include "chain/terrain/relief/ground_albedo.h"
 #include "chain/terrain/relief/large_fractal.h"
+#include "chain/terrain/relief/terrain_albedo.h"
 #include "chain/terrain/relief/triangulated_grid.h"
 #include "chain/terrain/terrain_model.h"
 
@@ -81,7 +81,7 @@ class TerrainStrips {
   FeatureField field_;
   std::vector<DemLayer> dems_;                          ///< of the DemBases, in their order
   std::map<std::size_t, LargeFractal> large_fractals_;  ///< by number of the base; empty for a single strip
-  std::optional<GroundAlbedo> albedo_;
+  std::optional<TerrainAlbedo> albedo_;
   std::optional<Grid<double>> border_;  ///< the last two rows of the previous strip, ground only
   std::deque<TerrainStrip> waiting_;
 };

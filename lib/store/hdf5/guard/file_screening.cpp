@@ -239,7 +239,7 @@ class Screening {
       fail(path + " is stored in chunks of " + std::to_string(std::int64_t(chunk_bytes / kMebi)) +
            " MiB, more than 256; store it in smaller ones");
     const auto stored = static_cast<double>(stored_bytes(dataset));
-    if (bytes * product(size) > std::max(kMaxUnstoredBytes, stored * kDeflateAtMost))
+    if (bytes * product(size) > std::max(kMaxUnstoredBytes, stored * kMaxDeflate))
       fail(path + " declares more values than the " + std::to_string(std::int64_t(stored)) +
            " bytes stored for it can hold; it is damaged or truncated");
     if (chunk && chunk_bytes < kSmallChunkBytes && chunk_count(size, *chunk) > kMaxSmallChunks)

@@ -174,7 +174,7 @@ void MetadataCheck::check_chunk_node(std::uint64_t address, const Dataset& datas
   const std::vector<std::uint64_t>& chunk = dataset.layout->chunk;
   const std::uint64_t key_size = 8 + 8 * chunk.size();
   const std::uint64_t chunk_bytes = checked_product(chunk);
-  const std::uint64_t most = kMaxExpansion * chunk_bytes + kFilterBytes;
+  const std::uint64_t max_bytes = kMaxExpansion * chunk_bytes + kFilterBytes;
   require_sound(nodes_.insert(address).second);
   const auto bytes = file_.read(address, kNodeHead + (2 * chunk_k_ + 1) * key_size + 2 * chunk_k_ * 8);
   ByteCursor cursor(bytes);
@@ -194,7 +194,7 @@ void MetadataCheck::check_chunk_node(std::uint64_t address, const Dataset& datas
     if (head.level > 0) {
       check_chunk_node(child, dataset, head.level - 1);
     } else {
-      require_sound(size > 0 && size <= most && file_.holds(child, size));
+      require_sound(size > 0 && size <= max_bytes && file_.holds(child, size));
       require_sound(dataset.is_filtered || size == chunk_bytes);  // else it is read beyond its memory
       require_sound(dataset.ratio == 0 || chunk_bytes / dataset.ratio <= size);
       chunks_.push_back({child, child + size});

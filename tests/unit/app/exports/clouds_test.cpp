@@ -124,8 +124,8 @@ std::vector<PointPlace> random_places(std::size_t count, std::uint64_t seed) {
 constexpr PointPlace kLow = {-80, -80};
 constexpr PointPlace kHigh = {80, 80};
 
-ThinnedPoints thinned(const std::vector<PointPlace>& places, std::size_t most, double cell_m = 0.01) {
-  PointThinning thinning(kLow, kHigh, cell_m, most);
+ThinnedPoints thinned(const std::vector<PointPlace>& places, std::size_t maximum, double cell_m = 0.01) {
+  PointThinning thinning(kLow, kHigh, cell_m, maximum);
   for (std::size_t i = 0; i < places.size(); ++i) thinning.add(places[i], 2 * i);
   return thinning.finish();
 }

@@ -11,9 +11,9 @@
 #include <numeric>
 #include <random>
 
+#include "app/report/evaluation_layers.h"
 #include "app/report/quantised.h"
 #include "app/report/report_layer.h"
-#include "app/report/report_layers.h"
 #include "base/core/parallel.h"
 #include "constants.h"
 
@@ -44,7 +44,7 @@ TEST(Reduce, FollowsItsRule) {
   EXPECT_THAT(reduce(grid, 2, Rule::mean).cells, ElementsAre(0.5, 5));
   EXPECT_THAT(reduce(grid, 2, Rule::extreme).cells, ElementsAre(-4, 5));
   EXPECT_THAT(reduce(grid, 2, Rule::largest).cells, ElementsAre(3, 5));
-  EXPECT_THAT(reduce(grid, 2, Rule::least).cells, ElementsAre(-4, 5));
+  EXPECT_THAT(reduce(grid, 2, Rule::smallest).cells, ElementsAre(-4, 5));
   const ReducedMap map = reduce(grid, 2, Rule::mean);
   EXPECT_EQ(map.rows, 1);
   EXPECT_EQ(map.cols, 2);
@@ -195,10 +195,10 @@ TEST(Quantise, KeepsASingleValueExactly) {
 }
 
 TEST(Quantise, StandsExtremeNumbers) {
-  const double most = std::numeric_limits<double>::max();
-  const Quantised wide = quantise(std::array<double, 3>{-most, 0, most}, 1000);
+  const double maximum = std::numeric_limits<double>::max();
+  const Quantised wide = quantise(std::array<double, 3>{-maximum, 0, maximum}, 1000);
   EXPECT_TRUE(std::isfinite(wide.step));
-  EXPECT_NEAR(value_of(wide, 1) / most, 0, 0.002);
+  EXPECT_NEAR(value_of(wide, 1) / maximum, 0, 0.002);
   const Quantised narrow = quantise(std::array<double, 2>{0, 5e-324}, 1000);
   EXPECT_EQ(narrow.step, 0);
   // Steps below the resolution of the numbers themselves.

@@ -102,7 +102,7 @@ TEST_F(SceneFiles, AMeshIsTracedByCgal) {
   for (const EngineKind kind : {EngineKind::automatic, EngineKind::cgal}) {
     const Scene scene = open_scene({.terrain = mesh_, .engine = kind, .max_loaded_nodes = 1});
     EXPECT_EQ(scene.engine_name, "cgal");
-    EXPECT_FALSE(scene.surface->is_ground_below());
+    EXPECT_FALSE(scene.surface->is_terrain_below());
     expect_identity(scene, kLocalSiteCrsWkt);
     expect_slope(scene);
   }
@@ -141,7 +141,7 @@ TEST(Scene, WithoutATerrainIsLevelGroundWithoutEnd) {
   EXPECT_EQ(scene.surface->elevation(1e9, -1e9), 0);
   EXPECT_EQ(scene.surface->highest_m(), 0);
   EXPECT_EQ(scene.surface->normal({5, 6, 0}), Eigen::Vector3d(0, 0, 1));
-  EXPECT_TRUE(scene.surface->is_ground_below());
+  EXPECT_TRUE(scene.surface->is_terrain_below());
   EXPECT_EQ(scene.file_id, "");
 }
 

@@ -182,7 +182,7 @@ TEST(ValueRange, JoinsRangesAndHasNoNegativeZero) {
 }
 
 struct Extremes {
-  double least = kNan, largest = kNan;
+  double minimum = kNan, largest = kNan;
 };
 
 /// Bin by bin.
@@ -193,7 +193,7 @@ Extremes of_window(const Grid<double>& values, BinIndex centre, std::int64_t hal
        row <= std::min(spec.rows - 1, centre.row + half_bins); ++row)
     for (std::int64_t col = std::max<std::int64_t>(0, centre.col - half_bins);
          col <= std::min(spec.cols - 1, centre.col + half_bins); ++col) {
-      found.least = std::fmin(found.least, values.at({row, col}));
+      found.minimum = std::fmin(found.minimum, values.at({row, col}));
       found.largest = std::fmax(found.largest, values.at({row, col}));
     }
   return found;
@@ -208,12 +208,12 @@ Grid<double> random_map(const GridSpec& spec, std::uint64_t seed, double hole_fr
 }
 
 void expect_window_extremes(const Grid<double>& values, std::int64_t half_bins) {
-  const Grid<double> least = window_min(values, half_bins);
+  const Grid<double> minimum = window_min(values, half_bins);
   const Grid<double> largest = window_max(values, half_bins);
   for (const auto [row, col] : bins_of(values.spec())) {
     const Extremes expected = of_window(values, {row, col}, half_bins);
     const auto is_equal = [](double a, double b) { return a == b || (std::isnan(a) && std::isnan(b)); };
-    ASSERT_TRUE(is_equal(least.at({row, col}), expected.least)) << row << " " << col << " " << half_bins;
+    ASSERT_TRUE(is_equal(minimum.at({row, col}), expected.minimum)) << row << " " << col << " " << half_bins;
     ASSERT_TRUE(is_equal(largest.at({row, col}), expected.largest)) << row << " " << col << " " << half_bins;
   }
 }
@@ -222,9 +222,9 @@ TEST(WindowExtremes, OfARow) {
   Grid<double> values({.resolution_m = 1, .first_row = 0, .first_col = 0, .rows = 1, .cols = 6});
   std::ranges::copy(std::array{3.0, 1.0, -2.0, kNan, 5.0, 4.0}, values.values().begin());
   const Grid<double> largest = window_max(values, 1);
-  const Grid<double> least = window_min(values, 1);
+  const Grid<double> minimum = window_min(values, 1);
   EXPECT_TRUE(std::ranges::equal(largest.values(), std::array{3.0, 3.0, 1.0, 5.0, 5.0, 5.0}));
-  EXPECT_TRUE(std::ranges::equal(least.values(), std::array{1.0, -2.0, -2.0, -2.0, 4.0, 4.0}));
+  EXPECT_TRUE(std::ranges::equal(minimum.values(), std::array{1.0, -2.0, -2.0, -2.0, 4.0, 4.0}));
 }
 
 TEST(WindowExtremes, EqualAllBinsOfTheWindow) {

@@ -11,7 +11,7 @@
 #include "chain/lidar/scanner/fsm.h"
 #include "chain/lidar/scanner/patterns.h"
 #include "chain/lidar/trajectory/trajectories.h"
-#include "plane_ground.h"
+#include "plane_terrain.h"
 
 namespace landfall {
 

@@ -94,7 +94,7 @@ struct Draw {
 };
 
 /// Rough ground about kPlane with holes.
-TriangulatedGrid rough_ground() {
+TriangulatedGrid rough_terrain() {
   Grid<double> nodes({0.13, -70, -60, 141, 125});
   std::mt19937_64 random(3);
   std::normal_distribution<double> normal(0, 0.02);
@@ -116,8 +116,8 @@ class DeviceJudging : public ::testing::Test {
 
   void start(bool with_maps) {
     const BinMask region = circular_region(kGrid, 4);
-    cpu_ = std::make_unique<DrawRunner>(CampaignScene{{ranges_}, &ground_, kGrid, region}, with_maps);
-    device_ = std::make_unique<DrawRunner>(CampaignScene{{ranges_}, &ground_, kGrid, region}, with_maps,
+    cpu_ = std::make_unique<DrawRunner>(DrawsScene{{ranges_}, &terrain_, kGrid, region}, with_maps);
+    device_ = std::make_unique<DrawRunner>(DrawsScene{{ranges_}, &terrain_, kGrid, region}, with_maps,
                                            OpenClOptions{.use = use_});
     expected_ = with_maps ? std::optional(DrawMaps(kGrid)) : std::nullopt;
     found_ = expected_;
@@ -126,9 +126,9 @@ class DeviceJudging : public ::testing::Test {
   /// Runs a draw on both. Returns whether the device judged it, and keeps it for the maps.
   bool expect_same_metrics(const Draw& draw) {
     const DrawResult expected =
-        cpu_->run(draw.setup(), {ground_}, MetricsKind::verdict, expected_ ? &*expected_ : nullptr);
+        cpu_->run(draw.setup(), {terrain_}, MetricsKind::verdict, expected_ ? &*expected_ : nullptr);
     const DrawResult found =
-        device_->run(draw.setup(), {ground_}, MetricsKind::verdict, found_ ? &*found_ : nullptr);
+        device_->run(draw.setup(), {terrain_}, MetricsKind::verdict, found_ ? &*found_ : nullptr);
     const auto& a = std::get<DecisiveMetrics>(expected.metrics);
     const auto& b = std::get<DecisiveMetrics>(found.metrics);
     EXPECT_EQ(b.pass, a.pass);
@@ -162,7 +162,7 @@ class DeviceJudging : public ::testing::Test {
   }
 
   static constexpr GridSpec kGrid{0.1, -60, -60, 121, 101};
-  TriangulatedGrid ground_ = rough_ground();
+  TriangulatedGrid terrain_ = rough_terrain();
   std::vector<double> ranges_;
   std::shared_ptr<DeviceUse> use_ = std::make_shared<DeviceUse>();
   std::unique_ptr<DrawRunner> cpu_, device_;
@@ -204,8 +204,8 @@ TEST_F(DeviceJudging, NothingReturns) {
 TEST_F(DeviceJudging, AnErrorAtItsLimitIsForTheCpu) {
   Draw draw{.evaluation = rule({}, kGrid.resolution_m)};
   DrawGridder gridder({ranges_}, kGrid);
-  const Simulation simulation(device_scan({}, 1), nullptr, &ground_);
-  const DrawnDem& dem = gridder.draw(simulation, draw.method, draw.truth_at, ground_);
+  const Simulation simulation(device_scan({}, 1), nullptr, &terrain_);
+  const DrawnDem& dem = gridder.draw(simulation, draw.method, draw.truth_at, terrain_);
   const BinIndex bin{60, 60};
   ASSERT_GT(dem.count.at(bin), 0);
   const double error_m =
@@ -258,10 +258,10 @@ class DeviceGridding : public ::testing::Test {
   std::int64_t expect_same_bits(DrawGridder& device, const RangeErrorParameters& errors, Method method,
                                 TruthAt truth_at, std::uint64_t seed, const GridSpec& grid) {
     DrawGridder cpu({ranges_}, grid);
-    const Simulation simulation(device_scan(errors, seed, columns_), nullptr, &ground_);
-    const DrawnDem& expected = cpu.draw(simulation, method, truth_at, ground_);
+    const Simulation simulation(device_scan(errors, seed, columns_), nullptr, &terrain_);
+    const DrawnDem& expected = cpu.draw(simulation, method, truth_at, terrain_);
     const std::uint64_t before = use_->draws();
-    const DrawnDem& found = device.draw(simulation, method, truth_at, ground_);
+    const DrawnDem& found = device.draw(simulation, method, truth_at, terrain_);
     EXPECT_EQ(use_->draws(), before + 1);
     EXPECT_FALSE(use_->failure());
     EXPECT_EQ(different(found.layers.z_est.values(), expected.layers.z_est.values()), 0);
@@ -277,7 +277,7 @@ class DeviceGridding : public ::testing::Test {
     return returns;
   }
 
-  Ground ground_;
+  PlaneTerrain terrain_;
   GridSpec grid_{0.05, -140, -140, 281, 201};
   int columns_ = 2;
   std::vector<double> ranges_;
@@ -349,25 +349,25 @@ TEST_F(DeviceGridding, NothingReturns) {
 
 TEST_F(DeviceGridding, RefusesWhatADeviceCannotDo) {
   DrawGridder device({ranges_}, grid_, options());
-  const Simulation simulation(device_scan({}, 1), nullptr, &ground_);
+  const Simulation simulation(device_scan({}, 1), nullptr, &terrain_);
   EXPECT_THAT(
-      [&] { static_cast<void>(device.draw(simulation, Method::median, TruthAt::bin_center, ground_)); },
+      [&] { static_cast<void>(device.draw(simulation, Method::median, TruthAt::bin_center, terrain_)); },
       testing::ThrowsMessage<UsageError>(HasSubstr("/regrid/method: a device bins by bilinear_nearest, "
                                                    "bilinear4 or mean; opencl-or-cpu uses the CPU")));
   ScanModel timed = device_scan({}, 1);
   timed.lidar.range_timer = RangeTimer({.timer_step_s = 1e-9}, 6, 1);
-  EXPECT_THAT([&] { device.device()->check(Simulation(std::move(timed), nullptr, &ground_), Method::mean); },
+  EXPECT_THAT([&] { device.device()->check(Simulation(std::move(timed), nullptr, &terrain_), Method::mean); },
               testing::ThrowsMessage<UsageError>(HasSubstr("/scan/receiver: a device draws no jitter")));
 }
 
 TEST_F(DeviceGridding, FallsBackForADraw) {
   DrawGridder device({ranges_}, grid_, OpenClOptions{.on_failure = DeviceFailure::falls_back, .use = use_});
-  const Simulation simulation(device_scan({}, 1), nullptr, &ground_);
-  const DrawnDem& median = device.draw(simulation, Method::median, TruthAt::bin_center, ground_);
+  const Simulation simulation(device_scan({}, 1), nullptr, &terrain_);
+  const DrawnDem& median = device.draw(simulation, Method::median, TruthAt::bin_center, terrain_);
   EXPECT_GT(median.count.at({140, 100}), 0);
   EXPECT_EQ(use_->draws(), 0U);
   EXPECT_EQ(use_->failure(), "/regrid/method: a device bins by bilinear_nearest, bilinear4 or mean");
-  static_cast<void>(device.draw(simulation, Method::mean, TruthAt::bin_center, ground_));
+  static_cast<void>(device.draw(simulation, Method::mean, TruthAt::bin_center, terrain_));
   EXPECT_EQ(use_->draws(), 1U);
 }
 

@@ -22,7 +22,7 @@
 #include "chain/lidar/scanner/fsm.h"
 #include "chain/lidar/scanner/patterns.h"
 #include "chain/lidar/trajectory/trajectories.h"
-#include "plane_ground.h"
+#include "plane_terrain.h"
 
 namespace landfall {
 namespace {
@@ -63,7 +63,7 @@ class DrawGridding : public ::testing::Test {
     const auto bins = make_accumulator(method, grid_);
     do bins->add(GridPoints::of(batch.points, no_times));
     while (bins->end_pass());
-    const auto elevation = [this](double x_m, double y_m) { return ground_.elevation(x_m, y_m); };
+    const auto elevation = [this](double x_m, double y_m) { return terrain_.elevation(x_m, y_m); };
     const auto same = [](double a, double b) {
       return std::bit_cast<std::uint64_t>(a) == std::bit_cast<std::uint64_t>(b);
     };
@@ -87,7 +87,7 @@ class DrawGridding : public ::testing::Test {
     EXPECT_LT(empty, 0.9 * static_cast<double>(grid_.size()));
   }
 
-  Ground ground_;
+  PlaneTerrain terrain_;
   GridSpec grid_{0.05, -140, -140, 281, 201};
   std::vector<double> ranges_;
 };
@@ -101,8 +101,8 @@ TEST_F(DrawGridding, EachDrawIsSimulationAndGridding) {
         std::pair{mean, TruthAt::bin_center}, std::pair{bilinear_nearest, TruthAt::bin_center},
         std::pair{median, TruthAt::centroid}, std::pair{median, TruthAt::bin_center},
         std::pair{bilinear_nearest, TruthAt::bin_center}}) {
-    const Simulation simulation(scan(++seed), nullptr, &ground_);
-    DrawnDem& dem = gridder.draw(simulation, method, truth_at, ground_);
+    const Simulation simulation(scan(++seed), nullptr, &terrain_);
+    DrawnDem& dem = gridder.draw(simulation, method, truth_at, terrain_);
     expect_equal(dem, simulation, method, truth_at);
     if (method == median) dem.layers = {};  // as evaluate() takes them
   }
@@ -117,10 +117,10 @@ class SigmaPrediction : public DrawGridding {
 
 TEST_F(SigmaPrediction, IsTheUncertaintyOfTheReturns) {
   const UncertaintyParameters parameters{.range_sigma_m = 0.1};
-  const CampaignScene scene{{ranges_}, &ground_, grid_, BinMask(grid_, 1)};
+  const DrawsScene scene{{ranges_}, &terrain_, grid_, BinMask(grid_, 1)};
   const Grid<float> predicted =
-      predicted_sigma(scene, Simulation(scan(3, kColumns), nullptr, &ground_), parameters).z_abs;
-  const Simulation simulation(scan(3, kColumns), nullptr, &ground_);
+      predicted_sigma(scene, Simulation(scan(3, kColumns), nullptr, &terrain_), parameters).z_abs;
+  const Simulation simulation(scan(3, kColumns), nullptr, &terrain_);
   const PulseBatch batch = returns_of(simulation);
   std::vector<double> times;
   for (const std::int32_t pulse : batch.points.pulse)

@@ -72,14 +72,14 @@ TEST(Wilson, CoversLessThanNominalNearOne) {
 TEST(Wilson, CoversWithItsConfidenceOnAverage) {
   for (const double p : kProbabilities) {
     double sum = 0;
-    double least = 1;
+    double minimum = 1;
     for (std::int64_t n = 1; n <= 500; ++n) {
       const double coverage = wilson_coverage(p, n);
       sum += coverage;
-      least = std::min(least, coverage);
+      minimum = std::min(minimum, coverage);
     }
     EXPECT_NEAR(sum / 500, 0.95, 0.025) << p;
-    EXPECT_GT(least, 0.83) << p;
+    EXPECT_GT(minimum, 0.83) << p;
   }
 }
 

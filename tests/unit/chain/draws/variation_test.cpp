@@ -85,12 +85,12 @@ template <class Cdf>
 double kolmogorov(std::vector<double> x, const Cdf& cdf) {
   std::ranges::sort(x);
   const double n = static_cast<double>(x.size());
-  double most = 0;
+  double maximum = 0;
   for (std::size_t i = 0; i < x.size(); ++i) {
     const double below = static_cast<double>(i) / n;
-    most = std::max({most, cdf(x[i]) - below, below + 1 / n - cdf(x[i])});
+    maximum = std::max({maximum, cdf(x[i]) - below, below + 1 / n - cdf(x[i])});
   }
-  return most * std::sqrt(n);
+  return maximum * std::sqrt(n);
 }
 
 double mean_power(const std::vector<double>& x, int power) {

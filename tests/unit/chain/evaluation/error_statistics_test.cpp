@@ -302,10 +302,10 @@ TEST_F(TailCursorMoves, DeviationsOnEitherSide) {
 }
 
 TEST_F(TailCursorMoves, TakesOneOrTheRestOfAWord) {
-  const auto taken = [&](std::size_t place, std::size_t most, double least) {
+  const auto taken = [&](std::size_t place, std::size_t maximum, double minimum) {
     TailCursor cursor = at(place);
     const std::size_t before = cursor.count_taken();
-    const std::size_t count = cursor.take(most, least);
+    const std::size_t count = cursor.take(maximum, minimum);
     EXPECT_EQ(cursor.count_taken(), before + count);
     return count;
   };
@@ -320,10 +320,10 @@ TEST_F(TailCursorMoves, TakesOneOrTheRestOfAWord) {
 }
 
 TEST_F(TailCursorMoves, GivesBackOneOrTheStartOfAWord) {
-  const auto given = [&](std::size_t place, std::size_t most, double largest) {
+  const auto given = [&](std::size_t place, std::size_t maximum, double largest) {
     TailCursor cursor = at(place);
     const std::size_t before = cursor.count_taken();
-    const std::size_t count = cursor.give_back(most, largest);
+    const std::size_t count = cursor.give_back(maximum, largest);
     EXPECT_EQ(cursor.count_taken(), before - count);
     return count;
   };

@@ -61,14 +61,14 @@ TEST(QuantileOf, TheLastPieceIsFullOrHoldsOneValue) {
     values[kValuesPerPiece - 1] = -1;
     values.back() = 2;
     EXPECT_EQ(quantile(values, 0.75), by_sorting(values, 0.75));
-    const ValueLook look = look_at(values.size(), at(values), 1.5);
-    EXPECT_EQ(look.sum.count, more == 0 ? 2 : 3);
-    EXPECT_EQ(look.sum.sum, more == 0 ? 6 : 5);
-    EXPECT_EQ(look.largest, 4);
-    EXPECT_EQ(look.above, 2);
-    EXPECT_EQ(look.counts[ValueBucket::of(2)], 1U);
-    EXPECT_EQ(look.counts.back(), kValuesPerPiece - 2);
-    EXPECT_EQ(counted_sum(values.size(), at(values)).sum, look.sum.sum);
+    const ValueSummary summary = summarize(values.size(), at(values), 1.5);
+    EXPECT_EQ(summary.sum.count, more == 0 ? 2 : 3);
+    EXPECT_EQ(summary.sum.sum, more == 0 ? 6 : 5);
+    EXPECT_EQ(summary.largest, 4);
+    EXPECT_EQ(summary.above, 2);
+    EXPECT_EQ(summary.counts[ValueBucket::of(2)], 1U);
+    EXPECT_EQ(summary.counts.back(), kValuesPerPiece - 2);
+    EXPECT_EQ(counted_sum(values.size(), at(values)).sum, summary.sum.sum);
   }
 }
 
@@ -145,18 +145,18 @@ TEST(CountedSum, PieceByPieceInAFixedOrder) {
   EXPECT_TRUE(std::isnan(counted_sum(0, at(values)).mean()));
 }
 
-TEST(ValueLook, SumOfValuesButLargestAndAboveOfMagnitudes) {
+TEST(ValueSummary, SumOfValuesButLargestAndAboveOfMagnitudes) {
   const std::vector<double> values{kNan, -3, 2, 2, kNan};
-  const ValueLook look = look_at(values.size(), at(values), 2);
-  EXPECT_EQ(look.sum.count, 3);
-  EXPECT_EQ(look.sum.sum, 1);
-  EXPECT_EQ(look.largest, 3);
-  EXPECT_EQ(look.above, 1);
-  EXPECT_EQ(look.counts[ValueBucket::of(3)], 1U);
-  EXPECT_EQ(look.counts[ValueBucket::of(2)], 2U);
-  EXPECT_EQ(look.counts[ValueBucket::kCount], 2U);
-  EXPECT_EQ(look_at(values.size(), at(values), 1.5).above, 3);
-  EXPECT_EQ(look_at(1, at(values), 2).largest, -kInfinity);
+  const ValueSummary summary = summarize(values.size(), at(values), 2);
+  EXPECT_EQ(summary.sum.count, 3);
+  EXPECT_EQ(summary.sum.sum, 1);
+  EXPECT_EQ(summary.largest, 3);
+  EXPECT_EQ(summary.above, 1);
+  EXPECT_EQ(summary.counts[ValueBucket::of(3)], 1U);
+  EXPECT_EQ(summary.counts[ValueBucket::of(2)], 2U);
+  EXPECT_EQ(summary.counts[ValueBucket::kCount], 2U);
+  EXPECT_EQ(summarize(values.size(), at(values), 1.5).above, 3);
+  EXPECT_EQ(summarize(1, at(values), 2).largest, -kInfinity);
 }
 
 std::vector<TailBin> bins_with(const std::vector<double>& values) {

@@ -63,9 +63,9 @@ Grid<double> grid_from(const GridSpec& spec, ErrorAt error_at) {
 }
 
 /// Chance values of one bin.
-class Chance {
+class RandomValues {
  public:
-  explicit Chance(std::uint64_t seed)
+  explicit RandomValues(std::uint64_t seed)
       : normal_(seed, RandomStream::range_noise), uniform_(seed, RandomStream::dropout) {}
 
   [[nodiscard]] double normal(BinIndex bin) const {
@@ -81,31 +81,31 @@ class Chance {
 };
 
 Grid<double> noise(const GridSpec& spec, double nan_frac, std::uint64_t seed = 5) {
-  const Chance chance(seed);
+  const RandomValues random(seed);
   return grid_from(spec, [&](BinIndex bin) {
-    return chance.uniform(bin) < nan_frac ? kNan : 0.0333 * chance.normal(bin);
+    return random.uniform(bin) < nan_frac ? kNan : 0.0333 * random.normal(bin);
   });
 }
 
 /// Six cones on a plane: no error on the plane, on a flank the slope times a place within the bin.
 Grid<double> cones(const GridSpec& spec, double sigma_m) {
-  const Chance chance(7);
+  const RandomValues random(7);
   return grid_from(spec, [&](BinIndex bin) {
     bool on_cone = false;
     for (int i = 0; i < 6; ++i)
       on_cone = on_cone || std::hypot(static_cast<double>(bin.row - 16 * i),
                                       static_cast<double>(bin.col - 37 * i % 121)) < 13;
-    return (on_cone ? 0.165 * (chance.uniform(bin) - 0.5) : 0.0) + sigma_m * chance.normal(bin);
+    return (on_cone ? 0.165 * (random.uniform(bin) - 0.5) : 0.0) + sigma_m * random.normal(bin);
   });
 }
 
 /// Relief seen with a velocity error: long waves, a trend along the scan, and little noise.
 Grid<double> relief(const GridSpec& spec, double sigma_m) {
-  const Chance chance(9);
+  const RandomValues random(9);
   return grid_from(spec, [&](BinIndex bin) {
     const auto x = static_cast<double>(bin.col);
     const auto y = static_cast<double>(bin.row);
-    double error = 0.004 * y + sigma_m * chance.normal(bin);
+    double error = 0.004 * y + sigma_m * random.normal(bin);
     for (const double wave : {0.05, 0.12, 0.31})
       error += 0.004 / wave * std::sin(wave * x + 1) * std::sin(wave * y - 2);
     return error;
@@ -152,14 +152,14 @@ TEST(WindowQuantileExact, AllEqual) {
 }
 
 TEST(WindowQuantileExact, BothZeros) {
-  const Chance chance(3);
-  expect_exact(grid_from(kSpec, [&](BinIndex bin) { return chance.uniform(bin) < 0.5 ? 0.0 : -0.0; }));
+  const RandomValues random(3);
+  expect_exact(grid_from(kSpec, [&](BinIndex bin) { return random.uniform(bin) < 0.5 ? 0.0 : -0.0; }));
 }
 
 TEST(WindowQuantileExact, FewDistinctValues) {
-  const Chance chance(3);
-  expect_exact(grid_from(kSpec, [&](BinIndex bin) { return std::floor(3 * chance.uniform(bin)); }));
-  expect_exact(grid_from(kSpec, [&](BinIndex bin) { return chance.uniform(bin) < 0.97 ? 0.0 : 1.0; }));
+  const RandomValues random(3);
+  expect_exact(grid_from(kSpec, [&](BinIndex bin) { return std::floor(3 * random.uniform(bin)); }));
+  expect_exact(grid_from(kSpec, [&](BinIndex bin) { return random.uniform(bin) < 0.97 ? 0.0 : 1.0; }));
 }
 
 TEST(WindowQuantileExact, NoValidBin) { expect_exact(Grid<double>(kSpec, kNan)); }

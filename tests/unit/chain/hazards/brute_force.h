@@ -111,7 +111,7 @@ struct BruteForce {
 
   /// None: unknown.
   [[nodiscard]] std::optional<Measures> contact(BinIndex place) const {
-    Measures most;
+    Measures maximum;
     const std::int64_t n = within(lander.body_radius_m);
     for (const std::vector<Bin>& pads : yaws()) {
       std::vector<double> heights;
@@ -122,19 +122,19 @@ struct BruteForce {
       }
       for (const Plane& plane : planes(pads, heights)) {
         const double slope = slope_of(plane);
-        most.slope_deg = std::max(most.slope_deg, slope);
+        maximum.slope_deg = std::max(maximum.slope_deg, slope);
         for (const auto [y, x] : Bins({-n, -n}, {n + 1, n + 1})) {
           if (!covers(lander.body_radius_m, {x, y})) continue;
           const auto height = at(place, {x, y});
           if (!height) return {};
-          const double ground =
+          const double terrain =
               plane.height + plane.east * static_cast<double>(x) + plane.north * static_cast<double>(y);
-          most.roughness_m =
-              std::max(most.roughness_m, (*height - ground) * std::cos(slope * std::numbers::pi / 180));
+          maximum.roughness_m =
+              std::max(maximum.roughness_m, (*height - terrain) * std::cos(slope * std::numbers::pi / 180));
         }
       }
     }
-    return most;
+    return maximum;
   }
 };
 

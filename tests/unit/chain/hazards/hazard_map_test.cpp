@@ -21,7 +21,7 @@ using testing::HasSubstr;
 
 const PhaseRunner kAtOnce = [](const std::string& /*name*/, const auto& part) { part({}); };
 
-HazardInput level_ground(double half_width_m, double resolution_m) {
+HazardInput level_terrain(double half_width_m, double resolution_m) {
   const GridSpec spec = GridSpec::centered(half_width_m, resolution_m);
   return {Grid<double>(spec), std::nullopt, BinMask(spec), std::nullopt};
 }
@@ -39,7 +39,7 @@ std::string map_refusal(HazardInput input, const HazardParameters& parameters) {
 
 /// On 21 x 21 bins of 0.1 m.
 std::string level_refusal(const HazardParameters& parameters) {
-  return map_refusal(level_ground(1, 0.1), parameters);
+  return map_refusal(level_terrain(1, 0.1), parameters);
 }
 
 TEST(HazardParameters, DefaultsAreThoseOfTheDocumentation) {
@@ -58,7 +58,7 @@ TEST(HazardParameters, DefaultsAreThoseOfTheDocumentation) {
 
 // 21 x 21 bins; the lander reaches 3 bins.
 TEST(MapHazards, LevelGroundIsSafeWhereTheLanderFits) {
-  HazardInput input = level_ground(1, 0.1);
+  HazardInput input = level_terrain(1, 0.1);
   const HazardMap map = map_hazards(input, small_lander(), kAtOnce);
   const PlaceCounts counts = count_places(map.safe, map.region);
   EXPECT_EQ(counts.safe, 15 * 15);
@@ -81,7 +81,7 @@ TEST(MapHazards, LevelGroundIsSafeWhereTheLanderFits) {
 TEST(MapHazards, OnlyTheRegionIsJudged) {
   HazardParameters parameters = small_lander();
   parameters.region_radius_m = 0.2;  // i^2 + j^2 < 4
-  HazardInput input = level_ground(1, 0.1);
+  HazardInput input = level_terrain(1, 0.1);
   const HazardMap map = map_hazards(input, parameters, kAtOnce);
   EXPECT_EQ(count_places(map.safe, map.region).safe, 9);
   EXPECT_EQ(count_places(map.safe, map.region).all(), 9);
@@ -92,7 +92,7 @@ TEST(MapHazards, OnlyTheRegionIsJudged) {
 }
 
 TEST(MapHazards, TruthIsJudgedByTheSameLimits) {
-  HazardInput input = level_ground(1, 0.1);
+  HazardInput input = level_terrain(1, 0.1);
   input.z_true = input.z;
   input.z_true->at({10, 10}) = 0.31;  // a hazard wherever it lies under the body or a pad
   input.filled_truth.at({10, 10}) = 1;
@@ -106,7 +106,7 @@ TEST(MapHazards, TruthIsJudgedByTheSameLimits) {
 }
 
 TEST(MapHazards, FilledTruthCountsInTheRegionOnly) {
-  HazardInput input = level_ground(1, 0.1);
+  HazardInput input = level_terrain(1, 0.1);
   input.z_true = input.z;
   input.filled_truth.at({10, 10}) = input.filled_truth.at({0, 0}) = 1;
   HazardParameters parameters = small_lander();
@@ -200,7 +200,7 @@ TEST(MapHazards, WindowsThatTheMapCannotHoldOrResolveAreRefused) {
 }
 
 TEST(MapHazards, EachMethodHasItsProbability) {
-  HazardInput input = level_ground(3, 0.1);
+  HazardInput input = level_terrain(3, 0.1);
   input.z.at({35, 35}) = input.z.at({35, 36}) = input.z.at({36, 35}) = input.z.at({36, 36}) = 0.5;
   input.z.at({34, 35}) = 0.5;
   for (const HazardMethod method :
@@ -217,7 +217,7 @@ TEST(MapHazards, EachMethodHasItsProbability) {
 
 // 8 sigma of noise are 9 deg or more with each method.
 TEST(MapHazards, HalfADegreeFromTheLimitIsNotCertain) {
-  HazardInput input = level_ground(1, 0.1);
+  HazardInput input = level_terrain(1, 0.1);
   HazardParameters parameters = small_lander();
   for (const auto [row, col] : Bins({0, 0}, {21, 21}))
     input.z.at({row, col}) = std::tan(10.5 * std::numbers::pi / 180) * input.z.spec().x(col);
@@ -234,7 +234,7 @@ TEST(MapHazards, HalfADegreeFromTheLimitIsNotCertain) {
 }
 
 TEST(MapHazards, ARegionWithoutAKnownPlaceSaysWhy) {
-  HazardInput input = level_ground(1, 0.1);
+  HazardInput input = level_terrain(1, 0.1);
   HazardParameters parameters = small_lander();
   input.z.at({10, 10}) = kNan;
   parameters.region_radius_m = 0.3;
@@ -250,14 +250,14 @@ TEST(MapHazards, ARegionWithoutAKnownPlaceSaysWhy) {
 
 // The only elevation lies in the first bin of the map.
 TEST(MapHazards, ALoneElevationIsNamed) {
-  HazardInput input = level_ground(1, 0.1);
+  HazardInput input = level_terrain(1, 0.1);
   for (double& z : input.z.values()) z = kNan;
   input.z.at({0, 0}) = 0;
   EXPECT_THAT(map_refusal(input, small_lander()), HasSubstr("nothing to judge: at each place within"));
 }
 
 TEST(MapHazards, ASiteHasTheValuesOfItsPlace) {
-  HazardInput input = level_ground(2, 0.1);
+  HazardInput input = level_terrain(2, 0.1);
   for (const auto [row, col] : Bins({0, 0}, {41, 41}))
     input.z.at({row, col}) = 0.01 * static_cast<double>(row + (row * col) % 3);
   input.z.at({20, 20}) = 1;
@@ -371,7 +371,7 @@ TEST(FillMap, CountsBinsWithoutSigma) {
 
 // Its elevation does not count: the place is known, and its probability that of a map without the bin.
 TEST(MapHazards, ABinWithoutSigmaIsNotMeasured) {
-  HazardInput input = level_ground(2, 0.1);
+  HazardInput input = level_terrain(2, 0.1);
   input.z_sigma = Grid<double>(input.z.spec(), 0.001);
   const BinIndex bare{20, 22};
   input.z.at(bare) = 1;
@@ -388,7 +388,7 @@ TEST(MapHazards, ABinWithoutSigmaIsNotMeasured) {
 
 // An unknown place has a probability, counts nothing for a touchdown, and is left out of the score.
 TEST(MapHazards, AnUnknownPlaceHasAProbability) {
-  HazardInput input = level_ground(2, 0.1);
+  HazardInput input = level_terrain(2, 0.1);
   input.z_true = input.z;
   input.z_sigma = Grid<double>(input.z.spec(), 0.001);
   input.z.at({20, 20}) = input.z_sigma->at({20, 20}) = kNan;
@@ -423,7 +423,7 @@ TEST(FillTruth, ARingWithoutTruthLeavesTheBinEmpty) {
 }
 
 TEST(MapHazards, ASiteHasThePosesOfItsMeasures) {
-  HazardInput input = level_ground(1, 0.1);
+  HazardInput input = level_terrain(1, 0.1);
   input.z.at({11, 9}) = 0.05;
   HazardParameters parameters = small_lander();
   for (const HazardMethod method : {HazardMethod::contact, HazardMethod::plane}) {

@@ -79,7 +79,7 @@ TEST(LanderStencil, RefusesWhatCannotStand) {
 constexpr Lander kFourLegs{.legs = 4, .leg_radius_m = 0.5, .pad_diameter_m = 0.1, .body_radius_m = 0.5};
 constexpr HazardLimits kLimits{.slope_deg = 10, .roughness_m = 0.2};
 
-Landing land(const Touchdown& touchdown, const GroundElevation& elevation) {
+Landing land(const Touchdown& touchdown, const TerrainElevation& elevation) {
   return judge_landing(touchdown, kFourLegs, kLimits, 0.1, elevation);
 }
 

@@ -67,7 +67,7 @@ const GridSpec kLmedsSpec{.resolution_m = 0.1, .first_row = -15, .first_col = -1
 constexpr BinIndex kLmedsCentre{15, 15};
 const Lander kLander{.leg_radius_m = 0.5, .body_radius_m = 0.8};
 
-Grid<double> lmeds_ground(const auto& height) { return grid_of(kLmedsSpec, height); }
+Grid<double> lmeds_terrain(const auto& height) { return grid_of(kLmedsSpec, height); }
 
 PlaceMeasures lmeds_measures(const Grid<double>& z, const Lander& lander = kLander) {
   return measure_lmeds(z, LanderStencil(lander, z.spec().resolution_m), BinMask(z.spec(), 1));
@@ -75,7 +75,7 @@ PlaceMeasures lmeds_measures(const Grid<double>& z, const Lander& lander = kLand
 
 TEST(Lmeds, APlaneIsItself) {
   const PlaceMeasures found =
-      lmeds_measures(lmeds_ground([](double x, double y) { return 0.3 * x - 0.1 * y + 1e4; }));
+      lmeds_measures(lmeds_terrain([](double x, double y) { return 0.3 * x - 0.1 * y + 1e4; }));
   EXPECT_NEAR(found.slope_deg.at(kLmedsCentre), std::atan(std::hypot(0.3, 0.1)) * 180 / std::numbers::pi,
               1e-7);
   EXPECT_NEAR(found.roughness_m.at(kLmedsCentre), 0, 1e-9);
@@ -84,14 +84,14 @@ TEST(Lmeds, APlaneIsItself) {
 TEST(Lmeds, APostDoesNotTiltThePlane) {
   const auto post = [](double x, double y) { return std::hypot(x - 0.3, y) < 0.25 ? 0.6 : 0; };
   const PlaceMeasures found =
-      lmeds_measures(lmeds_ground([&](double x, double y) { return 0.3 * x + post(x, y); }));
+      lmeds_measures(lmeds_terrain([&](double x, double y) { return 0.3 * x + post(x, y); }));
   EXPECT_NEAR(found.slope_deg.at(kLmedsCentre), std::atan(0.3) * 180 / std::numbers::pi, 1e-9);
   EXPECT_NEAR(found.roughness_m.at(kLmedsCentre), 0.6 / std::hypot(1, 0.3), 1e-12);
 }
 
 TEST(Lmeds, TheLargerSideOfAStepIsThePlane) {
   const PlaceMeasures found =
-      lmeds_measures(lmeds_ground([](double x, double) { return x > 0.25 ? 0.5 : 0; }));
+      lmeds_measures(lmeds_terrain([](double x, double) { return x > 0.25 ? 0.5 : 0; }));
   EXPECT_NEAR(found.slope_deg.at(kLmedsCentre), 0, 1e-12);
   EXPECT_NEAR(found.roughness_m.at(kLmedsCentre), 0.5, 1e-12);
 }
@@ -109,7 +109,7 @@ class SlowLmeds {
       body_.push_back({x, y});
       if (x % stride == 0 && y % stride == 0) samples_.push_back({x, y});
     }
-    const RandomField random(1, RandomStream::least_median);
+    const RandomField random(1, RandomStream::lmeds);
     const auto count = static_cast<double>(samples_.size());
     for (std::uint64_t draw = 0; triples_.size() < 35; ++draw) {
       std::array<BruteForce::Bin, 3> bins;
@@ -126,7 +126,7 @@ class SlowLmeds {
   [[nodiscard]] std::optional<BruteForce::Measures> at(BinIndex place) const {
     for (const BruteForce::Bin& bin : body_)
       if (!slow_.at(place, bin)) return {};
-    double least = std::numeric_limits<double>::infinity();
+    double minimum = std::numeric_limits<double>::infinity();
     Eigen::Vector3d best = Eigen::Vector3d::Zero();
     for (const auto& bins : triples_) {
       Eigen::Matrix3d matrix;
@@ -138,15 +138,16 @@ class SlowLmeds {
       }
       const Eigen::Vector3d plane = matrix.fullPivLu().solve(heights);
       const double median = std::sqrt(median_square(place, plane));
-      if (median < least - 1e-9) {
-        least = median;
+      if (median < minimum - 1e-9) {
+        minimum = median;
         best = plane;
       }
     }
     const double slope = slow_.slope_of({best[0], best[1], best[2]});
-    double most = 0;
-    for (const BruteForce::Bin& bin : body_) most = std::max(most, std::abs(residual(place, bin, best)));
-    return BruteForce::Measures{slope, most * std::cos(slope * std::numbers::pi / 180)};
+    double maximum = 0;
+    for (const BruteForce::Bin& bin : body_)
+      maximum = std::max(maximum, std::abs(residual(place, bin, best)));
+    return BruteForce::Measures{slope, maximum * std::cos(slope * std::numbers::pi / 180)};
   }
 
  private:

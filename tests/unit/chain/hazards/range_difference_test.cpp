@@ -21,26 +21,26 @@ const GridSpec kSpec{.resolution_m = 0.1, .first_row = -20, .first_col = -20, .r
 constexpr RangeWindows kWindows{.lander_half_bins = 4, .rock_half_bins = 2};
 constexpr BinIndex kCentre{20, 20};
 
-Grid<double> ground(const auto& height) { return grid_of(kSpec, height); }
+Grid<double> terrain(const auto& height) { return grid_of(kSpec, height); }
 
 PlaceMeasures measured(const Grid<double>& z, const RangeWindows& windows = kWindows) {
   return measure_range_difference(z, windows, BinMask(z.spec(), 1));
 }
 
 TEST(RangeDifference, APlaneAlongAnAxisHasItsSlope) {
-  const PlaceMeasures found = measured(ground([](double x, double) { return 0.2 * x + 7; }));
+  const PlaceMeasures found = measured(terrain([](double x, double) { return 0.2 * x + 7; }));
   EXPECT_NEAR(found.slope_deg.at(kCentre), std::atan(0.2) * 180 / std::numbers::pi, 1e-9);
   EXPECT_NEAR(found.roughness_m.at(kCentre), 0.2 * 0.4, 1e-12);  // over the rock's window
 }
 
 TEST(RangeDifference, ADiagonalPlaneIsSteeperByTheRootOfTwo) {
-  const PlaceMeasures found = measured(ground([](double x, double y) { return 0.1 * (x - y); }));
+  const PlaceMeasures found = measured(terrain([](double x, double y) { return 0.1 * (x - y); }));
   EXPECT_NEAR(std::tan(found.slope_deg.at(kCentre) * std::numbers::pi / 180), 0.1 * 2, 1e-12);
 }
 
 TEST(RangeDifference, AHemisphereHasItsHeightWhereItsWindowReaches) {
   const PlaceMeasures found =
-      measured(ground([](double x, double y) { return std::sqrt(std::max(0.0, 0.09 - x * x - y * y)); }),
+      measured(terrain([](double x, double y) { return std::sqrt(std::max(0.0, 0.09 - x * x - y * y)); }),
                {.lander_half_bins = 4, .rock_half_bins = 4});
   // The median of the top and its neighbours is the height of the four next to it but one.
   const double top_m = std::sqrt(0.09 - 0.01);
@@ -50,7 +50,7 @@ TEST(RangeDifference, AHemisphereHasItsHeightWhereItsWindowReaches) {
 }
 
 TEST(RangeDifference, AStepIsBothSteepAndRough) {
-  const PlaceMeasures found = measured(ground([](double x, double) { return x > 0 ? 0.5 : 0; }));
+  const PlaceMeasures found = measured(terrain([](double x, double) { return x > 0 ? 0.5 : 0; }));
   EXPECT_EQ(found.roughness_m.at(kCentre), 0.5);
   EXPECT_NEAR(found.slope_deg.at(kCentre), std::atan(0.5 / 0.8) * 180 / std::numbers::pi, 1e-9);
   EXPECT_EQ(found.roughness_m.at({20, 27}), 0);  // the windows reach 6 bins
@@ -58,7 +58,7 @@ TEST(RangeDifference, AStepIsBothSteepAndRough) {
 }
 
 TEST(RangeDifference, GroupsOfFourBinsAreFiltered) {
-  Grid<double> z = ground([](double, double) { return 0; });
+  Grid<double> z = terrain([](double, double) { return 0; });
   z.at({20, 20}) = z.at({20, 21}) = z.at({21, 20}) = z.at({21, 21}) = 9;
   EXPECT_EQ(measured(z).roughness_m.at(kCentre), 0);
   z.at({19, 20}) = 9;
@@ -78,14 +78,14 @@ struct SlowRangeDifference {
     return near[4];
   }
   [[nodiscard]] double range(BinIndex centre, std::int64_t half) const {
-    double least = std::numeric_limits<double>::infinity();
-    double largest = -least;
+    double minimum = std::numeric_limits<double>::infinity();
+    double largest = -minimum;
     for (const auto [row, col] :
          Bins({centre.row - half, centre.col - half}, {centre.row + half + 1, centre.col + half + 1})) {
-      least = std::min(least, median({row, col}));
+      minimum = std::min(minimum, median({row, col}));
       largest = std::max(largest, median({row, col}));
     }
-    return largest - least;
+    return largest - minimum;
   }
   [[nodiscard]] bool is_known(BinIndex place) const {
     const std::int64_t reach = windows.lander_half_bins + windows.rock_half_bins + 1;
@@ -95,11 +95,11 @@ struct SlowRangeDifference {
     return true;
   }
   [[nodiscard]] double roughness(BinIndex place) const {
-    double most = 0;
+    double maximum = 0;
     for (const auto [row, col] : Bins({-windows.lander_half_bins, -windows.lander_half_bins},
                                       {windows.lander_half_bins + 1, windows.lander_half_bins + 1}))
-      most = std::max(most, range({place.row + row, place.col + col}, windows.rock_half_bins));
-    return most;
+      maximum = std::max(maximum, range({place.row + row, place.col + col}, windows.rock_half_bins));
+    return maximum;
   }
   [[nodiscard]] double slope_deg(BinIndex place) const {
     const double width = 2 * static_cast<double>(windows.lander_half_bins) * z.spec().resolution_m;

@@ -19,8 +19,8 @@ namespace landfall {
 namespace {
 
 constexpr double kDegrees = 180 / std::numbers::pi;
-constexpr float kLeast = 2.46e-4F;            // T(-8)
-constexpr float kMost = 1 - 1 / (8 * 29.0F);  // of a body of 29 bins
+constexpr float kMin = 2.46e-4F;             // T(-8)
+constexpr float kMax = 1 - 1 / (8 * 29.0F);  // of a body of 29 bins
 
 /// Rocks, half ellipsoids of many sizes, on ground with waves of all lengths.
 Grid<double> rocky(const GridSpec& spec, std::uint64_t seed) {
@@ -81,14 +81,14 @@ TEST(SafeProbability, IsCalibratedOnRocks) {
   double brier = 0;
   double decision_brier = 0;
   for (std::uint64_t site = 1; site <= 4; ++site) {
-    const Grid<double> ground = rocky(fine, site);
+    const Grid<double> terrain = rocky(fine, site);
     Grid<double> truth(spec);
     Grid<double> z(spec);
     SigmaParts parts = noise_of(spec, sigma);
     for (std::int64_t row = 0; row < spec.rows; ++row)
       for (std::int64_t col = 0; col < spec.cols; ++col) {
         const auto at = [&](std::int64_t r, std::int64_t c) {
-          return ground.at({2 * row + 1 + r, 2 * col + 1 + c});
+          return terrain.at({2 * row + 1 + r, 2 * col + 1 + c});
         };
         truth.at({row, col}) = at(0, 0);
         const double mean = (at(0, 0) + at(1, 0) + at(0, 1) + at(1, 1)) / 4;
@@ -213,24 +213,24 @@ TEST(SafeProbability, AgreesWithASecondReadingWhereOnePlaneOrOneBinDecides) {
   const GridSpec spec = GridSpec::centered(5, 0.05);
   const BinMask region = circular_region(spec, 3);
   constexpr double kSigma = 0.01;
-  struct Ground {
+  struct Terrain {
     const char* name;
-    double slope_deg;              ///< along x
-    double bend_m;                 ///< height of a wave of 8 m
-    double rock_m;                 ///< height of a rock 0.8 m wide at the origin
-    int least_safe, least_unsafe;  ///< places on which both are sure
+    double slope_deg;          ///< along x
+    double bend_m;             ///< height of a wave of 8 m
+    double rock_m;             ///< height of a rock 0.8 m wide at the origin
+    int min_safe, min_unsafe;  ///< places on which both are sure
   };
-  for (const Ground& ground :
-       {Ground{"gentle plane", 8, 0, 0, 10000, 0}, Ground{"steep plane", 12, 0, 0, 0, 10000},
-        Ground{"smooth slopes", 3, 0.25, 0, 2000, 300}, Ground{"one rock", 0, 0, 0.5, 7000, 300},
-        Ground{"one stone", 0, 0, 0.1, 10000, 0}}) {
-    SCOPED_TRACE(ground.name);
+  for (const Terrain& terrain :
+       {Terrain{"gentle plane", 8, 0, 0, 10000, 0}, Terrain{"steep plane", 12, 0, 0, 0, 10000},
+        Terrain{"smooth slopes", 3, 0.25, 0, 2000, 300}, Terrain{"one rock", 0, 0, 0.5, 7000, 300},
+        Terrain{"one stone", 0, 0, 0.1, 10000, 0}}) {
+    SCOPED_TRACE(terrain.name);
     Grid<double> z(spec);
     for (const auto [row, col] : bins_of(spec)) {
       const double u = std::hypot(spec.x(col), spec.y(row)) / 0.4;
-      z.at({row, col}) = std::tan(ground.slope_deg / kDegrees) * spec.x(col) +
-                         ground.bend_m * std::sin(2 * std::numbers::pi * spec.x(col) / 8) +
-                         (u < 1 ? ground.rock_m * std::sqrt(1 - u * u) : 0);
+      z.at({row, col}) = std::tan(terrain.slope_deg / kDegrees) * spec.x(col) +
+                         terrain.bend_m * std::sin(2 * std::numbers::pi * spec.x(col) / 8) +
+                         (u < 1 ? terrain.rock_m * std::sqrt(1 - u * u) : 0);
     }
     add_noise(z, kSigma, 41);
     const Grid<float> p = judge(z, noise_of(spec, kSigma), {}, region).p;
@@ -246,8 +246,8 @@ TEST(SafeProbability, AgreesWithASecondReadingWhereOnePlaneOrOneBinDecides) {
       unsafe += one < 0.01 && other < 0.01 ? 1 : 0;
       apart += (one > 0.99 && other < 0.01) ? 1 : 0;
     }
-    EXPECT_GE(safe, ground.least_safe);
-    EXPECT_GE(unsafe, ground.least_unsafe);
+    EXPECT_GE(safe, terrain.min_safe);
+    EXPECT_GE(unsafe, terrain.min_unsafe);
     EXPECT_EQ(apart, 0);
   }
 }
@@ -271,7 +271,7 @@ TEST(SafeProbability, APlaceAtEightSigmaIsOpen) {
     const SafeProbability found =
         safe_probability({Grid<double>(spec), noise_of(spec, 0.125), measured, region}, lander, c.limits, 1,
                          [&](const Grid<double>& /*map*/, const BinMask& /*places*/) { return then; });
-    for (const float value : found.p.values()) EXPECT_EQ(value, c.is_safe ? kLeast : kMost);
+    for (const float value : found.p.values()) EXPECT_EQ(value, c.is_safe ? kMin : kMax);
   }
 }
 
@@ -288,9 +288,9 @@ TEST(SafeProbability, WithoutNoiseTheMapDecides) {
                            ADD_FAILURE() << "measured again";
                            return PlaceMeasures{Grid<double>(map.spec()), Grid<double>(map.spec())};
                          });
-    for (const float value : found.p.values()) EXPECT_EQ(value, above > 0 ? kLeast : kMost);
+    for (const float value : found.p.values()) EXPECT_EQ(value, above > 0 ? kMin : kMax);
     for (const std::int8_t value : found.capped.values()) EXPECT_EQ(value, above > 0 ? 0 : 1);
-    EXPECT_EQ(found.cap, kMost);
+    EXPECT_EQ(found.cap, kMax);
   }
 }
 
@@ -306,8 +306,8 @@ TEST(SafeProbability, IsNoMoreCertainThanTheBinsUnderTheBody) {
   const SafeProbability found =
       safe_probability({Grid<double>(spec), parts, level, region}, lander, {}, 0.3,
                        [&](const Grid<double>& /*map*/, const BinMask& /*places*/) { return level; });
-  EXPECT_EQ(found.cap, kMost);
-  EXPECT_EQ(found.p.at({7, 5}), kMost);                // 29 bins
+  EXPECT_EQ(found.cap, kMax);
+  EXPECT_EQ(found.p.at({7, 5}), kMax);                 // 29 bins
   EXPECT_EQ(found.p.at({5, 5}), 1 - 1 / (8 * 23.0F));  // 23 of them
   EXPECT_EQ(found.capped.at({5, 5}), 1);
 }
@@ -332,7 +332,7 @@ TEST(SafeProbability, IsThePredictiveDistributionOfOneMoreGround) {
   ASSERT_EQ(call, slopes.size());
   // mean 9.7, s = 0.44721, t = 0.63246, T(t; 5) = 0.72256; roughness leaves no doubt.
   EXPECT_NEAR(result.p.at({5, 5}), 0.72256, 1e-5);
-  EXPECT_EQ(result.p.at({0, 0}), kLeast);
+  EXPECT_EQ(result.p.at({0, 0}), kMin);
   EXPECT_EQ(masks[2].at({0, 0}), 1);
   EXPECT_EQ(masks[3].at({0, 0}), 0);
   EXPECT_EQ(masks[3].at({5, 5}), 1);

@@ -28,7 +28,7 @@ using testing::HasSubstr;
 const PhaseRunner kPhases = [](const std::string& /*name*/, const auto& part) { part({}); };
 
 /// Bumpy ground with rocks of 3 x 3 bins and missing bins, more of them at a lower `holes`.
-Grid<double> rocky_ground(const GridSpec& spec, double holes) {
+Grid<double> rocky_terrain(const GridSpec& spec, double holes) {
   constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
   const RandomField field(5, RandomStream::range_noise);
   Grid<double> z(spec);
@@ -104,7 +104,7 @@ class StripMap : public testing::TestWithParam<HazardMethod> {};
 
 TEST_P(StripMap, AnyStripsGiveTheBitsOfOnePiece) {
   const HazardParameters parameters = parameters_of(GetParam());
-  const Grid<double> z = rocky_ground({0.1, -57, -60, 130, 121}, 3);
+  const Grid<double> z = rocky_terrain({0.1, -57, -60, 130, 121}, 3);
   const HazardMap expected = in_one_piece(z, parameters);
   const PlaceCounts counts = count_places(expected.safe, expected.region);
   ASSERT_GT(std::min({counts.safe, counts.hazard, counts.unknown}), 100);
@@ -124,7 +124,7 @@ INSTANTIATE_TEST_SUITE_P(Methods, StripMap,
                                          HazardMethod::range_difference, HazardMethod::lmeds));
 
 TEST(StripMap, RegionsAreThoseOfOnePiece) {
-  const Grid<double> z = rocky_ground({0.1, -57, -60, 130, 121}, 3);
+  const Grid<double> z = rocky_terrain({0.1, -57, -60, 130, 121}, 3);
   HazardParameters moved = parameters_of(HazardMethod::plane);
   moved.region_center_m = {1.2, -0.7};
   moved.region_radius_m = 2;
@@ -145,7 +145,7 @@ TEST(StripMap, HolesAreThoseOfTheWholeMap) {
   HazardParameters parameters = parameters_of(HazardMethod::plane);
   parameters.lander = {.leg_radius_m = 0.2, .pad_diameter_m = 0.1, .body_radius_m = 0.1};
   const Grid<double> z =
-      rocky_ground({0.1, -30, -30, 61, 61}, 1.1);  // a seventh is missing, in winding groups
+      rocky_terrain({0.1, -30, -30, 61, 61}, 1.1);  // a seventh is missing, in winding groups
   for (const std::int64_t bins : {0, 1, 5, 40, 100000}) {
     parameters.hole_fill_bins = bins;
     const HazardMap expected = in_one_piece(z, parameters);

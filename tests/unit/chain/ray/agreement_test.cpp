@@ -123,7 +123,7 @@ class Leaks : public Agreement {};
 
 INSTANTIATE_TEST_SUITE_P(Scenes, Leaks,
                          testing::Values(Scene{"fractal_relief", fractal_relief}, Scene{"cliffs", cliffs},
-                                         Scene{"flat_ground", flat_ground}),
+                                         Scene{"flat_ground", flat_terrain}),
                          scene_name);
 
 // From so far above, no flank of these scenes turns its back: the ray meets the very point it is aimed at.

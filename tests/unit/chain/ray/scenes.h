@@ -96,7 +96,7 @@ inline Terrain strip(Random& random) {
   return terrain_of(GridSpec{0.5, -1, -12, 2, 25}, [&](double, double) { return uniform(random, -1, 1); });
 }
 
-inline Terrain flat_ground(Random&) {
+inline Terrain flat_terrain(Random&) {
   return terrain_of(GridSpec::centered(4, 0.5), [](double, double) { return 0.0; });
 }
 
@@ -121,7 +121,7 @@ struct Scene {
 inline auto every_scene() {
   return testing::Values(Scene{"fractal_relief", fractal_relief}, Scene{"cliffs", cliffs},
                          Scene{"relief_with_holes", relief_with_holes}, Scene{"single_cell", single_cell},
-                         Scene{"strip", strip}, Scene{"flat_ground", flat_ground}, Scene{"cones", cones});
+                         Scene{"strip", strip}, Scene{"flat_ground", flat_terrain}, Scene{"cones", cones});
 }
 inline std::string scene_name(const testing::TestParamInfo<Scene>& tested) { return tested.param.name; }
 

@@ -257,10 +257,10 @@ TEST_F(LoadDem, PositionsOnTheMap) {
   const MapPosition utm = at(wkt({500000, 10, 0, 4000000, 0, -10}, "EPSG:32631", small), 30.25, -40.5);
   EXPECT_EQ(utm.easting_m, 500205 + 30.25);
   EXPECT_EQ(utm.northing_m, 3999795 - 40.5);
-  const MapPoint ground =
+  const MapPoint lon_lat =
       site_to_crs(wkt({500000, 10, 0, 4000000, 0, -10}, "EPSG:32631", small), {30.25, -40.5}, "EPSG:4326");
-  EXPECT_NEAR(*utm.longitude_deg, ground.x, 2e-9);
-  EXPECT_NEAR(*utm.latitude_deg, ground.y, 2e-9);
+  EXPECT_NEAR(*utm.longitude_deg, lon_lat.x, 2e-9);
+  EXPECT_NEAR(*utm.latitude_deg, lon_lat.y, 2e-9);
   // In metres, whatever the map's unit is.
   const MapPosition feet =
       at(wkt({6000000, 10, 0, 2000000, 0, -10}, "EPSG:2225", GridSpec::centered(40, 4)), 12, 0);

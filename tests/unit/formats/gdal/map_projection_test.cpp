@@ -40,8 +40,8 @@ TEST_P(MapProjectionOf, EqualsGdalsTransformation) {
       const MapPoint point = found->map_point(at);
       const MapPoint expected_point = expected->map_point(at);
       EXPECT_LT(std::hypot(point.x - expected_point.x, point.y - expected_point.y) * unit_m, 1e-7);
-      const LonLat back = found->ground(point);
-      const LonLat expected_back = expected->ground(point);
+      const LonLat back = found->lon_lat(point);
+      const LonLat expected_back = expected->lon_lat(point);
       EXPECT_NEAR(std::remainder(back.lon_rad - expected_back.lon_rad, 2 * std::numbers::pi), 0, 1e-12);
       EXPECT_NEAR(back.lat_rad, expected_back.lat_rad, 1e-12);
     }
@@ -55,7 +55,7 @@ TEST_P(MapProjectionOf, IsNaNWhereGdalIsNaN) {
   const LonLat opposite{(GetParam().lon_deg + 180) * kDegree, -GetParam().lat_deg * kDegree};
   EXPECT_EQ(std::isnan(found->map_point(opposite).x), std::isnan(expected->map_point(opposite).x));
   const MapPoint far{3e8, -3e8};
-  EXPECT_EQ(std::isnan(found->ground(far).lon_rad), std::isnan(expected->ground(far).lon_rad));
+  EXPECT_EQ(std::isnan(found->lon_lat(far).lon_rad), std::isnan(expected->lon_lat(far).lon_rad));
 }
 
 INSTANTIATE_TEST_SUITE_P(

@@ -144,17 +144,17 @@ TEST(CoordinateSteps, WarnOfRastersThatAreDeclaredAsFloat32) {
 }
 
 TEST(PointSample, KeepsAllPointsOfASmallFileAndOneOfEachBlockOfALargeOne) {
-  std::vector<Place> places(PointSample::kMost - 1);
+  std::vector<Place> places(PointSample::kMax - 1);
   for (std::size_t i = 0; i < places.size(); ++i) places[i] = {static_cast<double>(i), 0, 0};
   PointSample sample = sample_of(places);
   ASSERT_EQ(sample.size(), places.size());
   EXPECT_EQ(sample[0].back(), static_cast<double>(places.size() - 1));
-  places.resize(PointSample::kMost * 33);
+  places.resize(PointSample::kMax * 33);
   for (std::size_t i = 0; i < places.size(); ++i) places[i][0] = static_cast<double>(i);
   sample = sample_of(places);
   EXPECT_EQ(sample.point_count(), static_cast<std::int64_t>(places.size()));
-  EXPECT_GE(sample.size(), PointSample::kMost / 2);
-  EXPECT_LT(sample.size(), PointSample::kMost);
+  EXPECT_GE(sample.size(), PointSample::kMax / 2);
+  EXPECT_LT(sample.size(), PointSample::kMax);
   const double stride = 64;
   for (std::size_t i = 0; i < sample.size(); ++i)
     ASSERT_EQ(std::floor(sample[0][i] / stride), static_cast<double>(i));

@@ -35,7 +35,7 @@ std::string receiver_refusal(const Json& config) {
 
 TEST(ReceiverConfig, WithoutAReceiverNothingIsSeen) {
   const ScanModel model = scan_model(completed_scan(Json::object()), "scan.json", {});
-  EXPECT_FALSE(model.lidar.receiver.sees_waveforms());
+  EXPECT_FALSE(model.lidar.receiver.uses_waveforms());
   EXPECT_FALSE(model.lidar.range_timer.is_on());
   EXPECT_THAT(model.lidar.link_constants_pe_m2, IsEmpty());
 }

@@ -46,9 +46,9 @@ void expect_equal_scanner(const Scanner& a, const Scanner& b) {
   EXPECT_EQ(x.mirror_normal, y.mirror_normal);
   EXPECT_EQ(x.blanked, y.blanked);
   EXPECT_EQ(a.is_known(), b.is_known());
-  EXPECT_EQ(a.believed_state(pulse, x).angle_1_rad, b.believed_state(pulse, y).angle_1_rad);
-  EXPECT_EQ(a.believed_state(pulse, x).angle_2_rad, b.believed_state(pulse, y).angle_2_rad);
-  EXPECT_EQ(a.believed_state(pulse, x).mirror_normal, b.believed_state(pulse, y).mirror_normal);
+  EXPECT_EQ(a.estimated_state(pulse, x).angle_1_rad, b.estimated_state(pulse, y).angle_1_rad);
+  EXPECT_EQ(a.estimated_state(pulse, x).angle_2_rad, b.estimated_state(pulse, y).angle_2_rad);
+  EXPECT_EQ(a.estimated_state(pulse, x).mirror_normal, b.estimated_state(pulse, y).mirror_normal);
 }
 
 const std::vector<EncoderHarmonic> kHarmonics = {
@@ -122,7 +122,7 @@ void expect_same(const std::string& config, const Pattern& expected) {
   EXPECT_EQ(pattern.pulse_limit(), expected.pulse_limit()) << config;
   for (const int k : {0, 1, 7, 100, 1999, 39999}) {
     const PulseTime pulse{k, k / 20000.0};
-    EXPECT_EQ(pattern.ground_aim(pulse), expected.ground_aim(pulse)) << config << ", pulse " << k;
+    EXPECT_EQ(pattern.aim_point(pulse), expected.aim_point(pulse)) << config << ", pulse " << k;
   }
 }
 
@@ -167,7 +167,7 @@ TEST(PatternConfig, ATableIsReadByTheLoader) {
   };
   const auto aim = [&](const std::string& at_end, double t_s) {
     return pattern_model(R"({"type": "table", "path": "a.csv", "at_end": ")" + at_end + "\"}", load)
-        .lidar.pattern->ground_aim({0, t_s});
+        .lidar.pattern->aim_point({0, t_s});
   };
   EXPECT_EQ(aim("stop", 0.5)->v, Eigen::Vector3d(3, 5, 0));
   EXPECT_FALSE(aim("stop", 1.5).has_value());

@@ -138,7 +138,7 @@ TEST(ScanModel, EmptyIsTheDefault) {
   EXPECT_EQ(model.scan_time_s, 2);
   EXPECT_EQ(pulse_count(model), 40000);
   EXPECT_EQ(mirror_normal(*model.lidar.scanner), mirror_normal(Fsm({})));
-  EXPECT_EQ(model.lidar.pattern->ground_aim({12345, 0}), LineSearch({}).ground_aim({12345, 0}));
+  EXPECT_EQ(model.lidar.pattern->aim_point({12345, 0}), LineSearch({}).aim_point({12345, 0}));
   EXPECT_EQ(model.trajectory->pose(1.5), ConstantVelocity({}).pose(1.5));
   EXPECT_EQ(model.lidar.range_errors.measured_m(7, {1, 2}), 7);
   EXPECT_EQ(model.navigation_error->estimated(model.trajectory->pose(2), 2), model.trajectory->pose(2));

@@ -18,7 +18,7 @@ constexpr std::int64_t kPointingPulses = 100000;
 
 /// The direction of a beam along the boresight.
 Eigen::Vector3d boresight(const PointingError& error, std::int64_t pulse) {
-  return error.turn(pulse).m * Eigen::Vector3d::UnitZ();
+  return error.rotation(pulse).m * Eigen::Vector3d::UnitZ();
 }
 
 double mean_over_pulses(const std::function<double(std::int64_t pulse)>& value) {
@@ -30,7 +30,7 @@ double mean_over_pulses(const std::function<double(std::int64_t pulse)>& value) 
 TEST(PointingError, NoneByDefault) {
   const PointingError none;
   EXPECT_FALSE(none.turns_beams());
-  EXPECT_EQ(none.turn(5).m, Eigen::Matrix3d::Identity());
+  EXPECT_EQ(none.rotation(5).m, Eigen::Matrix3d::Identity());
   EXPECT_EQ(none.time_stamp_error_s(5), 0);
 }
 
@@ -74,8 +74,8 @@ TEST(PointingError, JitterComesFirstInTheMisalignedLidar) {
   const PointingError jitter({.jitter_sigma_x_rad = 0.1, .jitter_sigma_y_rad = 0.1}, 4);
   const PointingError both(
       {.misalignment = misalignment, .jitter_sigma_x_rad = 0.1, .jitter_sigma_y_rad = 0.1}, 4);
-  EXPECT_LT((both.turn(9).m - rotation_matrix(misalignment) * jitter.turn(9).m).norm(), 1e-15);
-  EXPECT_GT((both.turn(9).m - jitter.turn(9).m * rotation_matrix(misalignment)).norm(), 1e-3);
+  EXPECT_LT((both.rotation(9).m - rotation_matrix(misalignment) * jitter.rotation(9).m).norm(), 1e-15);
+  EXPECT_GT((both.rotation(9).m - jitter.rotation(9).m * rotation_matrix(misalignment)).norm(), 1e-3);
 }
 
 TEST(PointingError, JitterWithACorrelationTimeIsAProcessOfThePulses) {
@@ -87,7 +87,7 @@ TEST(PointingError, JitterWithACorrelationTimeIsAProcessOfThePulses) {
   const PulseProcess process(5e-3);
   const RandomField draws(4, RandomStream::pointing_jitter);
   for (const std::int64_t k : {0, 1, 17, 40000})
-    EXPECT_EQ(error.turn(k).m,
+    EXPECT_EQ(error.rotation(k).m,
               rotation_matrix({0.5 * process.at(k, draws, 0), 0.25 * process.at(k, draws, 1), 0}));
   EXPECT_LT((boresight(error, 100) - boresight(error, 101)).norm(), 0.2);
 }
@@ -118,7 +118,7 @@ TEST(PointingError, TheMirrorClockHasItsBiasAndSigma) {
 TEST(PointingError, ASigmaOfOneIsASigma) {
   const PointingError jitter({.jitter_sigma_x_rad = 1, .jitter_sigma_y_rad = 1}, 4);
   const RandomField draws(4, RandomStream::pointing_jitter);
-  EXPECT_EQ(jitter.turn(9).m, rotation_matrix({draws.normal(9, 0), draws.normal(9, 1), 0}));
+  EXPECT_EQ(jitter.rotation(9).m, rotation_matrix({draws.normal(9, 0), draws.normal(9, 1), 0}));
   const PointingError stamp({.time_stamp_bias_s = 0.25, .time_stamp_sigma_s = 1}, 4);
   EXPECT_EQ(stamp.time_stamp_error_s(9), 0.25 + RandomField(4, RandomStream::time_stamp).normal(9));
 }
@@ -129,9 +129,9 @@ TEST(PointingError, OneErrorChangesNoDrawOfAnother) {
   const PointingError both({.jitter_sigma_x_rad = 0.1, .time_stamp_sigma_s = 0.1, .mirror_time_sigma_s = 0.1},
                            4);
   for (std::int64_t k = 0; k < 100; ++k) {
-    EXPECT_EQ(both.turn(k), jitter.turn(k));
+    EXPECT_EQ(both.rotation(k), jitter.rotation(k));
     EXPECT_EQ(both.time_stamp_error_s(k), stamp.time_stamp_error_s(k));
-    EXPECT_EQ(stamp.turn(k).m, Eigen::Matrix3d::Identity());
+    EXPECT_EQ(stamp.rotation(k).m, Eigen::Matrix3d::Identity());
     EXPECT_EQ(jitter.time_stamp_error_s(k), 0);
   }
 }

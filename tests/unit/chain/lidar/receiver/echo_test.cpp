@@ -84,9 +84,9 @@ struct Rays {
 
 std::vector<Echo> timed(const std::vector<Rays>& pixels, const EchoTiming& timing) {
   EchoRays rays;
-  std::size_t most = 0;
-  for (const Rays& pixel : pixels) most = std::max(most, pixel.ranges_m.size());
-  rays.clear(most);
+  std::size_t maximum = 0;
+  for (const Rays& pixel : pixels) maximum = std::max(maximum, pixel.ranges_m.size());
+  rays.clear(maximum);
   for (Rays pixel : pixels) static_cast<void>(rays.add_pixel(pixel.ranges_m, pixel.signals_pe, 1e9));
   std::vector<Echo> echoes(rays.size());
   time_echoes(rays, timing, echoes);

@@ -33,20 +33,20 @@ Waveforms seen(const Receiver& receiver, std::size_t pixels, const Pixel& pixel)
 }
 
 /// The reports of `count` equal pixels in one pulse.
-std::vector<Reception> received(const ReceiverParameters& parameters, const Pixel& pixel,
+std::vector<Detection> received(const ReceiverParameters& parameters, const Pixel& pixel,
                                 std::size_t count = 1, std::uint64_t seed = 3) {
   const Receiver receiver(parameters, seed);
   const Waveforms waveforms = seen(receiver, count, pixel);
-  std::vector<Reception> receptions(count * receiver.max_returns());
-  if (receiver.hears_kept_echoes()) {
+  std::vector<Detection> detections(count * receiver.max_returns());
+  if (receiver.accepts_kept_echoes()) {
     std::vector<Echo> kept(count);
     std::vector<LaterEcho> later;
     receiver.keep_echoes(0, waveforms, kept, later);
-    receiver.receive(0, kept, later, receptions);
+    receiver.receive(0, kept, later, detections);
   } else {
-    receiver.receive(0, waveforms, receptions);
+    receiver.receive(0, waveforms, detections);
   }
-  return receptions;
+  return detections;
 }
 
 ReceiverParameters quiet(ReceiverType type) { return {.type = type, .photon_noise = false}; }
@@ -55,18 +55,18 @@ struct Moments {
   double share = 0, mean = 0, deviation = 0;
 };
 
-Moments of_ranges(const std::vector<Reception>& receptions) {
+Moments of_ranges(const std::vector<Detection>& detections) {
   double n = 0;
   double sum = 0;
   double squares = 0;
-  for (const Reception& reception : receptions) {
-    if (std::isnan(reception.range_m)) continue;
+  for (const Detection& detection : detections) {
+    if (std::isnan(detection.range_m)) continue;
     ++n;
-    sum += reception.range_m - 500;
-    squares += (reception.range_m - 500) * (reception.range_m - 500);
+    sum += detection.range_m - 500;
+    squares += (detection.range_m - 500) * (detection.range_m - 500);
   }
   const double mean = sum / n;
-  return {n / static_cast<double>(receptions.size()), mean, std::sqrt(squares / n - mean * mean)};
+  return {n / static_cast<double>(detections.size()), mean, std::sqrt(squares / n - mean * mean)};
 }
 
 TEST(Receiver, AFixedThresholdWalksWithTheSignal) {
@@ -84,9 +84,9 @@ TEST(Receiver, ALeadingEdgeStaysNearItsEcho) {
       const double top = apart <= 2 ? 2 * std::exp(-apart * apart / 8) : 1 + std::exp(-apart * apart / 2);
       const double each = above * 20 / top;
       const Pixel pixel{{500, 500 + apart * kSigma_m}, {each, 1.00001 * each}};
-      for (const Reception& reception : received({.type = ReceiverType::leading_edge}, pixel, 4000))
-        EXPECT_FALSE(reception.range_m < 500 - 5 * kSigma_m)
-            << apart << ' ' << above << ' ' << reception.range_m;
+      for (const Detection& detection : received({.type = ReceiverType::leading_edge}, pixel, 4000))
+        EXPECT_FALSE(detection.range_m < 500 - 5 * kSigma_m)
+            << apart << ' ' << above << ' ' << detection.range_m;
     }
 }
 
@@ -118,9 +118,9 @@ TEST(Receiver, TheIntensityIsTheNumberOfPhotoelectrons) {
   EXPECT_FLOAT_EQ(received(quiet(ReceiverType::centroid), {{500, 500.01}, {30, 40}})[0].intensity_pe, 70);
   EXPECT_TRUE(std::isnan(received(quiet(ReceiverType::centroid), {{500}, {3}})[0].intensity_pe));
   double sum = 0;
-  for (const Reception& reception :
+  for (const Detection& detection :
        received({.type = ReceiverType::peak, .threshold_pe = 1}, {{500}, {60}}, 20000))
-    sum += static_cast<double>(reception.intensity_pe);
+    sum += static_cast<double>(detection.intensity_pe);
   EXPECT_NEAR(sum / 20000, 60, 4 * std::sqrt(60.0 / 20000));
 }
 
@@ -144,12 +144,12 @@ TEST(Receiver, BackgroundAddsNoiseButNoSignal) {
   ReceiverParameters bright{.type = ReceiverType::centroid, .threshold_pe = 1};
   bright.gate_end_m = 100;
   bright.background_pe = 300 * 100 / (kHalfLight_mps * kFwhm_s);  // 300 within one FWHM
-  const std::vector<Reception> receptions = received(bright, {{500}, {100}}, 40000);
+  const std::vector<Detection> detections = received(bright, {{500}, {100}}, 40000);
   double sum = 0;
   double squares = 0;
-  for (const Reception& reception : receptions) {
-    sum += static_cast<double>(reception.intensity_pe) - 100;
-    squares += std::pow(static_cast<double>(reception.intensity_pe) - 100, 2);
+  for (const Detection& detection : detections) {
+    sum += static_cast<double>(detection.intensity_pe) - 100;
+    squares += std::pow(static_cast<double>(detection.intensity_pe) - 100, 2);
   }
   EXPECT_NEAR(sum / 40000, 0, 4 * 20.0 / 200);
   EXPECT_NEAR(std::sqrt(squares / 40000), 20, 0.4);
@@ -191,15 +191,15 @@ TEST(Receiver, TheFirstReturnIsTheFirstRowOfAll) {
   for (const ReceiverType type : {ReceiverType::leading_edge, ReceiverType::constant_fraction,
                                   ReceiverType::peak, ReceiverType::centroid}) {
     ReceiverParameters parameters{.type = type, .background_pe = 100};
-    const std::vector<Reception> first = received(parameters, weak, 500);
+    const std::vector<Detection> first = received(parameters, weak, 500);
     parameters.returns = ReportedReturns::all;
-    const std::vector<Reception> all = received(parameters, weak, 500);
-    const std::size_t most = all.size() / first.size();
+    const std::vector<Detection> all = received(parameters, weak, 500);
+    const std::size_t maximum = all.size() / first.size();
     std::vector<std::size_t> from_echo(4);
     for (std::size_t i = 0; i < first.size(); ++i) {
       ASSERT_FALSE(std::isnan(first[i].range_m)) << i;
-      EXPECT_EQ(first[i].range_m, all[most * i].range_m) << i;
-      EXPECT_EQ(first[i].intensity_pe, all[most * i].intensity_pe) << i;
+      EXPECT_EQ(first[i].range_m, all[maximum * i].range_m) << i;
+      EXPECT_EQ(first[i].intensity_pe, all[maximum * i].intensity_pe) << i;
       ++from_echo.at(static_cast<std::size_t>(std::lround((first[i].range_m - 500) / 3)));
     }
     for (const std::size_t count : from_echo) EXPECT_GT(count, 0U);
@@ -215,7 +215,7 @@ TEST(Receiver, ReportsTheFirstTheLastOrTheStrongestDetectableEcho) {
   parameters.returns = ReportedReturns::strongest;
   EXPECT_NEAR(received(parameters, edge)[0].range_m, 506, 1e-10);
   parameters.returns = ReportedReturns::all;
-  const std::vector<Reception> all = received(parameters, edge);
+  const std::vector<Detection> all = received(parameters, edge);
   ASSERT_EQ(all.size(), 5U);
   EXPECT_NEAR(all[0].range_m, 500.005, 1e-10);
   EXPECT_NEAR(all[1].range_m, 506, 1e-10);  // 15 photoelectrons at 503 m are not detected
@@ -269,7 +269,7 @@ TEST(Receiver, AGeigerPixelIsBlindAfterAPhotoelectron) {
   ReceiverParameters parameters{
       .type = ReceiverType::geiger, .returns = ReportedReturns::all, .max_returns = 3};
   const Pixel edge{{500, 501, 504}, {100, 100, 100}};
-  std::vector<Reception> all = received(parameters, edge);
+  std::vector<Detection> all = received(parameters, edge);
   EXPECT_NEAR(all[0].range_m, 500, 0.4);
   EXPECT_NEAR(all[1].range_m, 501, 0.4);
   EXPECT_NEAR(all[2].range_m, 504, 0.4);
@@ -286,11 +286,11 @@ TEST(Receiver, TheFirstPhotoelectronMayBelongToTheSecondEcho) {
   const Pixel edge{{500, 500 + gap_m},
                    {0.5, 1e6}};  // the strong echo's first lies 4.9 sigma before its centre
   ReceiverParameters parameters{.type = ReceiverType::geiger};
-  for (const Reception& reception : received(parameters, edge, 2000))
-    EXPECT_LT(reception.range_m, 500 + gap_m - 4 * kSigma_m);
+  for (const Detection& detection : received(parameters, edge, 2000))
+    EXPECT_LT(detection.range_m, 500 + gap_m - 4 * kSigma_m);
   parameters.returns = ReportedReturns::all;
   parameters.max_returns = 2;
-  const std::vector<Reception> both = received(parameters, edge, 2000);
+  const std::vector<Detection> both = received(parameters, edge, 2000);
   for (std::size_t i = 0; i < both.size(); i += 2) EXPECT_FALSE(both[i].range_m > both[i + 1].range_m) << i;
 }
 
@@ -303,29 +303,29 @@ TEST(Receiver, TheGateLimitsTheBackgroundOnly) {
 TEST(Receiver, BackgroundMayComeFirst) {
   ReceiverParameters parameters{
       .type = ReceiverType::geiger, .background_pe = 0.5, .gate_begin_m = 300, .gate_end_m = 700};
-  const std::vector<Reception> receptions = received(parameters, {{500}, {1000}}, 40000);
+  const std::vector<Detection> detections = received(parameters, {{500}, {1000}}, 40000);
   double background = 0;
-  for (const Reception& reception : receptions) {
-    background += reception.is_background ? 1 : 0;
-    if (reception.is_background) {
-      EXPECT_GE(reception.range_m, 300);
-      EXPECT_LT(reception.range_m, 500);
+  for (const Detection& detection : detections) {
+    background += detection.is_background ? 1 : 0;
+    if (detection.is_background) {
+      EXPECT_GE(detection.range_m, 300);
+      EXPECT_LT(detection.range_m, 500);
     }
   }
   const double expected = 1 - std::exp(-0.25);  // half of the gate lies before the echo
   EXPECT_NEAR(background / 40000, expected, 4 * std::sqrt(expected * (1 - expected) / 40000) + 1e-4);
   EXPECT_EQ(of_ranges(received(parameters, {{std::nan("")}, {1}}, 40000)).share, [&] {
     double n = 0;
-    for (const Reception& reception : received(parameters, {{std::nan("")}, {1}}, 40000))
-      n += reception.is_background ? 1 : 0;
+    for (const Detection& detection : received(parameters, {{std::nan("")}, {1}}, 40000))
+      n += detection.is_background ? 1 : 0;
     return n / 40000;
   }());
 }
 
 TEST(Receiver, DrawsDependOnPulsePixelAndSeedOnly) {
   const ReceiverParameters parameters{.type = ReceiverType::leading_edge};
-  const std::vector<Reception> many = received(parameters, {{500}, {60}}, 600);
-  const std::vector<Reception> few = received(parameters, {{500}, {60}}, 300);
+  const std::vector<Detection> many = received(parameters, {{500}, {60}}, 600);
+  const std::vector<Detection> few = received(parameters, {{500}, {60}}, 300);
   for (std::size_t i = 0; i < few.size(); ++i) EXPECT_EQ(few[i].range_m, many[i].range_m);
   EXPECT_NE(received(parameters, {{500}, {60}}, 1, 4)[0].range_m, many[0].range_m);
   ReceiverParameters all = parameters;  // the same draws of the first echo

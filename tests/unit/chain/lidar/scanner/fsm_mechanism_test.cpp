@@ -106,9 +106,9 @@ TEST(FsmEncoder, ReadsTheTiltsWithNoise) {
   for (int k = 0; k < kPulses; ++k) {
     const PulseContext pulse{.time = {k, 0}, .aim = towards(0.2, k)};
     const ScannerState truth = fsm.state(pulse);
-    const ScannerState believed = fsm.believed_state(pulse, truth);
-    const double a = (believed.angle_1_rad - truth.angle_1_rad) / sigma;
-    const double b = (believed.angle_2_rad - truth.angle_2_rad) / sigma;
+    const ScannerState estimated = fsm.estimated_state(pulse, truth);
+    const double a = (estimated.angle_1_rad - truth.angle_1_rad) / sigma;
+    const double b = (estimated.angle_2_rad - truth.angle_2_rad) / sigma;
     squares[0] += a * a;
     squares[1] += b * b;
     product += a * b;
@@ -126,10 +126,10 @@ TEST(FsmEncoder, ErrorOfTheBelievedLineOfSight) {
   for (int k = 0; k < 100; ++k) {
     const PulseContext pulse{.time = {k, 0}, .aim = towards(0, 0)};
     const ScannerState truth = fsm.state(pulse);
-    const ScannerState believed = fsm.believed_state(pulse, truth);
-    const Vector3d error = line_of_sight(fsm, believed) - line_of_sight(fsm, truth);
-    EXPECT_NEAR(error.y(), -2 * believed.angle_1_rad, 1e-8);
-    EXPECT_NEAR(error.x(), 2 * std::cos(incidence) * believed.angle_2_rad, 1e-8);
+    const ScannerState estimated = fsm.estimated_state(pulse, truth);
+    const Vector3d error = line_of_sight(fsm, estimated) - line_of_sight(fsm, truth);
+    EXPECT_NEAR(error.y(), -2 * estimated.angle_1_rad, 1e-8);
+    EXPECT_NEAR(error.x(), 2 * std::cos(incidence) * estimated.angle_2_rad, 1e-8);
   }
 }
 
@@ -140,7 +140,7 @@ TEST(FsmEncoder, DrawsDependOnSeedAndPulseOnly) {
   const PulseContext pulse{.time = {7, 0}, .aim = towards(0.1, 0)};
   const auto noise = [&](const Fsm& fsm, const PulseContext& at) {
     const ScannerState truth = fsm.state(at);
-    return fsm.believed_state(at, truth).angle_1_rad - truth.angle_1_rad;
+    return fsm.estimated_state(at, truth).angle_1_rad - truth.angle_1_rad;
   };
   EXPECT_EQ(noise(one, pulse), noise(settling, pulse));
   EXPECT_NE(noise(one, pulse), noise(other, pulse));
@@ -187,7 +187,7 @@ TEST(FsmLag, PixelsLookAlongTheMirrorAtTheEcho) {
   const PulseContext pulse{.aim = towards(0.1, 1), .aim_at_echo = towards(0.101, 1)};
   const ScannerState truth = fsm.state(pulse);
   EXPECT_LT((line_of_sight(fsm, truth) - pulse.aim_at_echo->v).norm(), 2e-15);
-  EXPECT_LT((line_of_sight(fsm, fsm.believed_state(pulse, truth)) - pulse.aim->v).norm(), 2e-15);
+  EXPECT_LT((line_of_sight(fsm, fsm.estimated_state(pulse, truth)) - pulse.aim->v).norm(), 2e-15);
 }
 
 TEST(FsmLag, IsOffByDefault) {
@@ -228,7 +228,7 @@ TEST(FsmEncoder, HasHarmonicsOfEachTilt) {
   for (int k = 0; k < 50; ++k) {
     const PulseContext pulse{.time = {k, 0}, .aim = towards(0.2, k)};
     const ScannerState truth = fsm.state(pulse);
-    const ScannerState read = fsm.believed_state(pulse, truth);
+    const ScannerState read = fsm.estimated_state(pulse, truth);
     EXPECT_NEAR(read.angle_1_rad - truth.angle_1_rad, 1e-4 * std::cos(truth.angle_1_rad), 1e-15);
     EXPECT_NEAR(read.angle_2_rad - truth.angle_2_rad,
                 2e-4 * std::sin(50 * truth.angle_2_rad) - 1e-4 * std::sin(3 * truth.angle_2_rad + 1), 1e-15);
@@ -242,8 +242,8 @@ TEST(FsmEncoder, NoiseComesOnTopOfHarmonics) {
   const Fsm both({.encoder_sigma_rad = 1e-4, .encoder_harmonics = harmonics});
   const PulseContext pulse{.time = {7, 0}, .aim = towards(0, 0)};
   const ScannerState truth = both.state(pulse);
-  EXPECT_NEAR(both.believed_state(pulse, truth).angle_1_rad,
-              noisy.believed_state(pulse, truth).angle_1_rad + 1e-3, 1e-15);
+  EXPECT_NEAR(both.estimated_state(pulse, truth).angle_1_rad,
+              noisy.estimated_state(pulse, truth).angle_1_rad + 1e-3, 1e-15);
 }
 
 TEST(FsmEncoder, RefusesHarmonicsOutOfRange) {

@@ -112,7 +112,7 @@ TEST(Gimbal, ItsEncodersHaveHarmonics) {
   EXPECT_FALSE(gimbal.is_known());
   const PulseContext pulse{.aim = towards(0.2, 0)};
   const ScannerState truth = gimbal.state(pulse);
-  const ScannerState read = gimbal.believed_state(pulse, truth);
+  const ScannerState read = gimbal.estimated_state(pulse, truth);
   EXPECT_EQ(read.angle_1_rad, truth.angle_1_rad);
   EXPECT_NEAR(read.angle_2_rad, 0.2 + 1e-3 * std::sin(4 * 0.2 + 0.3), 1e-15);
   EXPECT_THROW(Gimbal({.encoder_harmonics = {{.axis = 3}}}), UsageError);

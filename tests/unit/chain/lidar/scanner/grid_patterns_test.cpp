@@ -17,7 +17,7 @@ using enum AtEnd;
 using enum LineDirection;
 
 Vector3d line_search_aim(const LineSearch& pattern, std::int64_t pulse) {
-  return pattern.ground_aim({pulse, 0})->v;
+  return pattern.aim_point({pulse, 0})->v;
 }
 
 TEST(LineSearch, ReferenceRaster) {
@@ -59,7 +59,7 @@ TEST(LineSearch, StopsOnRequest) {
   const LineSearch pattern({.rows = 3, .columns = 2, .half_width_m = 4, .at_end = stop});
   EXPECT_EQ(pattern.pulse_limit(), 6);
   EXPECT_EQ(line_search_aim(pattern, 5), Vector3d(4, -4, 0));
-  EXPECT_FALSE(pattern.ground_aim({6, 0}).has_value());
+  EXPECT_FALSE(pattern.aim_point({6, 0}).has_value());
 }
 
 TEST(LineSearch, SingleRowOrColumnAimsAtTheMiddle) {
@@ -219,8 +219,8 @@ TEST(StepStare, VisitsEveryTileOnce) {
 TEST(StepStare, StopsOnRequest) {
   const StepStare pattern({.rows = 2, .columns = 3, .pulses_per_step = 4, .at_end = stop});
   EXPECT_EQ(pattern.pulse_limit(), 24);
-  EXPECT_TRUE(pattern.ground_aim({23, 0}).has_value());
-  EXPECT_FALSE(pattern.ground_aim({24, 0}).has_value());
+  EXPECT_TRUE(pattern.aim_point({23, 0}).has_value());
+  EXPECT_FALSE(pattern.aim_point({24, 0}).has_value());
   EXPECT_FALSE(StepStare({}).pulse_limit().has_value());
 }
 

@@ -20,7 +20,7 @@ class PatternRandom {
 
 /// The aim of a pulse, which must have one.
 inline Eigen::Vector3d aim_of(const Pattern& pattern, const PulseTime& pulse) {
-  return pattern.ground_aim(pulse).value().v;
+  return pattern.aim_point(pulse).value().v;
 }
 
 /// The aim by time alone, for patterns that do not count pulses.

@@ -103,9 +103,9 @@ TEST(Polygon, RefusesParametersOutOfRange) {
   EXPECT_NO_THROW(PolygonScanner({.facets = 5, .duty_frac = 1}));
 }
 
-ScannerState believed(const PolygonScanner& polygon, double t_s) {
+ScannerState estimated_at(const PolygonScanner& polygon, double t_s) {
   const PulseContext pulse{.time = {0, t_s}};
-  return polygon.believed_state(pulse, polygon.state(pulse));
+  return polygon.estimated_state(pulse, polygon.state(pulse));
 }
 
 // Four facets, one revolution per second: facet f is at its middle at t = f/4, and its line is 2 eps beside
@@ -182,8 +182,8 @@ TEST(Polygon, TheLanderKnowsTheTiltsOfACalibratedScanner) {
   EXPECT_FALSE(unknown.is_known());
   EXPECT_TRUE(known.is_known());
   EXPECT_FALSE(misread.is_known());
-  EXPECT_NEAR(line_of_sight(unknown, believed(unknown, 0.25)).y(), 0, 1e-15);
-  const Vector3d sight = line_of_sight(misread, believed(misread, 0.25));
+  EXPECT_NEAR(line_of_sight(unknown, estimated_at(unknown, 0.25)).y(), 0, 1e-15);
+  const Vector3d sight = line_of_sight(misread, estimated_at(misread, 0.25));
   EXPECT_NEAR(sight.y(), line_of_sight(known, polygon_state(known, 0.25)).y(), 1e-9);
 }
 
@@ -197,7 +197,7 @@ TEST(Polygon, TheEncoderOfTheDrumHasItsHarmonics) {
                              {.axis = 2, .order = 3, .amplitude_rad = 2e-3, .phase_rad = 0.5}}});
   for (const double t_s : {0.0, 0.1, 0.25, 0.3, 0.7}) {
     const ScannerState truth = polygon_state(polygon, t_s);
-    const ScannerState read = believed(polygon, t_s);
+    const ScannerState read = estimated_at(polygon, t_s);
     EXPECT_NEAR(read.angle_1_rad - truth.angle_1_rad, 1e-3 * std::sin(2 * kPi * t_s), 1e-15);
     EXPECT_NEAR(read.angle_2_rad - truth.angle_2_rad, 2e-3 * std::sin(3 * truth.angle_2_rad + 0.5), 1e-15);
     EXPECT_EQ(read.blanked, truth.blanked);

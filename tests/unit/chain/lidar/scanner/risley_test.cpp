@@ -272,11 +272,11 @@ TEST(Risley, EncoderNoise) {
   for (int k = 0; k < kPulses; ++k) {
     const PulseContext pulse{.time = {k, k * 5e-5}};
     const ScannerState truth = noisy.state(pulse);
-    const ScannerState believed = noisy.believed_state(pulse, truth);
-    ASSERT_EQ(believed.angle_1_rad, ideal.state(pulse).angle_1_rad);
-    ASSERT_EQ(believed.angle_2_rad, ideal.state(pulse).angle_2_rad);
-    const double off[2] = {(truth.angle_1_rad - believed.angle_1_rad) / sigma,
-                           (truth.angle_2_rad - believed.angle_2_rad) / sigma};
+    const ScannerState estimated = noisy.estimated_state(pulse, truth);
+    ASSERT_EQ(estimated.angle_1_rad, ideal.state(pulse).angle_1_rad);
+    ASSERT_EQ(estimated.angle_2_rad, ideal.state(pulse).angle_2_rad);
+    const double off[2] = {(truth.angle_1_rad - estimated.angle_1_rad) / sigma,
+                           (truth.angle_2_rad - estimated.angle_2_rad) / sigma};
     for (int i = 0; i < 2; ++i) {
       sum[i] += off[i];
       squares[i] += off[i] * off[i];

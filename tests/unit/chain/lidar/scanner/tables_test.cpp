@@ -61,7 +61,7 @@ TEST(TablePattern, StopsAtItsEnd) {
   const TablePattern pattern = table(kTriangle);
   EXPECT_EQ(aim_at(pattern, 3), Vector3d(0, 0, 0));
   EXPECT_EQ(aim_at(pattern, 3 + 0.9e-9), Vector3d(0, 0, 0));
-  EXPECT_FALSE(pattern.ground_aim({0, 3 + 2e-9}).has_value());
+  EXPECT_FALSE(pattern.aim_point({0, 3 + 2e-9}).has_value());
 }
 
 TEST(TablePattern, HoldsItsLastAim) {

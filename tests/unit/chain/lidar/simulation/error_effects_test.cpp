@@ -43,12 +43,13 @@ ScanModel scan(const Errors& errors, const Vector3d& velocity_mps = kVelocity_mp
                    .scan_time_s = 0.1};
 }
 
-PulseBatch simulate(ScanModel model, const RayEngine& engine, const TriangulatedGrid* ground = nullptr) {
-  return Simulation(std::move(model), &engine, ground).simulate({0, 100});
+PulseBatch simulate(ScanModel model, const RayEngine& engine, const TriangulatedGrid* terrain = nullptr) {
+  return Simulation(std::move(model), &engine, terrain).simulate({0, 100});
 }
 
-PulseBatch simulate(const Errors& errors, const RayEngine& engine, const TriangulatedGrid* ground = nullptr) {
-  return simulate(scan(errors), engine, ground);
+PulseBatch simulate(const Errors& errors, const RayEngine& engine,
+                    const TriangulatedGrid* terrain = nullptr) {
+  return simulate(scan(errors), engine, terrain);
 }
 
 Vector3d lander(std::size_t i, double later_s = 0) {
@@ -85,7 +86,7 @@ TEST(ErrorEffects, JitterMovesTrueBeamsOnly) {
   const PulseBatch batch = simulate({.pointing = {.jitter_sigma_x_rad = 1e-3}}, engine);
   const PointingError same({.jitter_sigma_x_rad = 1e-3}, 1);
   for (std::size_t i = 0; i < 100; ++i) {
-    const Vector3d n = same.turn(static_cast<std::int64_t>(i)).m.col(2);
+    const Vector3d n = same.rotation(static_cast<std::int64_t>(i)).m.col(2);
     const Vector3d hit = lander(i) + lander(i).z() / n.z() * Vector3d(n.x(), -n.y(), -n.z());
     EXPECT_LT((true_point(batch, i) - hit).norm(), 1e-12);
     EXPECT_NE(true_point(batch, i).y(), lander(i).y());
@@ -210,12 +211,12 @@ TEST(ErrorEffects, AFalseReturnAfterTheEchoIsNot) {
 
 // Without an echo any false detection is reported; where nothing was hit the truth is put on the true beam.
 TEST(ErrorEffects, AFalseReturnStandsForAMissOrADropout) {
-  const PlaneEngine ground;
+  const PlaneEngine terrain;
   const PlaneEngine sky({.z0_m = 1000});
   RangeErrorParameters errors = false_in(600, 700);
   PulseBatch missed = simulate({.range = errors, .pointing = {.misalignment = {0.1, 0, 0}}}, sky);
   errors.dropout_frac = 1;
-  const PulseBatch dropped = simulate({.range = errors}, ground);
+  const PulseBatch dropped = simulate({.range = errors}, terrain);
   for (std::size_t i = 0; i < 100; ++i) {
     ASSERT_EQ(missed.points.status[i], false_return);
     EXPECT_TRUE(std::isnan(missed.points.range_true[i]));
@@ -240,10 +241,10 @@ TEST(ErrorEffects, DeadPixelsGiveNoFalseReturns) {
 // A plane that rises by 0.75 in x, seen from above: tan(incidence) = 0.75.
 TEST(ErrorEffects, NoiseFollowsTheIncidenceOnTheTrueSurface) {
   const PlaneEngine engine({0, 0.75, 0});
-  const TriangulatedGrid ground(
+  const TriangulatedGrid terrain(
       grid_of(GridSpec::centered(2, 0.5), [](double x, double) { return 0.75 * x; }));
   const PulseBatch one = simulate({.range = {.range_sigma_m = 1}}, engine);
-  const PulseBatch batch = simulate({.range = {.incidence_sigma_rad = 1e-3}}, engine, &ground);
+  const PulseBatch batch = simulate({.range = {.incidence_sigma_rad = 1e-3}}, engine, &terrain);
   for (std::size_t i = 0; i < 100; ++i) {
     const double v = one.points.range_measured[i] - one.points.range_true[i];
     const double r = batch.points.range_true[i];

@@ -43,7 +43,7 @@ class OddScanner : public Scanner {
 class OnePulse : public Pattern {
  public:
   explicit OnePulse(Vector3d target) : target_(std::move(target)) {}
-  [[nodiscard]] std::optional<Point<DemFrame>> ground_aim(const PulseTime& pulse) const override {
+  [[nodiscard]] std::optional<Point<DemFrame>> aim_point(const PulseTime& pulse) const override {
     if (pulse.pulse > 0) return std::nullopt;
     return Point<DemFrame>{target_};
   }
@@ -181,15 +181,15 @@ std::vector<PointStatus> statuses(const RangeErrorParameters& errors, const RayE
 }
 
 TEST(PulseSimulator, FirstStatusThatAppliesWins) {
-  const PlaneEngine ground;
+  const PlaneEngine terrain;
   const PlaneEngine sky({.z0_m = 1000});
   const RangeErrorParameters drop_all{.dropout_frac = 1};
   const RangeErrorParameters all_dead{.dead_pixel_frac = 1, .dropout_frac = 1};
-  EXPECT_THAT(statuses({}, ground, 0), ElementsAre(returned, lost_in_optics, returned));
-  EXPECT_THAT(statuses(drop_all, ground, 0), ElementsAre(dropout, lost_in_optics, dropout));
+  EXPECT_THAT(statuses({}, terrain, 0), ElementsAre(returned, lost_in_optics, returned));
+  EXPECT_THAT(statuses(drop_all, terrain, 0), ElementsAre(dropout, lost_in_optics, dropout));
   EXPECT_THAT(statuses(drop_all, sky, 0), ElementsAre(miss, lost_in_optics, miss));
-  EXPECT_THAT(statuses(drop_all, ground, 1), ElementsAre(blanked, blanked, blanked));
-  EXPECT_THAT(statuses(all_dead, ground, 1), ElementsAre(dead, dead, dead));
+  EXPECT_THAT(statuses(drop_all, terrain, 1), ElementsAre(blanked, blanked, blanked));
+  EXPECT_THAT(statuses(all_dead, terrain, 1), ElementsAre(dead, dead, dead));
   EXPECT_THAT(statuses(all_dead, sky, 0), ElementsAre(dead, dead, dead));
 }
 
@@ -209,7 +209,7 @@ TEST(PulseSimulator, TruthSurvivesDropoutAndDeath) {
 }
 
 TEST(PulseSimulator, MissBlankAndLostLeaveNothing) {
-  const PlaneEngine ground;
+  const PlaneEngine terrain;
   const PlaneEngine sky({.z0_m = 1000});
   const auto nothing_of = [](const RayEngine& engine, std::int64_t pulse, std::size_t pixel) {
     const PulseSimulator simulator(lidar_of(parallel_pixels(3), std::make_unique<OddScanner>()), &engine, {});
@@ -219,9 +219,9 @@ TEST(PulseSimulator, MissBlankAndLostLeaveNothing) {
     EXPECT_TRUE(true_point(batch, pixel).array().isNaN().all());
     EXPECT_TRUE(estimated_point(batch, pixel).array().isNaN().all());
   };
-  nothing_of(sky, 0, 0);     // miss
-  nothing_of(ground, 0, 1);  // total reflection
-  nothing_of(ground, 1, 0);  // blanked
+  nothing_of(sky, 0, 0);      // miss
+  nothing_of(terrain, 0, 1);  // total reflection
+  nothing_of(terrain, 1, 0);  // blanked
 }
 
 TEST(PulseSimulator, PulseThatThePatternLeavesOutIsBlanked) {
@@ -328,11 +328,11 @@ class OverAMound : public testing::Test {
   }
   void fire(const Vector3d& position) {
     const PulseSimulator simulator(lidar_of(parallel_pixels(1), std::make_unique<Flash>()), &engine_,
-                                   &ground_);
+                                   &terrain_);
     simulate(simulator, at({{}, {position}}, 17));
   }
   PlaneEngine engine_;
-  TriangulatedGrid ground_ = mound();
+  TriangulatedGrid terrain_ = mound();
 };
 
 TEST_F(OverAMound, RefusesALidarAtOrBelowTheGround) {
@@ -349,7 +349,7 @@ TEST_F(OverAMound, RefusesALidarAtOrBelowTheGround) {
 // Pixel 2 leaves 3 m beside the lidar, where the ground is higher than the beam.
 TEST_F(OverAMound, LooksAtEveryBeamsOrigin) {
   const PulseSimulator simulator(lidar_of(parallel_pixels(3), std::make_unique<OddScanner>()), &engine_,
-                                 &ground_);
+                                 &terrain_);
   EXPECT_NO_THROW(simulate(simulator, at({{}, {{1, 0, 7.5}}})));
   EXPECT_THROW(simulate(simulator, at({{}, {{-4, 0, 7}}})), FormatError);
 }
@@ -357,7 +357,7 @@ TEST_F(OverAMound, LooksAtEveryBeamsOrigin) {
 /// Aims at (k, 0, 0) by pulse k = 0 .. 5, every third of which begins a new line.
 class Steps : public Pattern {
  public:
-  [[nodiscard]] std::optional<Point<DemFrame>> ground_aim(const PulseTime& pulse) const override {
+  [[nodiscard]] std::optional<Point<DemFrame>> aim_point(const PulseTime& pulse) const override {
     if (pulse.pulse > 5) return std::nullopt;
     return Point<DemFrame>{{static_cast<double>(pulse.pulse), 0, 0}};
   }
@@ -370,60 +370,60 @@ class Steps : public Pattern {
 /// Looks straight ahead and keeps what it was told.
 class Listener : public Flash {
  public:
-  Listener(ContextNeeds needs, PulseContext& heard) : needs_(needs), heard_(&heard) {}
+  Listener(ContextNeeds needs, PulseContext& received) : needs_(needs), received_(&received) {}
   [[nodiscard]] ScannerState state(const PulseContext& pulse) const override {
-    *heard_ = pulse;
+    *received_ = pulse;
     return {};
   }
   [[nodiscard]] ContextNeeds needs() const override { return needs_; }
 
  private:
   ContextNeeds needs_;
-  PulseContext* heard_;
+  PulseContext* received_;
 };
 
-PulseContext heard_at(std::int64_t pulse, ContextNeeds needs, double interval_s) {
-  PulseContext heard;
-  Lidar lidar = lidar_of(parallel_pixels(1), std::make_unique<Listener>(needs, heard));
+PulseContext received_at(std::int64_t pulse, ContextNeeds needs, double interval_s) {
+  PulseContext received;
+  Lidar lidar = lidar_of(parallel_pixels(1), std::make_unique<Listener>(needs, received));
   lidar.pattern = std::make_unique<Steps>();
   const PlaneEngine engine;
   const PulseSimulator simulator(std::move(lidar), &engine, {});
   PulseInput input = at(kAt500m, pulse);
   input.interval_s = interval_s;
   static_cast<void>(simulate(simulator, input));
-  return heard;
+  return received;
 }
 
 /// The point in D at which an aim from 500 m meets z = 0.
-double ground_x(const Direction<LidarFrame>& aim) { return 500 * aim.v.x() / aim.v.z(); }
+double terrain_x(const Direction<LidarFrame>& aim) { return 500 * aim.v.x() / aim.v.z(); }
 
 TEST(PulseSimulator, AScannerHearsOfJumpsAndEchoesOnlyIfItAsks) {
-  const PulseContext plain = heard_at(4, {}, 1e-6);
-  EXPECT_NEAR(ground_x(*plain.aim), 4, 1e-12);
+  const PulseContext plain = received_at(4, {}, 1e-6);
+  EXPECT_NEAR(terrain_x(*plain.aim), 4, 1e-12);
   EXPECT_EQ(plain.since_jump_s, std::numeric_limits<double>::infinity());
   EXPECT_FALSE(plain.aim_before_jump || plain.aim_at_echo);
-  const PulseContext jumped = heard_at(4, {.jumps = true}, 1e-6);
+  const PulseContext jumped = received_at(4, {.jumps = true}, 1e-6);
   EXPECT_DOUBLE_EQ(jumped.since_jump_s, 0.1);
-  EXPECT_NEAR(ground_x(*jumped.aim_before_jump), 2, 1e-12);
-  EXPECT_FALSE(heard_at(2, {.jumps = true}, 1e-6).aim_before_jump);
+  EXPECT_NEAR(terrain_x(*jumped.aim_before_jump), 2, 1e-12);
+  EXPECT_FALSE(received_at(2, {.jumps = true}, 1e-6).aim_before_jump);
 }
 
 // From (0, 0, 500) the echo of (2, 0, 0) takes 2 sqrt(500^2 + 2^2)/c = 3.3357 us; a pulse every 3 us moves
 // the aim 1 m.
 TEST(PulseSimulator, TheAimAtTheEchoMovesEvenlyBetweenPulses) {
   const double flight_s = 2 * std::sqrt(500.0 * 500 + 4) / 299792458;
-  EXPECT_NEAR(ground_x(*heard_at(2, {.echo = true}, 3e-6).aim_at_echo), 2 + flight_s / 3e-6, 1e-9);
-  EXPECT_NEAR(ground_x(*heard_at(2, {.echo = true}, 1).aim_at_echo), 2 + flight_s, 1e-9);
-  EXPECT_NEAR(ground_x(*heard_at(2, {.echo = true}, 0).aim_at_echo), 2, 1e-12);
+  EXPECT_NEAR(terrain_x(*received_at(2, {.echo = true}, 3e-6).aim_at_echo), 2 + flight_s / 3e-6, 1e-9);
+  EXPECT_NEAR(terrain_x(*received_at(2, {.echo = true}, 1).aim_at_echo), 2 + flight_s, 1e-9);
+  EXPECT_NEAR(terrain_x(*received_at(2, {.echo = true}, 0).aim_at_echo), 2, 1e-12);
 }
 
 // Pulse 5 is the last with an aim, pulse 2 the last before a jump, and no aim comes before pulse 0.
 TEST(PulseSimulator, TheAimAtTheEchoCarriesOnOverJumpsAndEnds) {
   const auto flight_s = [](double x) { return 2 * std::sqrt(500.0 * 500 + x * x) / 299792458; };
-  EXPECT_NEAR(ground_x(*heard_at(4, {.echo = true}, 1e-6).aim_at_echo), 4 + flight_s(4) / 1e-6, 1e-9);
-  EXPECT_NEAR(ground_x(*heard_at(5, {.echo = true}, 1e-5).aim_at_echo), 5 + flight_s(5) / 1e-5, 1e-9);
-  EXPECT_NEAR(ground_x(*heard_at(2, {.echo = true}, 1e-5).aim_at_echo), 2 + flight_s(2) / 1e-5, 1e-9);
-  EXPECT_NEAR(ground_x(*heard_at(0, {.echo = true}, 1e-6).aim_at_echo), flight_s(0) / 1e-6, 1e-9);
+  EXPECT_NEAR(terrain_x(*received_at(4, {.echo = true}, 1e-6).aim_at_echo), 4 + flight_s(4) / 1e-6, 1e-9);
+  EXPECT_NEAR(terrain_x(*received_at(5, {.echo = true}, 1e-5).aim_at_echo), 5 + flight_s(5) / 1e-5, 1e-9);
+  EXPECT_NEAR(terrain_x(*received_at(2, {.echo = true}, 1e-5).aim_at_echo), 2 + flight_s(2) / 1e-5, 1e-9);
+  EXPECT_NEAR(terrain_x(*received_at(0, {.echo = true}, 1e-6).aim_at_echo), flight_s(0) / 1e-6, 1e-9);
 }
 
 /// Leans its beams by angle_1 to +x; the lander believes twice as much.
@@ -432,7 +432,7 @@ class Leaning : public Scanner {
   explicit Leaning(double angle_rad) : angle_rad_(angle_rad) {}
   [[nodiscard]] ScannerState state(const PulseContext&) const override { return {.angle_1_rad = angle_rad_}; }
   [[nodiscard]] bool is_known() const override { return false; }
-  [[nodiscard]] ScannerState believed_state(const PulseContext&, const ScannerState& truth) const override {
+  [[nodiscard]] ScannerState estimated_state(const PulseContext&, const ScannerState& truth) const override {
     return {.angle_1_rad = 2 * truth.angle_1_rad};
   }
   void steer(const ScannerState& state, std::span<const Direction<LidarFrame>>,
@@ -452,8 +452,8 @@ TEST(PulseSimulator, TheEstimateUsesTheBelievedState) {
   const PulseBatch batch = simulate(simulator, at(kAt500m));
   const double range = 500 / std::cos(0.25);
   EXPECT_LT((true_point(batch, 0) - Vector3d(500 * std::tan(0.25), 0, 0)).norm(), 1e-10);
-  const Vector3d believed(range * std::sin(0.5), 0, 500 - range * std::cos(0.5));
-  EXPECT_LT((estimated_point(batch, 0) - believed).norm(), 1e-10);
+  const Vector3d estimated(range * std::sin(0.5), 0, 500 - range * std::cos(0.5));
+  EXPECT_LT((estimated_point(batch, 0) - estimated).norm(), 1e-10);
   EXPECT_EQ(batch.pulses.angle_1[0], 0.25);
 }
 

@@ -15,7 +15,7 @@
 #include "chain/lidar/simulation/pulse_simulator.h"
 #include "chain/lidar/simulation/simulation.h"
 #include "chain/lidar/trajectory/trajectories.h"
-#include "chain/ray/flat_ground.h"
+#include "chain/ray/flat_terrain.h"
 #include "chain/terrain/relief/albedo_map.h"
 
 namespace landfall {
@@ -69,15 +69,15 @@ Lidar lidar_of(const Instrument& instrument) {
               .range_timer = std::move(timer)};
   const double per_sample =
       kReference_pe * 500 * 500 / static_cast<double>(lidar.detector.samples_per_pixel());
-  if (lidar.receiver.sees_waveforms())
+  if (lidar.receiver.uses_waveforms())
     lidar.link_constants_pe_m2.assign(lidar.detector.samples().size(), per_sample);
   return lidar;
 }
 
-template <class Ground>
-PulseBatch simulate(const Instrument& instrument, const Ground& ground, const Pose& pose = kPoseAt500m,
+template <class Terrain>
+PulseBatch simulate(const Instrument& instrument, const Terrain& terrain, const Pose& pose = kPoseAt500m,
                     const SurfaceAlbedo* albedo = nullptr) {
-  const PulseSimulator simulator(lidar_of(instrument), &ground, &ground, albedo);
+  const PulseSimulator simulator(lidar_of(instrument), &terrain, &terrain, albedo);
   PulseBatch batch;
   batch.resize(1, simulator.rows_per_pulse(), PointContent::all, simulator.columns());
   PulseWorkspace workspace;
@@ -91,7 +91,7 @@ Pose tilted(double angle_rad, double range_m) {
 }
 
 TEST(ReceiverScan, WithoutAReceiverThereAreNoColumns) {
-  const PulseBatch batch = simulate({.receiver = {}, .pixels = 3}, FlatGround());
+  const PulseBatch batch = simulate({.receiver = {}, .pixels = 3}, FlatTerrain());
   EXPECT_TRUE(batch.points.intensity.empty());
   EXPECT_TRUE(batch.points.return_number.empty());
   EXPECT_TRUE(batch.points.echo_signal.empty());
@@ -104,7 +104,7 @@ TEST(ReceiverScan, SignalFollowsRangeAndIncidence) {
       const double angle_rad = angle_deg * std::numbers::pi / 180;
       Instrument instrument;
       instrument.receiver.threshold_pe = 1;
-      const PulseBatch batch = simulate(instrument, FlatGround(), tilted(angle_rad, range_m));
+      const PulseBatch batch = simulate(instrument, FlatTerrain(), tilted(angle_rad, range_m));
       const double expected = kReference_pe * std::cos(angle_rad) * std::pow(500 / range_m, 2);
       EXPECT_NEAR(static_cast<double>(batch.points.intensity[0]), expected, 1e-6 * expected)
           << angle_deg << ' ' << range_m;
@@ -116,34 +116,34 @@ TEST(ReceiverScan, SignalFollowsTheAlbedoOfTheNearestNode) {
   Grid<float> nodes({1, -1, -1, 3, 3}, 0.25F);
   nodes.at({1, 1}) = 0.75F;
   const AlbedoMap albedo(nodes.spec(), {3, 3}, [&](const GridSpec&) { return nodes; });
-  EXPECT_FLOAT_EQ(simulate({}, FlatGround(), kPoseAt500m, &albedo).points.intensity[0], 300);
+  EXPECT_FLOAT_EQ(simulate({}, FlatTerrain(), kPoseAt500m, &albedo).points.intensity[0], 300);
   const Pose beside{{}, {{0.6, 0, 500}}};
-  EXPECT_FLOAT_EQ(simulate({}, FlatGround(), beside, &albedo).points.intensity[0], 100);
+  EXPECT_FLOAT_EQ(simulate({}, FlatTerrain(), beside, &albedo).points.intensity[0], 100);
 }
 
 TEST(ReceiverScan, APixelWithoutEnoughSignalIsUndetected) {
   Instrument instrument{.errors = {.dropout_frac = 1}};
   instrument.receiver.threshold_pe = 500;
-  const PulseBatch batch = simulate(instrument, FlatGround());
+  const PulseBatch batch = simulate(instrument, FlatTerrain());
   EXPECT_EQ(batch.points.status[0], undetected);  // before a dropout
   EXPECT_TRUE(std::isnan(batch.points.range_measured[0]));
   EXPECT_TRUE(std::isnan(batch.points.intensity[0]));
   EXPECT_EQ(batch.points.range_true[0], 500);
   instrument.receiver.threshold_pe = 100;
-  EXPECT_EQ(simulate(instrument, FlatGround()).points.status[0], dropout);
+  EXPECT_EQ(simulate(instrument, FlatTerrain()).points.status[0], dropout);
 }
 
 /// The pixel of 5 cm sees a step of 6 cm, half of it: a mixed pixel that reports the mean, while its own ray
 /// is on one side.
 TEST(ReceiverScan, AMixedPixelReportsBetweenItsSurfaces) {
-  const Step ground(0.06);
-  const PulseBatch batch = simulate({.subpixels = 8}, ground);
+  const Step terrain(0.06);
+  const PulseBatch batch = simulate({.subpixels = 8}, terrain);
   EXPECT_NEAR(batch.points.range_measured[0], 499.97, 1e-4);
   EXPECT_NEAR(batch.points.range_true[0], 500, 1e-9);
 }
 
 TEST(ReceiverScan, FarSurfacesAreSeveralReturns) {
-  const Step ground(2);
+  const Step terrain(2);
   Instrument instrument{.pixels = 3, .subpixels = 8};
   instrument.receiver.returns = ReportedReturns::all;
   instrument.receiver.max_returns = 3;
@@ -156,7 +156,7 @@ TEST(ReceiverScan, FarSurfacesAreSeveralReturns) {
                      .pulse_rate_hz = 10,
                      .scan_time_s = 0.2};
   };
-  const Simulation simulation(model(), &ground, &ground);
+  const Simulation simulation(model(), &terrain, &terrain);
   const PulseBatch batch = simulation.simulate({0, 2});
   // the middle pixel of each pulse sees both surfaces
   ASSERT_EQ(batch.points.size(), 8U);
@@ -179,7 +179,7 @@ TEST(ReceiverScan, ADroppedPixelLosesAllItsReturns) {
                          .gate_end_m = 1000,
                          .returns = ReportedReturns::all,
                          .max_returns = 3};
-  const PulseBatch batch = simulate(instrument, FlatGround());
+  const PulseBatch batch = simulate(instrument, FlatTerrain());
   int dropped = 0;
   for (std::size_t row = 0; row < batch.points.size(); row += 3) {
     const bool is_dropped = batch.points.status[row] == dropout;
@@ -215,7 +215,7 @@ TEST(ReceiverScan, BackgroundOfAMissHasFiniteNoise) {
 TEST(ReceiverScan, TheTimerComesLast) {
   const double step_m = 149896229 * 1e-9;
   Instrument instrument{.errors = {.range_sigma_m = 0.01}, .timer = {.timer_step_s = 1e-9}};
-  const double range_m = simulate(instrument, FlatGround()).points.range_measured[0];
+  const double range_m = simulate(instrument, FlatTerrain()).points.range_measured[0];
   EXPECT_NEAR(range_m / step_m, std::round(range_m / step_m), 1e-6);
 }
 
@@ -229,13 +229,13 @@ std::vector<LaterEcho> later_echoes(const EchoColumns& rows) {
 }
 
 TEST(ReceiverScan, ReplayOfEchoesEqualsTheTrace) {
-  const Step ground(0.1);
+  const Step terrain(0.1);
   Instrument instrument{.receiver = {.type = ReceiverType::leading_edge},
                         .pixels = 5,
                         .subpixels = 3,
                         .errors = {.range_sigma_m = 0.01},
                         .timer = {.jitter_sigma_s = 1e-11}};
-  const PulseSimulator simulator(lidar_of(instrument), &ground, &ground);
+  const PulseSimulator simulator(lidar_of(instrument), &terrain, &terrain);
   OptionalColumns columns = simulator.columns();
   columns.echo = true;
   PulseBatch traced;
@@ -265,10 +265,10 @@ void expect_same_columns(const PointColumns& found, const PointColumns& expected
 /// A pixel on a high step has two echoes near the threshold: either may be the first that is detected.
 TEST(ReceiverScan, ReplayOfLaterEchoesEqualsTheTrace) {
   constexpr std::size_t kPulses = 20;
-  const Step ground(1);
+  const Step terrain(1);
   Instrument instrument{
       .receiver = {.type = ReceiverType::leading_edge, .threshold_pe = 200}, .pixels = 5, .subpixels = 4};
-  const PulseSimulator simulator(lidar_of(instrument), &ground, &ground);
+  const PulseSimulator simulator(lidar_of(instrument), &terrain, &terrain);
   PulseBatch traced;
   PulseBatch replayed;
   for (PulseBatch* batch : {&traced, &replayed})
@@ -295,8 +295,8 @@ TEST(ReceiverScan, ReplayOfLaterEchoesEqualsTheTrace) {
 }
 
 TEST(ReceiverScan, NeedsTheSurface) {
-  const FlatGround ground;
-  EXPECT_THROW(PulseSimulator(lidar_of({}), &ground, nullptr), UsageError);
+  const FlatTerrain terrain;
+  EXPECT_THROW(PulseSimulator(lidar_of({}), &terrain, nullptr), UsageError);
 }
 
 }  // namespace

@@ -102,7 +102,7 @@ TEST(Simulation, CompensatedPatternFollowsPositionAndAttitude) {
   const Simulation simulation(std::move(model), &engine);
   const LineSearch pattern({});
   for (const std::int64_t k : {0, 137, 20199, 39999})
-    EXPECT_LT((first_point(simulation, k) - pattern.ground_aim({k, 0})->v).norm(), 1e-10);
+    EXPECT_LT((first_point(simulation, k) - pattern.aim_point({k, 0})->v).norm(), 1e-10);
 }
 
 // From 500 m the uncompensated pattern aims at (50, -50); the same direction from p_z at the last pulse.
@@ -299,8 +299,8 @@ TEST(Simulation, ReplayNeedsNoEngineAndGivesTheSameReturns) {
 // The descent meets the ground at 500/23 = 21.74 s; with 1 pulse per second the 23rd is the first below it.
 TEST(Simulation, NamesThePulseThatIsUnderground) {
   const PlaneEngine engine;
-  const TriangulatedGrid ground(Grid<double>(GridSpec::centered(1, 1)));
-  const Simulation simulation(flash_scan(1, 30), &engine, &ground);
+  const TriangulatedGrid terrain(Grid<double>(GridSpec::centered(1, 1)));
+  const Simulation simulation(flash_scan(1, 30), &engine, &terrain);
   EXPECT_NO_THROW(static_cast<void>(simulation.simulate({0, 22})));
   EXPECT_THAT(refusal<FormatError>([&] {
                 return simulation.simulate({0, 30});

@@ -316,16 +316,16 @@ TEST(PenitenteField, Wobble) {
   wandering.wobble_m = 1;
   PenitenteField other = wandering;
   other.seed = 2;
-  double most = 0;
+  double maximum = 0;
   double differing = 0;
   for (double x_m = -49; x_m < 49; x_m += 0.25) {
     const double here = wandering.relief_m({x_m, 2});  // the middle of a flank: 1/4 m per metre of wander
     EXPECT_LE(std::abs(here - 0.5), 0.25);
     EXPECT_NEAR(here, wandering.relief_m({x_m + 1e-6, 2}), 1e-6);
-    most = std::max(most, std::abs(here - 0.5));
+    maximum = std::max(maximum, std::abs(here - 0.5));
     differing = std::max(differing, std::abs(here - other.relief_m({x_m, 2})));
   }
-  EXPECT_GT(most, 0.1);
+  EXPECT_GT(maximum, 0.1);
   EXPECT_GT(differing, 0.1);
 }
 

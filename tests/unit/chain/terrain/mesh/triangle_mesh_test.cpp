@@ -57,7 +57,7 @@ TEST(TriangleMesh, CubeHasItsTopAndNoLeaks) {
     EXPECT_TRUE(std::isnan(cube.elevation(x, 0)));
     EXPECT_TRUE(std::isnan(cube.elevation(0, x)));
   }
-  EXPECT_FALSE(cube.is_ground_below());
+  EXPECT_FALSE(cube.is_terrain_below());
 }
 
 TEST(TriangleMesh, TetrahedronIsAPlane) {

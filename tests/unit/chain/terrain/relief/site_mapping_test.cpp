@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "chain/terrain/relief/geodetic.h"
-#include "chain/terrain/relief/ground_extent.h"
+#include "chain/terrain/relief/geodetic_extent.h"
 #include "chain/terrain/relief/site_fit.h"
 #include "chain/terrain/relief/site_mapping.h"
 #include "constants.h"
@@ -193,10 +193,10 @@ TEST(FitSite, SaysWhatIsMissing) {
 /// Helmert's formulas, the inverse of geodetic_of().
 Eigen::Vector3d body_fixed(const Ellipsoid& body, const Geodetic& at) {
   const double e2 = body.flattening * (2 - body.flattening);
-  const double s = std::sin(at.ground.lat_rad);
+  const double s = std::sin(at.lon_lat.lat_rad);
   const double normal_m = body.semi_major_m / std::sqrt(1 - e2 * s * s);
-  const double axis_m = (normal_m + at.height_m) * std::cos(at.ground.lat_rad);
-  return {axis_m * std::cos(at.ground.lon_rad), axis_m * std::sin(at.ground.lon_rad),
+  const double axis_m = (normal_m + at.height_m) * std::cos(at.lon_lat.lat_rad);
+  return {axis_m * std::cos(at.lon_lat.lon_rad), axis_m * std::sin(at.lon_lat.lon_rad),
           (normal_m * (1 - e2) + at.height_m) * s};
 }
 
@@ -209,9 +209,9 @@ TEST(Geodetic, UndoesHelmertsFormulas) {
           const double height_m = height * body.semi_major_m;
           const Geodetic found = geodetic_of(body, body_fixed(body, {{lon, lat}, height_m}));
           EXPECT_NEAR(found.height_m, height_m, 1e-15 * body.semi_major_m + 4e-9);
-          EXPECT_NEAR(found.ground.lat_rad, lat, 3e-15) << body.flattening << ' ' << height;
+          EXPECT_NEAR(found.lon_lat.lat_rad, lat, 3e-15) << body.flattening << ' ' << height;
           if (std::abs(lat) < 1.57) {
-            EXPECT_NEAR(found.ground.lon_rad, lon, 1e-15);
+            EXPECT_NEAR(found.lon_lat.lon_rad, lon, 1e-15);
           }
         }
 }
@@ -222,7 +222,7 @@ TEST(Geodetic, TheCentreOfTheBodyHasNoPlace) {
 
 /// The longitudes from low to high across the seam, degrees; empty: none lie across it.
 std::vector<double> across(const std::vector<double>& longitudes_deg) {
-  GroundExtentSearch search;
+  GeodeticExtentSearch search;
   for (const double lon : longitudes_deg) search.add({lon * kDegree, 0.1});
   const auto extent = search.across_seam();
   if (!extent) return {};
@@ -237,14 +237,14 @@ void expect_across(const std::vector<double>& longitudes_deg, double low, double
   EXPECT_NEAR(found[1], high, 1e-12);
 }
 
-TEST(GroundExtent, LiesAcrossTheSeamWhereTheWidestGapIsAnother) {
+TEST(GeodeticExtent, LiesAcrossTheSeamWhereTheWidestGapIsAnother) {
   expect_across({179.9999, -179.9998, 180, 179.99995}, 179.9999, 180.0002);
   expect_across({359.9, 0.2, 0, 360}, 359.9, 360.2);
   expect_across({-100, 100}, 100, 260);
   expect_across({10, 120, -150}, 10, 210);
 }
 
-TEST(GroundExtent, LiesOnOneSideOtherwise) {
+TEST(GeodeticExtent, LiesOnOneSideOtherwise) {
   for (const std::vector<double>& longitudes : {std::vector{12.0, 13.0},
                                                 {-0.1, 0.1},
                                                 {0.0, 120.0},

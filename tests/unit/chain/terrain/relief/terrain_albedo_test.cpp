@@ -12,7 +12,7 @@
 #include "base/core/parallel.h"
 #include "bins.h"
 #include "chain/terrain/relief/albedo_map.h"
-#include "chain/terrain/relief/ground_albedo.h"
+#include "chain/terrain/relief/terrain_albedo.h"
 #include "chain/terrain/relief/terrain_generator.h"
 #include "chain/terrain/relief/terrain_strips.h"
 #include "constants.h"
@@ -57,15 +57,15 @@ AlbedoPatches patches(double cover_frac, double longest_m) {
   return {.albedo = 1, .albedo_between = 0, .cover_frac = cover_frac, .longest_wavelength_m = longest_m};
 }
 
-TEST(GroundAlbedo, NoneUnlessTheModelHasOne) {
+TEST(TerrainAlbedo, NoneUnlessTheModelHasOne) {
   EXPECT_FALSE(generate_terrain({}, kSite, no_raster).albedo.has_value());
 }
 
-TEST(GroundAlbedo, ANumberIsThatOfEveryNode) {
+TEST(TerrainAlbedo, ANumberIsThatOfEveryNode) {
   EXPECT_THAT(generated_albedo({.ground = 0.3}).values(), testing::Each(0.3F));
 }
 
-TEST(GroundAlbedo, AGradientSpansTheSite) {
+TEST(TerrainAlbedo, AGradientSpansTheSite) {
   const Grid<float> east = generated_albedo({.ground = AlbedoGradient{0.2, 0.8}});
   EXPECT_FLOAT_EQ(east.at({3, 0}), 0.2F);
   EXPECT_FLOAT_EQ(east.at({70, 40}), 0.5F);
@@ -77,7 +77,7 @@ TEST(GroundAlbedo, AGradientSpansTheSite) {
   EXPECT_FLOAT_EQ(north_east.at({80, 0}), 0.5F);
 }
 
-TEST(GroundAlbedo, AGradientIsConstantBeyondItsLength) {
+TEST(TerrainAlbedo, AGradientIsConstantBeyondItsLength) {
   const Grid<float> north = generated_albedo({.ground = AlbedoGradient{0, 1, std::numbers::pi / 2, 10.0}});
   for (std::int64_t row = 0; row < 81; ++row)
     EXPECT_NEAR(north.at({row, 17}), std::clamp(0.5 + (static_cast<double>(row) - 40) * 0.5 / 10, 0.0, 1.0),
@@ -86,7 +86,7 @@ TEST(GroundAlbedo, AGradientIsConstantBeyondItsLength) {
 
 // The standard deviation of the covered fraction follows from the spectrum; 400 wavelengths^2 make it about
 // 0.01.
-TEST(GroundAlbedo, PatchesCoverTheirFraction) {
+TEST(TerrainAlbedo, PatchesCoverTheirFraction) {
   const GridSpec grid{0.5, -200, -200, 401, 401};
   for (const double hurst : {0.2, 0.5, 0.9})
     for (const double cover_frac : {0.1, 0.3, 0.5, 0.8}) {
@@ -105,7 +105,7 @@ TEST(GroundAlbedo, PatchesCoverTheirFraction) {
 }
 
 // A higher cover only adds patches; another seed or wavelength moves them; the same one does not.
-TEST(GroundAlbedo, PatchesDependOnTheSeed) {
+TEST(TerrainAlbedo, PatchesDependOnTheSeed) {
   const Grid<float> few = generated_albedo({.ground = patches(0.2, 10)});
   const Grid<float> many = generated_albedo({.ground = patches(0.4, 10)});
   EXPECT_TRUE(std::ranges::equal(few.values(), many.values(), [](float a, float b) { return a <= b; }));
@@ -117,7 +117,7 @@ TEST(GroundAlbedo, PatchesDependOnTheSeed) {
 }
 
 // The patches draw for themselves: the relief is the same with and without them, and not theirs.
-TEST(GroundAlbedo, PatchesChangeNoRelief) {
+TEST(TerrainAlbedo, PatchesChangeNoRelief) {
   TerrainModel rough;
   rough.bases = {FractalBase{0.8, 1, 10, 10}};
   const Grid<double> relief = generate_terrain(rough, kSite, no_raster).nodes;
@@ -130,7 +130,7 @@ TEST(GroundAlbedo, PatchesChangeNoRelief) {
   EXPECT_NEAR(static_cast<double>(agree) / static_cast<double>(kSite.size()), 0.5, 0.2);
 }
 
-TEST(GroundAlbedo, PatchesNeedWavesOfTheGrid) {
+TEST(TerrainAlbedo, PatchesNeedWavesOfTheGrid) {
   const auto longest = [](double longest_m) {
     validate(model_with({.ground = patches(0.5, longest_m)}), kSite);
   };
@@ -141,7 +141,7 @@ TEST(GroundAlbedo, PatchesNeedWavesOfTheGrid) {
 }
 
 // Bilinear between the pixels of 10 m: 200 + x in the middle row, 10 per metre to the south.
-TEST(GroundAlbedo, ARasterIsScaled) {
+TEST(TerrainAlbedo, ARasterIsScaled) {
   AlbedoRaster raster{{}, 0.001, 0.1};
   raster.raster.path = "tens";
   raster.raster.interpolation = Interpolation::bilinear;
@@ -153,7 +153,7 @@ TEST(GroundAlbedo, ARasterIsScaled) {
   EXPECT_FLOAT_EQ(generated_albedo({.ground = raster}).at({40, 48}), 0.32F);
 }
 
-TEST(GroundAlbedo, ARasterBeyondItsBoundsIsRefused) {
+TEST(TerrainAlbedo, ARasterBeyondItsBoundsIsRefused) {
   AlbedoRaster raster{{}, 0.01};
   raster.raster.path = "tens.tif";
   raster.raster.interpolation = Interpolation::bilinear;
@@ -170,7 +170,7 @@ TEST(GroundAlbedo, ARasterBeyondItsBoundsIsRefused) {
 }
 
 // A hole of the ground needs no albedo, and has none.
-TEST(GroundAlbedo, HolesHaveNone) {
+TEST(TerrainAlbedo, HolesHaveNone) {
   TerrainModel model = model_with({.ground = 0.4});
   DemBase dem;
   dem.path = "holes";
@@ -224,7 +224,7 @@ TEST(FeatureAlbedo, TheHigherOfTwoStandingFeatures) {
 }
 
 // Strips of any height give the same layer, and one whose fractal suits large grids.
-TEST(GroundAlbedo, StripsChangeNothing) {
+TEST(TerrainAlbedo, StripsChangeNothing) {
   const GridSpec grid{0.5, -303, -150, 607, 301};
   AlbedoModel albedo{.ground = patches(0.3, 60)};
   albedo.of_kind[kind_of(Hemisphere{})] = 0.25;
@@ -249,7 +249,7 @@ TEST(GroundAlbedo, StripsChangeNothing) {
   EXPECT_NEAR(static_cast<double>(ones) / static_cast<double>(ones + zeros), 0.3, 0.1);
 }
 
-TEST(GroundAlbedo, ValidatesItsParameters) {
+TEST(TerrainAlbedo, ValidatesItsParameters) {
   const auto refused = [](const AlbedoModel& albedo) {
     EXPECT_THROW(validate(model_with(albedo)), UsageError);
   };

@@ -8,8 +8,8 @@
 #include <stdexcept>
 #include <string>
 
+#include "app/report/evaluation_layers.h"
 #include "app/report/report_layer.h"
-#include "app/report/report_layers.h"
 #include "base/dictionary/layers.h"
 #include "bins.h"
 #include "chain/evaluation/fail_flag.h"

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "app/report/report_layers.h"
+#include "app/report/evaluation_layers.h"
 #include "app/report/worst_footprints.h"
 #include "chain/evaluation/evaluate.h"
 #include "store/files/evaluation_file.h"

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // A report names no file and no time, only file_ids: equal evaluations give equal bytes, whatever the name
 // of the DEM.
-#include "app/report/page.h"
+#include "app/report/evaluation_page.h"
 
 #include <algorithm>
 #include <utility>

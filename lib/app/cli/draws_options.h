@@ -6,12 +6,12 @@
 #include <vector>
 
 #include "app/cli/tool.h"
-#include "app/runs/campaign_run.h"
+#include "app/runs/draws_run.h"
 
 namespace landfall::cli {
 
 /// The options of monte-carlo; empty where they are not given.
-struct CampaignOptions {
+struct DrawsOptions {
   std::vector<std::string> inputs;  ///< a scan or none, or merge and parts
   std::vector<std::string> pairs;
   std::string terrain, samples, draws, verdict, report, title;
@@ -24,14 +24,14 @@ struct CampaignOptions {
   /// Whether each draw traces its own rays.
   [[nodiscard]] bool traces() const { return inputs.empty() && pairs.empty(); }
   /// The sources of a run that does not merge. Throws UsageError.
-  [[nodiscard]] CampaignSources sources() const;
+  [[nodiscard]] DrawsSources sources() const;
   /// The rows of --draws. Throws UsageError.
   [[nodiscard]] std::optional<DrawSpan> part() const;
 };
 
-void bind_campaign(CLI::App& app, CampaignOptions& o);
+void bind_draws_options(CLI::App& app, DrawsOptions& o);
 
 /// Throws UsageError for options that do not go together.
-void check_campaign(const CommonOptions& common, const CampaignOptions& o);
+void check_draws_options(const CommonOptions& common, const DrawsOptions& o);
 
 }  // namespace landfall::cli

@@ -10,9 +10,9 @@ namespace landfall {
 
 /// Infinite level ground, z = elevation_m: range = (elevation - o_z) / d_z in closed form, exact to rounding.
 /// Rays that are level or point away from the ground miss.
-class FlatGround final : public TerrainSurface, public RayEngine {
+class FlatTerrain final : public TerrainSurface, public RayEngine {
  public:
-  explicit FlatGround(double elevation_m = 0) : elevation_m_(elevation_m) {}
+  explicit FlatTerrain(double elevation_m = 0) : elevation_m_(elevation_m) {}
   void first_hits(std::span<const Ray> rays, std::span<double> ranges) const override {
     for (std::size_t i = 0; i < rays.size(); ++i) {
       // A level ray gives an infinite range, or NaN if its origin lies in the plane.

@@ -9,8 +9,8 @@
 
 #include "app/report/cloud_page.h"
 #include "app/report/escape.h"
+#include "app/report/evaluation_page.h"
 #include "app/report/heading.h"
-#include "app/report/page.h"
 #include "base/core/parallel.h"
 
 namespace landfall::html_report {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // `--require-pass` means every draw, or that the sequential test accepts. A probability to be shown
 // belongs in the stopping rule, where it is fixed before the first draw.
-#include "app/cli/campaign_options.h"
+#include "app/cli/draws_options.h"
 
 #include <CLI/CLI.hpp>
 #include <charconv>
@@ -33,8 +33,8 @@ DrawSpan span_of(const std::string& text) {
 
 }  // namespace
 
-CampaignSources CampaignOptions::sources() const {
-  CampaignSources sources{{}, samples};
+DrawsSources DrawsOptions::sources() const {
+  DrawsSources sources{{}, samples};
   sources.rules = rules;
   if (engine != "cpu")
     sources.device = {.on_failure = engine == "opencl" ? DeviceFailure::throws : DeviceFailure::falls_back,
@@ -44,11 +44,11 @@ CampaignSources CampaignOptions::sources() const {
   return sources;
 }
 
-std::optional<DrawSpan> CampaignOptions::part() const {
+std::optional<DrawSpan> DrawsOptions::part() const {
   return draws.empty() ? std::nullopt : std::optional(span_of(draws));
 }
 
-void bind_campaign(CLI::App& app, CampaignOptions& o) {
+void bind_draws_options(CLI::App& app, DrawsOptions& o) {
   app.add_option(
          "scan", o.inputs,
          "Traced scan (scan.h5); without one each draw traces its own rays. Or: merge, and the parts of "
@@ -84,7 +84,7 @@ void bind_campaign(CLI::App& app, CampaignOptions& o) {
   bind_meeting_options(app, o.rules);
 }
 
-void check_campaign(const CommonOptions& common, const CampaignOptions& o) {
+void check_draws_options(const CommonOptions& common, const DrawsOptions& o) {
   if (!o.pairs.empty() && (!o.inputs.empty() || !o.terrain.empty()))
     throw UsageError("--pair names scan and terrain; omit " +
                      (o.inputs.empty() ? "--terrain" : o.inputs.front()));

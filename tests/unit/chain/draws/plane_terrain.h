@@ -10,7 +10,7 @@ namespace landfall {
 inline constexpr Plane kPlane{1, 0.1, -0.2};
 
 /// The plane, east of x = -4 m.
-class Ground final : public TerrainSurface {
+class PlaneTerrain final : public TerrainSurface {
  public:
   [[nodiscard]] double elevation(double x_m, double y_m) const override {
     return x_m < -4 ? std::nan("") : kPlane.z0_m + kPlane.slope_x * x_m + kPlane.slope_y * y_m;

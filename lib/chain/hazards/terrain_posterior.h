@@ -31,12 +31,12 @@ namespace landfall {
 /// about each; not in the outermost bins of a map.
 ///
 /// Bins that were not measured are interpolated, and have the relief of the measured ground around them.
-class GroundPosterior {
+class TerrainPosterior {
  public:
   /// z counts where its noise is not NaN. `seed` chooses the draws. Without centroids the elevations are
   /// those at the bins' centres.
-  GroundPosterior(const Grid<double>& z, const Grid<float>& noise_m, std::uint64_t seed,
-                  std::optional<ReturnCentroids> centroids = std::nullopt);
+  TerrainPosterior(const Grid<double>& z, const Grid<float>& noise_m, std::uint64_t seed,
+                   std::optional<ReturnCentroids> centroids = std::nullopt);
 
   /// A ground. NaN where no measured bin lies within about 3 m. The noise of a bin is a function of seed,
   /// number and the bin's index from the origin.

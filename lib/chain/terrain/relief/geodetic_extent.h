@@ -12,7 +12,7 @@ namespace landfall {
 
 /// The extent of points on a body, radians: longitudes eastwards from `low` to `high`, which may lie beyond a
 /// whole turn.
-struct GroundExtent {
+struct GeodeticExtent {
   LonLat low, high;
   [[nodiscard]] LonLat middle() const {
     return {low.lon_rad / 2 + high.lon_rad / 2, low.lat_rad / 2 + high.lat_rad / 2};
@@ -22,12 +22,12 @@ struct GroundExtent {
 /// Finds out whether points lie on both sides of the seam of their longitudes: where the widest gap between
 /// them is another one than that around the seam, they lie across it. Bounded memory; the order of the points
 /// does not matter. Gaps below 0.1 degrees may be missed: such points surround the body.
-class GroundExtentSearch {
+class GeodeticExtentSearch {
  public:
-  void add(const LonLat& ground);
+  void add(const LonLat& lon_lat);
   /// The extent of the points across the seam; none where their longitudes, as they are written, have no
   /// wider gap.
-  [[nodiscard]] std::optional<GroundExtent> across_seam() const;
+  [[nodiscard]] std::optional<GeodeticExtent> across_seam() const;
 
  private:
   struct Range {

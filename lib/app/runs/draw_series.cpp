@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Decisions: D321
-#include "app/runs/campaign.h"
+#include "app/runs/draw_series.h"
 
 #include <algorithm>
 #include <utility>
@@ -88,13 +88,13 @@ void require_valid(const DrawsConfig& config, const DrawSpan& span) {
   });
 }
 
-CampaignTruth read_truth(const RangeFile& scan, const ProgressCallback& progress) {
+DrawsTruth read_truth(const RangeFile& scan, const ProgressCallback& progress) {
   constexpr std::int64_t kPulsesPerPiece = 4096;
   RangeFile file(scan.file().name());
   const nlohmann::json& detector = scan.file().config().at("detector");
   const auto pixels = detector.at("rows").get<std::size_t>() * detector.at("columns").get<std::size_t>();
   const auto pulses = static_cast<std::int64_t>(scan.pulse_count());
-  CampaignTruth truth;
+  DrawsTruth truth;
   truth.ranges_m.resize(scan.pulse_count() * pixels);
   if (file.keeps_echoes()) truth.echoes.resize(truth.ranges_m.size());
   for (std::int64_t first = 0; first < pulses; first += kPulsesPerPiece) {
@@ -127,13 +127,13 @@ void add_to(std::vector<DrawColumn>& columns, const std::vector<NamedNumber>& ro
 
 }  // namespace
 
-Campaign::Campaign(const RangeFile& scan, GroundSource ground, const DrawsConfig& config,
-                   const DrawSpan& span, std::optional<std::int64_t> pair,
-                   const std::optional<OpenClOptions>& device, Provenance& provenance,
-                   const ProgressCallback& progress)
+DrawSeries::DrawSeries(const RangeFile& scan, TerrainSource terrain, const DrawsConfig& config,
+                       const DrawSpan& span, std::optional<std::int64_t> pair,
+                       const std::optional<OpenClOptions>& device, Provenance& provenance,
+                       const ProgressCallback& progress)
     : config_(config),
       pair_(pair),
-      source_(std::move(ground)),
+      source_(std::move(terrain)),
       regrid_(regrid_config(config.stages().regrid, config.name() + ": /regrid")) {
   provenance.add_input("scan", scan.file().file_id(), scan.file().chain());
   scene_ = open_scene({.terrain = source_.terrain, .use = SceneUse::surface});
@@ -148,26 +148,26 @@ Campaign::Campaign(const RangeFile& scan, GroundSource ground, const DrawsConfig
   if (device && device->on_failure == DeviceFailure::throws) require_device(span);
 }
 
-Campaign::Campaign(GroundSource ground, const DrawsConfig& config, const DrawSpan& span,
-                   Provenance& provenance)
+DrawSeries::DrawSeries(TerrainSource terrain, const DrawsConfig& config, const DrawSpan& span,
+                       Provenance& provenance)
     : config_(config),
-      source_(std::move(ground)),
+      source_(std::move(terrain)),
       regrid_(regrid_config(config.stages().regrid, config.name() + ": /regrid")) {
   require_valid(config, span);
   require_hazards(config, span);
   const nlohmann::json& scan = config.stages().scan;
   static_cast<void>(scan_model(scan, config.name() + ": /scan", recording_table_loader(provenance)));
   if (!source_.terrain.empty()) {
-    open_ground(uses_albedo_map(scan), provenance);
+    open_terrain(uses_albedo_map(scan), provenance);
   } else {
-    make_ground(config.stages(span.first).terrain, provenance);
-    ground_draw_ = span.first;
+    build_terrain(config.stages(span.first).terrain, provenance);
+    terrain_draw_ = span.first;
     source_.warn = [](const std::string&) {};  // of later grounds, which are alike
   }
-  prepare(config.ground_varies() ? nullptr : scene_.surface.get(), std::nullopt, provenance);
+  prepare(config.terrain_varies() ? nullptr : scene_.surface.get(), std::nullopt, provenance);
 }
 
-void Campaign::open_ground(bool uses_albedo, Provenance& provenance) {
+void DrawSeries::open_terrain(bool uses_albedo, Provenance& provenance) {
   scene_ = open_scene({.terrain = source_.terrain});
   provenance.add_input("terrain", scene_.file_id, scene_.chain);
   const GridSpec& grid = regrid_.grid;
@@ -176,7 +176,7 @@ void Campaign::open_ground(bool uses_albedo, Provenance& provenance) {
   if (uses_albedo) albedo_ = open_albedo(source_.terrain);
 }
 
-void Campaign::make_ground(const nlohmann::json& terrain, Provenance& provenance) {
+void DrawSeries::build_terrain(const nlohmann::json& terrain, Provenance& provenance) {
   scene_ = {};  // the old ground first, so that both never exist at once
   albedo_.reset();
   const TerrainInput made =
@@ -186,17 +186,17 @@ void Campaign::make_ground(const nlohmann::json& terrain, Provenance& provenance
   albedo_ = made.albedo;
 }
 
-DrawGround Campaign::ground_of(const DrawStages& stages, std::int64_t draw) {
-  if (config_.ground_varies() && draw != ground_draw_) {
+DrawTerrain DrawSeries::terrain_of(const DrawStages& stages, std::int64_t draw) {
+  if (config_.terrain_varies() && draw != terrain_draw_) {
     Provenance recorded;  // with the first ground
-    make_ground(stages.terrain, recorded);
-    ground_draw_ = draw;
+    build_terrain(stages.terrain, recorded);
+    terrain_draw_ = draw;
   }
   return {*scene_.surface, scene_.engine.get(), albedo_.get(), scene_.spacing_m};
 }
 
-void Campaign::prepare(const TerrainSurface* ground, const std::optional<OpenClOptions>& device,
-                       Provenance& provenance) {
+void DrawSeries::prepare(const TerrainSurface* terrain, const std::optional<OpenClOptions>& device,
+                         Provenance& provenance) {
   const GridSpec& grid = regrid_.grid;
   constexpr std::uint64_t kBytesPerBin = 24;  // the elevation and the true position of a draw, at least
   require_memory(kBytesPerBin * grid.size(), config_.name() + ": gridding a draw to " + size_text(grid),
@@ -208,15 +208,15 @@ void Campaign::prepare(const TerrainSurface* ground, const std::optional<OpenClO
   const EvaluationParameters evaluation = evaluation_config(config_.stages().eval, eval);
   at_path(eval + "/", [&] { region_ = judged_region(evaluation, grid, mask ? &*mask : nullptr); });
   runner_ = std::make_unique<DrawRunner>(
-      CampaignScene{
-          {truth_.ranges_m, truth_.echoes, truth_.later}, ground, grid, region_, hazard_region(provenance)},
+      DrawsScene{
+          {truth_.ranges_m, truth_.echoes, truth_.later}, terrain, grid, region_, hazard_region(provenance)},
       config_.has_layers(), device);
   if (!config_.predicted()) return;
-  const Simulation first = ground_of(config_.stages(), 0).simulate(setup_of(config_.stages(), 0).scan);
+  const Simulation first = terrain_of(config_.stages(), 0).simulate(setup_of(config_.stages(), 0).scan);
   z_sigma_abs_ = predicted_sigma(runner_->scene(), first, *config_.predicted()).z_abs;
 }
 
-std::optional<BinMask> Campaign::hazard_region(Provenance& provenance) const {
+std::optional<BinMask> DrawSeries::hazard_region(Provenance& provenance) const {
   if (!config_.has_hazards()) return std::nullopt;
   const std::string name = config_.name() + ": /hazard";
   return read_region(region_config(config_.stages().hazard, name),
@@ -225,7 +225,7 @@ std::optional<BinMask> Campaign::hazard_region(Provenance& provenance) const {
 }
 
 /// Before any draw is run.
-void Campaign::require_device(const DrawSpan& span) const {
+void DrawSeries::require_device(const DrawSpan& span) const {
   for (std::int64_t draw = span.first; draw < span.end; ++draw) {
     DrawSetup setup = setup_of(config_.stages(draw), draw);
     try {
@@ -237,7 +237,7 @@ void Campaign::require_device(const DrawSpan& span) const {
   }
 }
 
-Draws Campaign::empty(std::int64_t first) const {
+Draws DrawSeries::empty(std::int64_t first) const {
   Draws draws;
   draws.table.first = first;
   draws.footprint_bins = config_.footprint_bins();
@@ -259,7 +259,7 @@ Draws Campaign::empty(std::int64_t first) const {
   return draws;
 }
 
-DrawSetup Campaign::setup_of(const DrawStages& stages, std::int64_t draw) const {
+DrawSetup DrawSeries::setup_of(const DrawStages& stages, std::int64_t draw) const {
   const std::string name = "draw " + std::to_string(draw);
   Provenance tables;  // those of the scan, which are recorded already
   const RegridConfig regrid = regrid_config(stages.regrid, name);
@@ -273,7 +273,7 @@ DrawSetup Campaign::setup_of(const DrawStages& stages, std::int64_t draw) const 
           uncertainty_of(config_, stages, name)};
 }
 
-std::optional<LandingSetup> Campaign::landing_setup(const nlohmann::json& scan, std::int64_t draw) const {
+std::optional<LandingSetup> DrawSeries::landing_setup(const nlohmann::json& scan, std::int64_t draw) const {
   if (!config_.landing()) return std::nullopt;
   LandingSetup setup{*config_.landing(), config_.seed(draw)};
   const nlohmann::json& error = scan.at("navigation_error");
@@ -283,26 +283,26 @@ std::optional<LandingSetup> Campaign::landing_setup(const nlohmann::json& scan, 
   return setup;
 }
 
-void Campaign::complete(Draws& draws) {
+void DrawSeries::complete(Draws& draws) {
   const std::vector<std::int64_t> kept = std::exchange(on_device_, {});
   if (kept.empty() || runner_->take_from_device(std::ssize(kept), *draws.maps)) return;
   for (const std::int64_t draw : kept) static_cast<void>(run(draw, draws));  // by the CPU
 }
 
-DrawResult Campaign::run(std::int64_t draw, Draws& draws) {
+DrawResult DrawSeries::run(std::int64_t draw, Draws& draws) {
   const DrawStages stages = config_.stages(draw);
   DrawResult result = naming_draw(config_, draw, [&] {
     DrawSetup setup = setup_of(stages, draw);
-    const DrawGround ground = ground_of(stages, draw);
+    const DrawTerrain terrain = terrain_of(stages, draw);
     return at_path(config_.name() + ": /hazard/", [&] {
-      return runner_->run(std::move(setup), ground, config_.metrics(), draws.maps ? &*draws.maps : nullptr);
+      return runner_->run(std::move(setup), terrain, config_.metrics(), draws.maps ? &*draws.maps : nullptr);
     });
   });
   if (result.is_on_device) on_device_.push_back(draw);
   return result;
 }
 
-void Campaign::run_next(Draws& draws) {
+void DrawSeries::run_next(Draws& draws) {
   DrawTable& table = draws.table;
   const std::int64_t draw = table.end() - pair_.value_or(0) * config_.draw_count();
   std::vector<double> values = config_.values(draw);

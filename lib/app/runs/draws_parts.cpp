@@ -2,7 +2,7 @@
 // Sums of a part are checked before they are added: counts against the number of its draws, sums against
 // the largest error that is summed (D314), so that an edited file cannot overflow them. Samples have at
 // most as many rows as `draws` allows.
-#include "app/runs/campaign_parts.h"
+#include "app/runs/draws_parts.h"
 
 #include <malloc.h>
 
@@ -20,7 +20,7 @@ namespace {
 constexpr const char* kPart = "draws";
 
 /// A part's step in its own history, without what differs between parts.
-nlohmann::json campaign_of(const DrawsInput& part) {
+nlohmann::json undivided_step(const DrawsInput& part) {
   nlohmann::json step = part.chain.back();
   if (step.contains("options") && step["options"].is_object()) step["options"].erase(kPart);
   if (step.contains("options") && step["options"].empty()) step.erase("options");
@@ -43,12 +43,12 @@ std::string counted_seeds_text(const std::string& path) {
   return path + ": is of version 0.2.0, whose draws have other random numbers than those of this version; ";
 }
 
-void require_one_campaign(const std::vector<Part>& parts) {
+void require_same_draws(const std::vector<Part>& parts) {
   for (const Part& part : parts)
     if (part.input.counts_seeds)
       throw UsageError(counted_seeds_text(part.path) + "merge its parts with that version");
   for (std::size_t i = 1; i < parts.size(); ++i)
-    if (campaign_of(parts[i].input) != campaign_of(parts[0].input))
+    if (undivided_step(parts[i].input) != undivided_step(parts[0].input))
       throw UsageError(parts[i].path + ": is not of the same campaign as " + parts[0].path +
                        ": its version, configuration or inputs differ");
 }
@@ -100,16 +100,16 @@ void require_whole(const std::vector<Part>& parts, std::int64_t count) {
 
 }  // namespace
 
-CampaignState::CampaignState(const std::filesystem::path& output, Provenance provenance, std::int64_t first)
+DrawsState::DrawsState(const std::filesystem::path& output, Provenance provenance, std::int64_t first)
     : path_(hidden_beside(output, "state")), provenance_(std::move(provenance)), first_(first) {}
 
-Provenance CampaignState::provenance_of(const DrawTable& table) const {
+Provenance DrawsState::provenance_of(const DrawTable& table) const {
   Provenance provenance = provenance_;
   provenance.options.update(part_options(table.first, table.end()));
   return provenance;
 }
 
-std::optional<Draws> CampaignState::load(const std::function<void(const std::string&)>& warn) const {
+std::optional<Draws> DrawsState::load(const std::function<void(const std::string&)>& warn) const {
   {
     const OutputPath killed(path_, true);
   }  // removes what a run that was killed while it wrote a state has left
@@ -129,7 +129,7 @@ std::optional<Draws> CampaignState::load(const std::function<void(const std::str
   return std::nullopt;
 }
 
-void CampaignState::save(const Draws& draws, const std::string& crs_wkt) const {
+void DrawsState::save(const Draws& draws, const std::string& crs_wkt) const {
   {
     LandfallFileWriter file({path_, true, 1}, "draws", provenance_of(draws.table));
     write_draws(file, draws, verdict_json(draws.table, std::nullopt), crs_wkt);
@@ -137,7 +137,7 @@ void CampaignState::save(const Draws& draws, const std::string& crs_wkt) const {
   malloc_trim(0);  // the heap would keep the buffers of the writer, 60 MB, while draws are made
 }
 
-void CampaignState::remove() const noexcept {
+void DrawsState::remove() const noexcept {
   std::error_code ignored;
   std::filesystem::remove(path_, ignored);
 }
@@ -150,12 +150,12 @@ MergedDraws merge_draws(const std::vector<std::string>& paths, Provenance& prove
   std::vector<Part> parts;
   for (const std::string& path : paths) parts.push_back({path, read_draws(path)});
   std::ranges::stable_sort(parts, {}, [](const Part& part) { return part.table().first; });
-  require_one_campaign(parts);
+  require_same_draws(parts);
   require_same_contents(parts);
   const nlohmann::json& step = parts.front().input.chain.back();
   const nlohmann::json config = config_of(parts.front());
   provenance.config = step.at("config");
-  if (const nlohmann::json whole = campaign_of(parts.front().input); whole.contains("options"))
+  if (const nlohmann::json whole = undivided_step(parts.front().input); whole.contains("options"))
     provenance.options = whole.at("options");
   if (config.at("stop").at("type") != "fixed")
     throw UsageError(paths.front() + ": a campaign with a sequential test has no parts");

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "chain/hazards/ground_posterior.h"
+#include "chain/hazards/terrain_posterior.h"
 
 #include <gtest/gtest.h>
 
@@ -58,22 +58,22 @@ double rms(const Grid<double>& a, const Grid<double>& b) {
   return std::sqrt(square / count - std::pow(sum / count, 2));
 }
 
-TEST(GroundPosterior, APlaneIsAPlane) {
+TEST(TerrainPosterior, APlaneIsAPlane) {
   const GridSpec spec = GridSpec::centered(5, 0.05);
   const Grid<double> truth = plane(spec);
   Grid<double> z = truth;
   add_noise(z, kNoise, 3);
-  const Grid<double> ground = GroundPosterior(z, noise_of(spec, kNoise).noise_m, 1).draw(0);
-  EXPECT_LT(rms(ground, truth), 0.15 * kNoise);
+  const Grid<double> terrain = TerrainPosterior(z, noise_of(spec, kNoise).noise_m, 1).draw(0);
+  EXPECT_LT(rms(terrain, truth), 0.15 * kNoise);
 }
 
 // A draw is as far from the truth as from another draw: all come from one distribution.
-TEST(GroundPosterior, RoughGroundIsOneOfItsDraws) {
+TEST(TerrainPosterior, RoughGroundIsOneOfItsDraws) {
   const GridSpec spec = GridSpec::centered(5, 0.05);
   const Grid<double> truth = rough(spec, 0.05, 0.8);
   Grid<double> z = truth;
   add_noise(z, kNoise, 4);
-  const GroundPosterior posterior(z, noise_of(spec, kNoise).noise_m, 1);
+  const TerrainPosterior posterior(z, noise_of(spec, kNoise).noise_m, 1);
   const Grid<double> first = posterior.draw(0);
   const double between = rms(first, posterior.draw(1));
   const double off = rms(first, truth);
@@ -83,7 +83,7 @@ TEST(GroundPosterior, RoughGroundIsOneOfItsDraws) {
 }
 
 // Returns that lie off the centres alike in neighbouring bins, by up to 7 mm: on the slope that is no relief.
-TEST(GroundPosterior, ThePlacesOfReturnsAreNoReliefOfASlope) {
+TEST(TerrainPosterior, ThePlacesOfReturnsAreNoReliefOfASlope) {
   const GridSpec spec = GridSpec::centered(5, 0.05);
   const Grid<double> truth = plane(spec);
   Grid<double> z = truth;
@@ -96,12 +96,12 @@ TEST(GroundPosterior, ThePlacesOfReturnsAreNoReliefOfASlope) {
     z.at({row, col}) += std::tan(std::numbers::pi / 20) * (0.6 - 2 * 0.8) * off;
   }
   const SigmaParts noise = noise_of(spec, 1e-5);
-  EXPECT_GT(rms(GroundPosterior(z, noise.noise_m, 1).draw(0), truth), 3e-4);
-  EXPECT_LT(rms(GroundPosterior(z, noise.noise_m, 1, centroids).draw(0), truth), 1e-4);
+  EXPECT_GT(rms(TerrainPosterior(z, noise.noise_m, 1).draw(0), truth), 3e-4);
+  EXPECT_LT(rms(TerrainPosterior(z, noise.noise_m, 1, centroids).draw(0), truth), 1e-4);
 }
 
 // On smooth ground the centre of a bin is that of the ground whose means the bins are.
-TEST(GroundPosterior, APointIsNotTheMeanOfItsBin) {
+TEST(TerrainPosterior, APointIsNotTheMeanOfItsBin) {
   const GridSpec spec = GridSpec::centered(4, 0.1);
   Grid<double> means(spec);
   Grid<double> truth(spec);
@@ -112,14 +112,14 @@ TEST(GroundPosterior, APointIsNotTheMeanOfItsBin) {
     means.at({row, col}) = side * side * truth.at({row, col});
   }
   EXPECT_GT(rms(means, truth), 0.003);
-  EXPECT_LT(rms(GroundPosterior(means, noise_of(spec, 1e-5).noise_m, 1).draw(0), truth), 2e-4);
+  EXPECT_LT(rms(TerrainPosterior(means, noise_of(spec, 1e-5).noise_m, 1).draw(0), truth), 2e-4);
 }
 
 // Also without noise the ground departs from what the means tell, on rough ground.
-TEST(GroundPosterior, ReliefWithinBinsFollowsFromReliefBetweenThem) {
+TEST(TerrainPosterior, ReliefWithinBinsFollowsFromReliefBetweenThem) {
   const GridSpec spec = GridSpec::centered(3, 0.05);
   const auto spread = [&](const Grid<double>& z) {
-    const GroundPosterior posterior(z, noise_of(spec, 1e-6).noise_m, 1);
+    const TerrainPosterior posterior(z, noise_of(spec, 1e-6).noise_m, 1);
     return rms(posterior.draw(0), posterior.draw(1));
   };
   EXPECT_LT(spread(plane(spec)), 1e-5);
@@ -128,7 +128,7 @@ TEST(GroundPosterior, ReliefWithinBinsFollowsFromReliefBetweenThem) {
 }
 
 // Ground that was not measured is as rough as the ground around.
-TEST(GroundPosterior, AHoleHasTheReliefAround) {
+TEST(TerrainPosterior, AHoleHasTheReliefAround) {
   const GridSpec spec = GridSpec::centered(5, 0.05);
   const auto spread_in_hole = [&](Grid<double> z) {
     add_noise(z, kNoise, 6);
@@ -137,7 +137,7 @@ TEST(GroundPosterior, AHoleHasTheReliefAround) {
       parts.noise_m.at({row, col}) = kUnknown;
       z.at({row, col}) = 777;  // does not count
     }
-    const GroundPosterior posterior(z, parts.noise_m, 1);
+    const TerrainPosterior posterior(z, parts.noise_m, 1);
     double square = 0;
     for (std::uint64_t k = 0; k < 8; ++k)
       square +=
@@ -148,7 +148,7 @@ TEST(GroundPosterior, AHoleHasTheReliefAround) {
   EXPECT_GT(spread_in_hole(rough(spec, 0.08, 0.4)), kNoise);
 }
 
-TEST(GroundPosterior, ThinMapOfAPlane) {
+TEST(TerrainPosterior, ThinMapOfAPlane) {
   const GridSpec spec = GridSpec::centered(5, 0.05);
   const Grid<double> truth = plane(spec);
   Grid<double> z = truth;
@@ -157,20 +157,20 @@ TEST(GroundPosterior, ThinMapOfAPlane) {
   const RandomField field(9, RandomStream::dropout);
   for (std::size_t i = 0; i < spec.size(); ++i)
     if (field.uniform(i) < 0.25) parts.noise_m.values()[i] = kUnknown;
-  EXPECT_LT(rms(GroundPosterior(z, parts.noise_m, 1).draw(0), truth), 0.25 * kNoise);
+  EXPECT_LT(rms(TerrainPosterior(z, parts.noise_m, 1).draw(0), truth), 0.25 * kNoise);
 }
 
-TEST(GroundPosterior, FarFromAnyReturnThereIsNone) {
+TEST(TerrainPosterior, FarFromAnyReturnThereIsNone) {
   const GridSpec spec = GridSpec::centered(5, 0.05);
   SigmaParts parts = noise_of(spec, kUnknown);
   for (const BinIndex bin : Bins({0, 0}, {20, spec.cols})) parts.noise_m.at(bin) = 0.01F;
-  const Grid<double> ground = GroundPosterior(plane(spec), parts.noise_m, 1).draw(0);
-  EXPECT_TRUE(std::isfinite(ground.at({60, 100})));
-  EXPECT_TRUE(std::isnan(ground.at({100, 100})));
+  const Grid<double> terrain = TerrainPosterior(plane(spec), parts.noise_m, 1).draw(0);
+  EXPECT_TRUE(std::isfinite(terrain.at({60, 100})));
+  EXPECT_TRUE(std::isnan(terrain.at({100, 100})));
 }
 
 // A wall of 1 m: beside it the ground of each side is even, but for the step that the means have at once.
-TEST(GroundPosterior, BesideAWallTheGroundIsEven) {
+TEST(TerrainPosterior, BesideAWallTheGroundIsEven) {
   const GridSpec spec = GridSpec::centered(4, 0.05);
   Grid<double> z(spec);
   for (const BinIndex bin : Bins({0, 80}, {spec.rows, spec.cols})) z.at(bin) = 1;
@@ -182,9 +182,9 @@ TEST(GroundPosterior, BesideAWallTheGroundIsEven) {
   }
   for (const std::optional<ReturnCentroids>& places :
        {std::optional<ReturnCentroids>{}, std::optional{centroids}}) {
-    const Grid<double> ground = GroundPosterior(z, noise_of(spec, 0.001).noise_m, 1, places).draw(0);
+    const Grid<double> terrain = TerrainPosterior(z, noise_of(spec, 0.001).noise_m, 1, places).draw(0);
     for (const auto [row, col] : Bins({20, 20}, {spec.rows - 20, spec.cols - 20}))
-      ASSERT_NEAR(ground.at({row, col}),
+      ASSERT_NEAR(terrain.at({row, col}),
                   (col < 80 ? 0 : 1) + (col == 79   ? -1.0
                                         : col == 80 ? 1.0
                                                     : 0.0) /
@@ -195,9 +195,9 @@ TEST(GroundPosterior, BesideAWallTheGroundIsEven) {
 }
 
 // The same bins of a larger map: equal bits as far from the smaller map's border as a draw reaches.
-TEST(GroundPosterior, DependsOnNoMoreThanItsReach) {
+TEST(TerrainPosterior, DependsOnNoMoreThanItsReach) {
   const double resolution_m = 0.2;
-  const std::int64_t reach = GroundPosterior::reach_bins(resolution_m);
+  const std::int64_t reach = TerrainPosterior::reach_bins(resolution_m);
   const std::int64_t inner = reach + 6;
   const GridSpec large{resolution_m, -2 * inner, -2 * inner, 4 * inner + 1, 4 * inner + 1};
   const GridSpec small{resolution_m, -inner, -inner, 2 * inner + 1, 2 * inner + 1};
@@ -213,25 +213,25 @@ TEST(GroundPosterior, DependsOnNoMoreThanItsReach) {
     cut.at({row, col}) = z.at({row + inner, col + inner});
     cut_parts.noise_m.at({row, col}) = parts.noise_m.at({row + inner, col + inner});
   }
-  const Grid<double> whole = GroundPosterior(z, parts.noise_m, 3).draw(5);
-  const Grid<double> part = GroundPosterior(cut, cut_parts.noise_m, 3).draw(5);
+  const Grid<double> whole = TerrainPosterior(z, parts.noise_m, 3).draw(5);
+  const Grid<double> part = TerrainPosterior(cut, cut_parts.noise_m, 3).draw(5);
   for (const auto [row, col] : Bins({reach, reach}, {small.rows - reach, small.cols - reach}))
     ASSERT_NEAR(part.at({row, col}), whole.at({row + inner, col + inner}), 1e-6) << row << ", " << col;
   for (const double s : {0.025, 0.05, 0.1, 0.2, 0.4})
-    EXPECT_LE(static_cast<double>(GroundPosterior::reach_bins(s)) * s, 15) << s;
+    EXPECT_LE(static_cast<double>(TerrainPosterior::reach_bins(s)) * s, 15) << s;
 }
 
-TEST(GroundPosterior, DoesNotDependOnTheNumberOfThreads) {
+TEST(TerrainPosterior, DoesNotDependOnTheNumberOfThreads) {
   const GridSpec spec = GridSpec::centered(3, 0.05);
   Grid<double> z = rough(spec, 0.05, 0.6);
   add_noise(z, kNoise, 13);
-  const Grid<double> found = GroundPosterior(z, noise_of(spec, kNoise).noise_m, 1).draw(2);
+  const Grid<double> found = TerrainPosterior(z, noise_of(spec, kNoise).noise_m, 1).draw(2);
   for (const std::size_t threads : {1U, 2U, 7U}) {
     const ThreadLimit limit(threads);
-    EXPECT_TRUE(std::ranges::equal(GroundPosterior(z, noise_of(spec, kNoise).noise_m, 1).draw(2).values(),
+    EXPECT_TRUE(std::ranges::equal(TerrainPosterior(z, noise_of(spec, kNoise).noise_m, 1).draw(2).values(),
                                    found.values()));
   }
-  EXPECT_NE(GroundPosterior(z, noise_of(spec, kNoise).noise_m, 2).draw(2).at({60, 60}), found.at({60, 60}));
+  EXPECT_NE(TerrainPosterior(z, noise_of(spec, kNoise).noise_m, 2).draw(2).at({60, 60}), found.at({60, 60}));
 }
 
 }  // namespace

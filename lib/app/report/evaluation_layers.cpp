@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "app/report/report_layers.h"
+#include "app/report/evaluation_layers.h"
 
 #include <algorithm>
 #include <cmath>

@@ -2,7 +2,7 @@
 // The first interrupt of a campaign waits for the current draw and the state, a second one does not. Batch
 // systems send SIGTERM some seconds before SIGKILL, and a draw takes less. Writing a state does not decide
 // the end of the run (lib/base/output/temporary_files.h), because interrupts are deferred while it is named.
-#include "app/runs/campaign_run.h"
+#include "app/runs/draws_run.h"
 
 #include <algorithm>
 #include <memory>
@@ -22,7 +22,7 @@ constexpr double kStateInterval_s = 30;
 class ScanSequence {
  public:
   /// `resolved` is the configuration of monte-carlo.
-  ScanSequence(const CampaignSources& sources, nlohmann::json resolved, const std::string& name,
+  ScanSequence(const DrawsSources& sources, nlohmann::json resolved, const std::string& name,
                const NumberTable* samples, std::function<void(const std::string&)> warn)
       : device_(sources.device),
         make_terrain_(sources.make_terrain),
@@ -63,21 +63,21 @@ class ScanSequence {
   }
 
   /// The campaign of a row.
-  [[nodiscard]] Campaign& of(std::int64_t row) {
+  [[nodiscard]] DrawSeries& of(std::int64_t row) {
     const auto pair = static_cast<std::size_t>(row / config().draw_count());
     Provenance recorded;  // by check()
-    if (!campaign_ || pair != loaded_) load(pair, recorded, {});
-    return *campaign_;
+    if (!series_ || pair != loaded_) load(pair, recorded, {});
+    return *series_;
   }
 
   /// Adds to the maps what a device still has.
-  void complete(Draws& draws) { campaign_->complete(draws); }
+  void complete(Draws& draws) { series_->complete(draws); }
 
   /// The frame of the scan in memory; with several it is not written, because there are no maps.
-  [[nodiscard]] const std::string& crs_wkt() const { return campaign_->crs_wkt(); }
+  [[nodiscard]] const std::string& crs_wkt() const { return series_->crs_wkt(); }
 
   /// Frees the memory of the scan.
-  void clear() { campaign_.reset(); }
+  void clear() { series_.reset(); }
 
  private:
   struct Scan {
@@ -86,9 +86,9 @@ class ScanSequence {
         : file(pair.scan.empty() ? nullptr : std::make_unique<RangeFile>(pair.scan)),
           terrain(pair.terrain),
           config(resolved, name, file ? file->file().config() : nlohmann::json(), samples) {
-      if (config.traces()) require_one_ground();
+      if (config.traces()) require_one_terrain();
     }
-    void require_one_ground() const {
+    void require_one_terrain() const {
       const bool has_section = !config.stages().terrain.is_null();
       if (has_section && !terrain.empty())
         throw UsageError("--terrain " + terrain + ": " + config.name() +
@@ -104,19 +104,19 @@ class ScanSequence {
   };
 
   void load(std::size_t pair, Provenance& provenance, const ProgressCallback& progress) {
-    campaign_.reset();  // the old one first, so that both never exist at once
+    series_.reset();  // the old one first, so that both never exist at once
     const Scan& scan = *scans_[pair];
     const std::int64_t draws = scan.config.draw_count();
     const auto begin = static_cast<std::int64_t>(pair) * draws;
     const DrawSpan span = {std::clamp<std::int64_t>(span_.first - begin, 0, draws),
                            std::clamp<std::int64_t>(span_.end - begin, 0, draws)};
     const auto number = has_pairs() ? std::optional(static_cast<std::int64_t>(pair)) : std::nullopt;
-    GroundSource ground{scan.terrain, make_terrain_, warn_, rules_};
+    TerrainSource terrain{scan.terrain, make_terrain_, warn_, rules_};
     if (scan.file)
-      campaign_ = std::make_unique<Campaign>(*scan.file, std::move(ground), scan.config, span, number,
+      series_ = std::make_unique<DrawSeries>(*scan.file, std::move(terrain), scan.config, span, number,
                                              device_, provenance, progress);
     else
-      campaign_ = std::make_unique<Campaign>(std::move(ground), scan.config, span, provenance);
+      series_ = std::make_unique<DrawSeries>(std::move(terrain), scan.config, span, provenance);
     loaded_ = pair;
   }
 
@@ -127,15 +127,15 @@ class ScanSequence {
   std::vector<std::unique_ptr<Scan>> scans_;
   nlohmann::json json_;
   DrawSpan span_;
-  std::unique_ptr<Campaign> campaign_;
+  std::unique_ptr<DrawSeries> series_;
   std::size_t loaded_ = 0;
 };
 
 /// Adds draws until the span, the rule or an interrupt ends the run, and keeps the state.
 class DrawLoop {
  public:
-  DrawLoop(ScanSequence& scans, const DrawSpan& span, std::optional<Sprt> sprt, const CampaignState& state,
-           const CampaignOutput& output)
+  DrawLoop(ScanSequence& scans, const DrawSpan& span, std::optional<Sprt> sprt, const DrawsState& state,
+           const DrawsOutput& output)
       : scans_(scans), span_(span), sprt_(std::move(sprt)), state_(state), output_(output) {}
 
   void run(Draws& draws, const DeferredInterrupts& interrupts, const ProgressCallback& progress) {
@@ -187,12 +187,12 @@ class DrawLoop {
   ScanSequence& scans_;
   DrawSpan span_;
   std::optional<Sprt> sprt_;
-  const CampaignState& state_;
-  const CampaignOutput& output_;
+  const DrawsState& state_;
+  const DrawsOutput& output_;
 };
 
 /// Landings beyond the terrain are not safe, whatever is there.
-void warn_of_off_terrain(const nlohmann::ordered_json& verdict, const CampaignOutput& output) {
+void warn_of_off_terrain(const nlohmann::ordered_json& verdict, const DrawsOutput& output) {
   if (!verdict.contains("landing")) return;
   const nlohmann::ordered_json& landing = verdict.at("landing");
   for (const auto& [arm, what] : {std::pair{"lidar", "with"}, std::pair{"blind", "without"}})
@@ -204,8 +204,7 @@ void warn_of_off_terrain(const nlohmann::ordered_json& verdict, const CampaignOu
 
 }  // namespace
 
-CampaignResult run_campaign(const CampaignSources& sources, const std::optional<DrawSpan>& part,
-                            CampaignOutput output) {
+DrawsSummary run_draws(const DrawsSources& sources, const std::optional<DrawSpan>& part, DrawsOutput output) {
   std::optional<NumberTable> samples;
   if (!sources.samples.empty()) {
     samples = read_number_table(sources.samples, {.all = true});
@@ -219,7 +218,7 @@ CampaignResult run_campaign(const CampaignSources& sources, const std::optional<
   if (const auto why = scans.config().why_not_judged()) output.warn(scans.config().name() + ": " + *why);
   output.phase("read",
                [&](const ProgressCallback& progress) { scans.check(span, output.provenance, progress); });
-  const CampaignState state(output.file.path, output.provenance, span.first);
+  const DrawsState state(output.file.path, output.provenance, span.first);
   if (span.first != 0 || span.end != scans.row_count())
     output.provenance.options.update(part_options(span.first, span.end));
   LandfallFileWriter file(output.file, "draws", output.provenance);
@@ -236,8 +235,8 @@ CampaignResult run_campaign(const CampaignSources& sources, const std::optional<
     output.phase("draw", [&](const ProgressCallback& progress) { loop.run(draws, interrupts, progress); });
     if (interrupts.requested()) loop.keep(draws);
   }
-  CampaignResult result{verdict_json(draws.table, loop.sprt_state()),
-                        static_cast<double>(draws.table.size() - done) / (output.clock_s() - began_s)};
+  DrawsSummary result{verdict_json(draws.table, loop.sprt_state()),
+                      static_cast<double>(draws.table.size() - done) / (output.clock_s() - began_s)};
   warn_of_off_terrain(result.verdict, output);
   const std::string crs_wkt = scans.crs_wkt();
   scans.clear();  // its memory is not needed to write the maps

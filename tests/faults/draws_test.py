@@ -14,7 +14,7 @@ import sys
 import time
 import unittest
 
-from harness import EVAL, LONGEST_S, REGRID, CampaignTest, read_bytes, tool
+from harness import EVAL, LONGEST_S, REGRID, MonteCarloTest, read_bytes, tool
 
 sys.dont_write_bytecode = True
 # pylint: disable=wrong-import-position
@@ -30,7 +30,7 @@ FAST = "300"
 
 
 @unittest.skipUnless(shutil.which(os.environ.get("CC", "cc")), "no C compiler")
-class CampaignFaultsTest(CampaignTest):
+class DrawsFaultsTest(MonteCarloTest):
     @classmethod
     def setUpClass(cls):
         super().setUpClass()
@@ -94,7 +94,7 @@ class CampaignFaultsTest(CampaignTest):
         return self.draws_before(message)
 
 
-class Killed(CampaignFaultsTest):
+class Killed(DrawsFaultsTest):
     def finish_with_kills(self, seconds, *options, output):
         """Runs until the output is complete, killed at random times; returns (kills, runs that resumed another one)."""
         kills = resumed = 0
@@ -136,7 +136,7 @@ class Killed(CampaignFaultsTest):
         self.assertGreaterEqual(resumed, KILLS // 4, f"seed {SEED}")
 
 
-class Interrupted(CampaignFaultsTest):
+class Interrupted(DrawsFaultsTest):
     def interrupt(self, number, wait, **environment):
         """Sends a signal after a wait of its own; returns how many draws were kept, None if the run ended first."""
         process = self.start(**environment)
@@ -188,7 +188,7 @@ class Interrupted(CampaignFaultsTest):
         self.assertEqual(self.interrupt(signal.SIGTERM, wait, FAULT_SPEED="1"), 0)
 
 
-class FullDisk(CampaignFaultsTest):
+class FullDisk(DrawsFaultsTest):
     def check_failure(self, code, message):
         self.assertEqual(code, 1, message)
         self.assertRegex(message.splitlines()[-1], r"\Amonte-carlo: .*/out/[^ ]*: .*No space left on device")

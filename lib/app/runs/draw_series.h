@@ -20,7 +20,7 @@
 namespace landfall {
 
 /// The true ranges of a scan, in memory: one for each pixel and pulse.
-struct CampaignTruth {
+struct DrawsTruth {
   std::vector<double, LargeAllocator<double>> ranges_m;
   std::vector<Echo, LargeAllocator<Echo>> echoes;  ///< empty unless the scan keeps them
   std::vector<LaterEcho> later;                    ///< those behind the first of a pixel, ordered
@@ -37,7 +37,7 @@ using TerrainMaker = std::function<TerrainInput(const TerrainConfig&, Provenance
                                                 const std::function<void(const std::string&)>& warn)>;
 
 /// The ground of a campaign; that of a traced scan is a file.
-struct GroundSource {
+struct TerrainSource {
   std::string terrain;  ///< terrain.h5; empty: the section terrain of the campaign
   TerrainMaker make;    ///< for the section
   std::function<void(const std::string&)> warn;
@@ -45,21 +45,21 @@ struct GroundSource {
 };
 
 /// A campaign over one traced scan, or one whose draws trace: its inputs in memory, and its draws.
-class Campaign {
+class DrawSeries {
  public:
   /// Draws that trace. Reads or makes the ground, and adds it and the tables of the scan to the inputs of
   /// `provenance`. Throws UsageError, naming draw and key, unless the configuration of each draw of `span` is
   /// valid; FormatError as the readers do.
-  Campaign(GroundSource ground, const DrawsConfig& config, const DrawSpan& span, Provenance& provenance);
+  DrawSeries(TerrainSource terrain, const DrawsConfig& config, const DrawSpan& span, Provenance& provenance);
 
   /// `pair` is the number of the scan in a campaign over several: its draws follow those of the scans before,
   /// and their rows have it as the column kPairColumn. Reads the true ranges (8 bytes per ray) and the
   /// terrain, and adds both to the inputs of `provenance`. Throws UsageError, naming the key, unless every
   /// draw of `span` has the rays of the scan, and can be made by `device` if one is given (DeviceGridder);
   /// FormatError as the readers do, or for a terrain other than the one that was scanned.
-  Campaign(const RangeFile& scan, GroundSource ground, const DrawsConfig& config, const DrawSpan& span,
-           std::optional<std::int64_t> pair, const std::optional<OpenClOptions>& device,
-           Provenance& provenance, const ProgressCallback& progress);
+  DrawSeries(const RangeFile& scan, TerrainSource terrain, const DrawsConfig& config, const DrawSpan& span,
+             std::optional<std::int64_t> pair, const std::optional<OpenClOptions>& device,
+             Provenance& provenance, const ProgressCallback& progress);
 
   [[nodiscard]] const std::string& crs_wkt() const { return scene_.crs_wkt; }
   /// No draw yet, from row `first` on.
@@ -71,14 +71,14 @@ class Campaign {
   void complete(Draws& draws);
 
  private:
-  /// Reads the judged region and makes the runner; `ground` is that of all draws, null where it varies.
+  /// Reads the judged region and makes the runner; `terrain` is that of all draws, null where it varies.
   [[nodiscard]] std::optional<BinMask> hazard_region(Provenance& provenance) const;
-  void prepare(const TerrainSurface* ground, const std::optional<OpenClOptions>& device,
+  void prepare(const TerrainSurface* terrain, const std::optional<OpenClOptions>& device,
                Provenance& provenance);
   void require_device(const DrawSpan& span) const;
-  void open_ground(bool uses_albedo, Provenance& provenance);
-  void make_ground(const nlohmann::json& terrain, Provenance& provenance);
-  [[nodiscard]] DrawGround ground_of(const DrawStages& stages, std::int64_t draw);
+  void open_terrain(bool uses_albedo, Provenance& provenance);
+  void build_terrain(const nlohmann::json& terrain, Provenance& provenance);
+  [[nodiscard]] DrawTerrain terrain_of(const DrawStages& stages, std::int64_t draw);
   [[nodiscard]] DrawSetup setup_of(const DrawStages& stages, std::int64_t draw) const;
   [[nodiscard]] std::optional<LandingSetup> landing_setup(const nlohmann::json& scan,
                                                           std::int64_t draw) const;
@@ -86,11 +86,11 @@ class Campaign {
 
   const DrawsConfig& config_;
   std::optional<std::int64_t> pair_;
-  GroundSource source_;
+  TerrainSource source_;
   Scene scene_;
   std::shared_ptr<const SurfaceAlbedo> albedo_;
-  std::int64_t ground_draw_ = -1;  ///< the draw whose ground the scene is, where it varies
-  CampaignTruth truth_;
+  std::int64_t terrain_draw_ = -1;  ///< the draw whose ground the scene is, where it varies
+  DrawsTruth truth_;
   RegridConfig regrid_;
   BinMask region_;
   std::unique_ptr<DrawRunner> runner_;

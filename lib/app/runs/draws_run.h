@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
-#include "app/runs/campaign.h"
-#include "app/runs/campaign_parts.h"
+#include "app/runs/draw_series.h"
+#include "app/runs/draws_parts.h"
 #include "base/core/progress.h"
 #include "base/output/output_path.h"
 
@@ -21,7 +21,7 @@ struct ScanPair {
 };
 
 /// The scans and terrains of a campaign.
-struct CampaignSources {
+struct DrawsSources {
   /// With several, all draws run over the first, then over the next: row p N + i is draw i of N over pair p.
   /// Such a campaign has no maps.
   std::vector<ScanPair> pairs;
@@ -32,7 +32,7 @@ struct CampaignSources {
   MeetingRules rules{};
 };
 
-struct CampaignOutput {
+struct DrawsOutput {
   OutputOptions file;
   nlohmann::json config;    ///< of the campaign
   Provenance provenance;    ///< its configuration and inputs are added later
@@ -46,17 +46,16 @@ struct CampaignOutput {
   std::function<void(const Draws&, const nlohmann::ordered_json& verdict, const Provenance&)> report{};
 };
 
-struct CampaignResult {
+struct DrawsSummary {
   nlohmann::ordered_json verdict;  ///< verdict_json()
   double draws_per_s = 0;          ///< of this run
 };
 
 /// Runs a campaign, or its part, and writes draws.h5. At most every 30 s the state of the run is written
-/// beside the output (CampaignState); a run of the same campaign begins there. An interrupt ends the run
+/// beside the output (DrawsState); a run of the same campaign begins there. An interrupt ends the run
 /// after the draw that is being made and a last state. The state is removed when the output is complete.
-/// Throws as DrawsConfig and Campaign do, and UsageError for a part beyond the rows or of a sequential test,
-/// and for a sequential test over several pairs.
-CampaignResult run_campaign(const CampaignSources& sources, const std::optional<DrawSpan>& part,
-                            CampaignOutput output);
+/// Throws as DrawsConfig and DrawSeries do, and UsageError for a part beyond the rows or of a sequential
+/// test, and for a sequential test over several pairs.
+DrawsSummary run_draws(const DrawsSources& sources, const std::optional<DrawSpan>& part, DrawsOutput output);
 
 }  // namespace landfall

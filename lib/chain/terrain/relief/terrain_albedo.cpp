@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Decisions: D337, D347
-#include "chain/terrain/relief/ground_albedo.h"
+#include "chain/terrain/relief/terrain_albedo.h"
 
 #include <algorithm>
 #include <cmath>
@@ -77,7 +77,7 @@ void validate(const AlbedoModel& model, const GridSpec& grid) {
           longest_m, "at most the width of the grid");
 }
 
-GroundAlbedo::GroundAlbedo(const AlbedoModel& model, const GroundSite& site, const DemLoader& load_dem)
+TerrainAlbedo::TerrainAlbedo(const AlbedoModel& model, const AlbedoSite& site, const DemLoader& load_dem)
     : model_(model), site_(site) {
   if (const auto* const raster = std::get_if<AlbedoRaster>(&model.ground)) {
     DemBase samples = raster->raster;
@@ -89,17 +89,17 @@ GroundAlbedo::GroundAlbedo(const AlbedoModel& model, const GroundSite& site, con
     large_fractal_.emplace(fractal_of(*patches), FractalDraw{site.seed, kAlbedoDraw}, site.grid);
 }
 
-Grid<float> GroundAlbedo::layer(const GridSpec& rows) {
+Grid<float> TerrainAlbedo::layer(const GridSpec& rows) {
   Grid<float> layer(rows);
   std::visit([&](const auto& ground) { fill(layer, ground); }, model_.ground);
   return layer;
 }
 
-void GroundAlbedo::fill(Grid<float>& layer, double albedo) const {
+void TerrainAlbedo::fill(Grid<float>& layer, double albedo) const {
   std::ranges::fill(layer.values(), static_cast<float>(albedo));
 }
 
-void GroundAlbedo::fill(Grid<float>& layer, const AlbedoGradient& gradient) const {
+void TerrainAlbedo::fill(Grid<float>& layer, const AlbedoGradient& gradient) const {
   const double along_x = portable::cos(gradient.azimuth_rad);
   const double along_y = portable::sin(gradient.azimuth_rad);
   const GridSpec& grid = site_.grid;
@@ -114,7 +114,7 @@ void GroundAlbedo::fill(Grid<float>& layer, const AlbedoGradient& gradient) cons
   });
 }
 
-void GroundAlbedo::fill(Grid<float>& layer, const AlbedoPatches& patches) {
+void TerrainAlbedo::fill(Grid<float>& layer, const AlbedoPatches& patches) {
   Grid<double> relief(layer.spec());
   if (large_fractal_)
     large_fractal_->add_to(relief);
@@ -126,7 +126,7 @@ void GroundAlbedo::fill(Grid<float>& layer, const AlbedoPatches& patches) {
   });
 }
 
-void GroundAlbedo::fill(Grid<float>& layer, const AlbedoRaster& raster) const {
+void TerrainAlbedo::fill(Grid<float>& layer, const AlbedoRaster& raster) const {
   for_each_albedo(layer, [&](float& node, double x_m, double y_m) {
     const double sample =
         interpolate(raster_->samples, raster.raster.interpolation, raster_->mapping.pixel({x_m, y_m}));
@@ -134,7 +134,7 @@ void GroundAlbedo::fill(Grid<float>& layer, const AlbedoRaster& raster) const {
   });
 }
 
-void GroundAlbedo::finish(Grid<float>& layer, const Grid<double>& z) const {
+void TerrainAlbedo::finish(Grid<float>& layer, const Grid<double>& z) const {
   const GridSpec& spec = layer.spec();
   for (std::int64_t row = 0; row < spec.rows; ++row)
     for (std::int64_t col = 0; col < spec.cols; ++col) {

@@ -14,7 +14,7 @@
 namespace landfall {
 
 /// The grid of a terrain and its seed.
-struct GroundSite {
+struct AlbedoSite {
   GridSpec grid;
   RandomSeed seed = {};
   std::int64_t max_nodes = 0;  ///< grids with more have a LargeFractal (StripSize::max_nodes)
@@ -32,10 +32,10 @@ void validate(const AlbedoModel& model, const GridSpec& grid);
 /// - AlbedoPatches: `albedo` where a fractal of its own draw is above the quantile 1 - cover_frac of a normal
 ///   distribution with the expected variance of its waves, else `albedo_between`.
 /// - AlbedoRaster: offset + scale times the interpolated raster.
-class GroundAlbedo {
+class TerrainAlbedo {
  public:
   /// Loads the raster, synthesises long waves. Throws as `load_dem` does.
-  GroundAlbedo(const AlbedoModel& model, const GroundSite& site, const DemLoader& load_dem);
+  TerrainAlbedo(const AlbedoModel& model, const AlbedoSite& site, const DemLoader& load_dem);
 
   /// The albedo of some rows of the grid; rows in order from south to north cost least. What a raster lacks
   /// is NaN.
@@ -52,7 +52,7 @@ class GroundAlbedo {
   void fill(Grid<float>& layer, const AlbedoRaster& raster) const;
 
   AlbedoModel model_;
-  GroundSite site_;
+  AlbedoSite site_;
   std::optional<DemRaster> raster_;            ///< of AlbedoRaster
   std::optional<LargeFractal> large_fractal_;  ///< of AlbedoPatches on a large grid
 };

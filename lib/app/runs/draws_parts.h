@@ -13,10 +13,10 @@ namespace landfall {
 
 /// The state that a run of a campaign keeps: a file of draws under a hidden name beside the
 /// output, so that a run that was ended resumes from it.
-class CampaignState {
+class DrawsState {
  public:
   /// `provenance` is that of the output. `first` is the first draw of the run.
-  CampaignState(const std::filesystem::path& output, Provenance provenance, std::int64_t first);
+  DrawsState(const std::filesystem::path& output, Provenance provenance, std::int64_t first);
 
   [[nodiscard]] const std::filesystem::path& path() const { return path_; }
   /// The draws of an earlier run of the same campaign; none if there is no state, or if it is of another

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Decisions: D387, D461
-#include "chain/hazards/ground_posterior.h"
+#include "chain/hazards/terrain_posterior.h"
 
 #include <algorithm>
 #include <cmath>
@@ -135,8 +135,8 @@ struct Differences {
 
 Differences differences(const Grid<double>& map, BinIndex bin) {
   const GridSpec& spec = map.spec();
-  double least = std::numeric_limits<double>::infinity();
-  Differences result{0, least};
+  double minimum = std::numeric_limits<double>::infinity();
+  Differences result{0, minimum};
   int beside = 0;
   for (std::int64_t row = std::max<std::int64_t>(bin.row - 1, 0); row < std::min(bin.row + 2, spec.rows);
        ++row)
@@ -148,8 +148,8 @@ Differences differences(const Grid<double>& map, BinIndex bin) {
         result.curvature += off / 4;
         ++beside;
       }
-      result.like = std::min(result.like, std::max(least, std::abs(off)));
-      least = std::min(least, std::abs(off));
+      result.like = std::min(result.like, std::max(minimum, std::abs(off)));
+      minimum = std::min(minimum, std::abs(off));
     }
   if (beside < 4) result.curvature = 0;
   return result;
@@ -157,8 +157,8 @@ Differences differences(const Grid<double>& map, BinIndex bin) {
 
 }  // namespace
 
-GroundPosterior::GroundPosterior(const Grid<double>& z, const Grid<float>& noise_m, std::uint64_t seed,
-                                 std::optional<ReturnCentroids> centroids)
+TerrainPosterior::TerrainPosterior(const Grid<double>& z, const Grid<float>& noise_m, std::uint64_t seed,
+                                   std::optional<ReturnCentroids> centroids)
     : seed_(seed), mean_(z) {
   const GridSpec& spec = z.spec();
   Grid<float> seen(spec);
@@ -186,8 +186,8 @@ GroundPosterior::GroundPosterior(const Grid<double>& z, const Grid<float>& noise
     if (unknown.values()[i] != 0) mean_.values()[i] = std::numeric_limits<double>::quiet_NaN();
 }
 
-void GroundPosterior::add_details(std::vector<Grid<float>> details, const Grid<float>& seen,
-                                  const Grid<float>& variance) {
+void TerrainPosterior::add_details(std::vector<Grid<float>> details, const Grid<float>& seen,
+                                   const Grid<float>& variance) {
   const GridSpec& spec = mean_.spec();
   const NoiseGains gains = noise_gains(static_cast<std::int64_t>(details.size()));
   // The noise behind a detail of scale 0 is that of its bin; of scale 1 that of 5 x 5 bins; beyond, of more.
@@ -224,7 +224,7 @@ void GroundPosterior::add_details(std::vector<Grid<float>> details, const Grid<f
   }
 }
 
-Grid<double> GroundPosterior::draw(std::uint64_t number) const {
+Grid<double> TerrainPosterior::draw(std::uint64_t number) const {
   const GridSpec& spec = mean_.spec();
   const RandomField field(seed_, RandomStream::map_noise);
   constexpr std::int64_t kOffset = std::int64_t{1} << 31U;  // indices from the origin may be negative
@@ -254,21 +254,21 @@ Grid<double> GroundPosterior::draw(std::uint64_t number) const {
     for (std::size_t c = 0; c < static_cast<std::size_t>(spec.cols); ++c)
       smooth.row(row)[c] += static_cast<double>(rest_.row(row)[c] * noise.row(row)[c]);
   });
-  auto ground = Grid<double>::unset(spec);
+  auto terrain = Grid<double>::unset(spec);
   by_rows(spec, [&](std::int64_t row) {
     std::vector<double> values(static_cast<std::size_t>(spec.cols));
     normals(1, row, values);
     for (std::int64_t col = 0; col < spec.cols; ++col) {
       const Differences off = differences(smooth, {row, col});
       const double departure = std::min(static_cast<double>(departure_.at({row, col})), off.like);
-      ground.at({row, col}) =
+      terrain.at({row, col}) =
           smooth.at({row, col}) + off.curvature / 6 + departure * values[static_cast<std::size_t>(col)];
     }
   });
-  return ground;
+  return terrain;
 }
 
-std::int64_t GroundPosterior::reach_bins(double resolution_m) {
+std::int64_t TerrainPosterior::reach_bins(double resolution_m) {
   const std::int64_t scales = scale_count(resolution_m);
   const std::int64_t coarsest = std::int64_t{1} << (scales - 1);
   const std::int64_t fill_reach = kBlurReach * (2 * fill_step(resolution_m) - 1);
