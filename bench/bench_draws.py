@@ -1,12 +1,12 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Times campaigns of monte-carlo, `verdict` and `full`, against the chain of the tools, in turns, with their peak memory.
+"""Times runs of monte-carlo, `verdict` and `full`, against the chain of the tools, in turns, with their peak memory.
 
   bench/bench_draws.py [--bin build/release/bin] [--folder DIR] [--draws 30] [--chain 3] [--turns 3] [--threads 2]
 
 The scan is the paper's Example 2 with range noise, dropouts, dead pixels and three varied velocity errors. A turn runs
-a campaign of each kind and makes --chain draws by scan-sim --ranges-from, regrid and dem-eval --metrics-only. The time
-of a campaign is that of the whole program by its draws, reading the scan and writing the maps included. Prints each
+a run of draws of each kind and makes --chain draws by scan-sim --ranges-from, regrid and dem-eval --metrics-only. The time
+of a run of draws is that of the whole program by its draws, reading the scan and writing the maps included. Prints each
 turn, and medians. Files take 1.3 GB for a while.
 
 Prints times as they are: measure on a machine that does nothing else.

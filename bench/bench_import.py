@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Measures time and peak memory of landfall-import: bench/bench_import.py [POINTS ...] [--bin build/release/bin] [--folder DIR]
 
-Writes a LAS file (1.2, point format 1, 28 bytes a point: rolling ground with noise, random intensities) of each number of points
+Writes a LAS file (1.2, point format 1, 28 bytes a point: rolling terrain with noise, random intensities) of each number of points
 (default 10000000), imports it with two threads, and removes both files. 100 million points take 5 GB of the disk.
 """
 import argparse

@@ -1,20 +1,20 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""How well p_safe of hazard-map is calibrated: the share of truly safe places beside p, over sites of several kinds of ground.
+"""How well p_safe of hazard-map is calibrated: the share of truly safe places beside p, over sites of several kinds of terrain.
 
   bench/bench_probability.py --folder DIR [--bin build/release/bin] [--families rocks,..] [--cells 5-16.7,..] [--sites 16] [--seed 9100]
                              [--figure FILE.png] [--before FOLDER] [--raster FILE.tif] [--table-only]
 
-A site is 17 m of ground with nodes of 2.5 cm, judged within 7.3 m of its origin. A family is a kind of ground:
+A site is 17 m of ground with nodes of 2.5 cm, judged within 7.3 m of its origin. A family is a kind of terrain:
 
   isolated    half ellipsoids 1.2 m wide and 0.25 .. 0.55 m high, 4 m apart, on a plane
-  rocks       fractal ground (H 0.7, 0.8; 0.1 .. 0.3 m at 10 m) with Golombek's rocks, k = 0.05 and 0.2
-  craters     craters in equilibrium on fractal ground of 0.1 m
+  rocks       fractal terrain (H 0.7, 0.8; 0.1 .. 0.3 m at 10 m) with Golombek's rocks, k = 0.05 and 0.2
+  craters     craters in equilibrium on fractal terrain of 0.1 m
   fractal     H 0.5 .. 0.9, 0.28 .. 0.5 m at 10 m
   dunes       three bent waves of 2.5 .. 8 m
   smooth      a raster of 2 m posting, interpolated bicubically
   hirise      part of --raster, of 1 m posting, with fractal relief of 4 cm at 1 m; only with that option
-  steps       nine vertical steps of 5 .. 35 cm on nearly level ground
+  steps       nine vertical steps of 5 .. 35 cm on nearly level terrain
   plane9.5    a plane of 9.5 deg (or any other slope), whose mean p is printed
 
 and a cell, BINS-NOISE, the bins' edge in cm and the range noise in mm. Four sites of five have 3.2 returns in a bin of 5 cm or 0.9 of that, one

@@ -4,7 +4,7 @@
 
     bench/symptoms.py -o docs/images        symptom-stripes.png, symptom-holes.png, ...
 
-All scans are of one sloping ground with two cones, from 100 m, and differ from a lidar without errors only in the keys shown.
+All scans are of one sloping terrain with two cones, from 100 m, and differ from a lidar without errors only in the keys shown.
 """
 import argparse
 import os

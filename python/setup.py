@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-# The package reads schemas, presets and the reports' scripts, which lie beside python/ in a clone: an installed package has copies in landfall/share.
+# The package reads schemas, presets and the reports' scripts, which lie next to python/ in a clone: an installed package has copies in landfall/share.
 # The build keeps its files in a temporary folder, so that the clone stays as it is.
 """Builds the Python package from a clone (pyproject.toml)."""
 import atexit
@@ -18,7 +18,7 @@ DATA = ("schemas", "studies/presets", "lib/app/report/web")
 def version():
     path = os.path.join(CLONE, "CMakeLists.txt")
     if not os.path.exists(path):
-        raise SystemExit("landfall's package is built from a clone: there is no CMakeLists.txt beside the folder python")
+        raise SystemExit("landfall's package is built from a clone: there is no CMakeLists.txt next to the folder python")
     with open(path, encoding="utf-8") as file:
         return re.search(r"project\(landfall VERSION ([\d.]+)", file.read())[1]
 
@@ -30,7 +30,7 @@ def scratch(name):
 
 
 class BuildWithData(build_py):
-    """Copies what the package reads into it."""
+    """Copies the files that the package reads into it."""
 
     def run(self):
         super().run()

@@ -27,6 +27,7 @@ LEVELS = {
     "app/exports": 0, "app/host": 0, "app/report": 0,
     "app/runs": 1,
     "app/cli": 2,
+    "app/python": 3,
 }
 SAME = {"base/text": "base/core", "base/numerics": "base/core", "base/memory": "base/core"}
 
@@ -45,7 +46,8 @@ ONLY_IN = {
     # base/core: a header that several rooms share
     r"nlohmann/": {"base/core", "store/config", "store/files", "app/runs", "app/cli", "app/host", "app/report"},
     r"CLI/": {"app/cli"},
-    r"(iostream|fstream|chrono|ctime)$": {"store/config", "store/files", "formats/mesh", "base/output", "app/cli"},
+    r"pybind11/": {"app/python"},
+    r"(iostream|fstream|chrono|ctime)$": {"store/config", "store/files", "formats/mesh", "base/output", "app/cli", "app/python"},
 }
 
 INCLUDE = re.compile(r'^\s*#\s*include\s+[<"]([^>"]+)[>"]')

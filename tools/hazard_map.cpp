@@ -121,7 +121,7 @@ void place(cli::Session& session, const std::string& name, HazardMap& map, const
   place_on_map(map.sites, crs_wkt);
 }
 
-/// Prints what is asked for, and passes on the outcome.
+/// Prints the requested tables, and passes on the outcome.
 ExitCode conclude(cli::Session& session, const Options& o, const HazardMap& map,
                   const HazardParameters& parameters, bool is_sharp = false) {
   const RequirementVerdicts own = own_verdicts(map, parameters);
@@ -131,7 +131,7 @@ ExitCode conclude(cli::Session& session, const Options& o, const HazardMap& map,
                  " m are coarser than a tenth of the body's diameter, " + short_number(tenth_m) +
                  " m: p_safe is less sure");
   if (is_sharp)
-    session.warn(o.map + ": rocks or steps stand out of the relief: beside them p_safe is less sure");
+    session.warn(o.map + ": rocks or steps stand out of the relief: next to them p_safe is less sure");
   if (session.options().shows_table(o.table)) std::cout << cli::hazard_table(map) << cli::own_table(own);
   std::optional<double> required;
   if (o.require_safe) required = parameters.sites.min_p;

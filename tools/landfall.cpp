@@ -31,7 +31,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Starts a program beside this one in place of this process. Returns only by throwing IoError.
+/// Replaces this process by a program next to this one. Returns only by throwing IoError.
 [[noreturn]] void start_beside(const std::string& name, const std::vector<std::string>& words) {
   std::vector<std::string> arguments = {(own_folder() / name).string()};
   arguments.insert(arguments.end(), words.begin(), words.end());

@@ -180,7 +180,7 @@ bool has_file_id(const fs::path& output) {
   }
 }
 
-/// Refuses before the work what a stage would refuse after that of others.
+/// Refuses, before any work, inputs that a later stage would refuse.
 void require_own(const cli::Session& session, const std::vector<cli::ChainStage>& stages,
                  const cli::ChainRecord& record) {
   std::vector<std::string> inputs = session.options().config_names;

@@ -81,7 +81,7 @@ bool is_echo_of_failure(const std::string& line) {
   return (is_of_make && (names_recipe || is_count)) || is_lost_plan;
 }
 
-/// Passes on what is written to `messages`, less those lines; names in others are escaped. The end of the
+/// Passes on the text of `messages`, less those lines; names in others are escaped. The end of the
 /// other side ends it, no signal.
 void pass_on_messages(int messages) {
   for (const int each : {SIGINT, SIGTERM, SIGHUP}) std::signal(each, SIG_IGN);

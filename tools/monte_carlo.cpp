@@ -19,6 +19,7 @@
 #include "store/config/draws_config.h"
 #include "store/config/import_config.h"
 #include "store/config/stage_sections.h"
+#include "store/files/draws_verdict.h"
 #include "store/files/table_reader.h"
 #include "tools.h"
 
@@ -47,7 +48,7 @@ Without a scan each draw traces its own rays, so that any key may vary: trajecto
 
 The output has one row per draw, and maps: the probability that a bin is empty and that a footprint exceeds a limit, mean and standard deviation of the errors. The table says how many draws passed each requirement and what probability of passing follows.
 
-A run that was ended resumes when it is started again with the same configuration. --draws A:B runs a part; merge joins the parts of one campaign. With --pair, repeated, the draws run over several scans: a verdict for each and one for all of them, and no maps.)";
+A run that was ended resumes when it is started again with the same configuration. --draws A:B runs a part; merge joins the parts of one run. With --pair, repeated, the draws run over several scans: a verdict for each and one for all of them, and no maps.)";
 
 void check_config(const cli::Session& session, const cli::DrawsOptions& o) {
   if (o.merges()) return;

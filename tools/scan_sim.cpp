@@ -34,7 +34,7 @@ Configuration: --print-schema, man scan-sim, docs/user/scan-sim.md.)";
 constexpr const char* kDescription =
     R"(Simulates a lander's scanning lidar pulse by pulse: trajectory and attitude, scanner, detector, rays to the terrain, range noise, and navigation errors. The output has one row per return with its true and its estimated point, one per pulse with the poses, and one per pixel.
 
---ranges-from takes the true ranges from an earlier scan and redraws only the errors, without tracing. --plan does not trace rays either: it reports the time budget of the scan and its coverage of flat ground.)";
+--ranges-from takes the true ranges from an earlier scan and redraws only the errors, without tracing. --plan does not trace rays either: it reports the time budget of the scan and its coverage of flat terrain.)";
 
 struct Options {
   std::string terrain;
@@ -117,7 +117,7 @@ void require_echoes_to_keep(const Receiver& receiver, const std::string& config_
 ExitCode run(cli::Session& session, const Options& o) {
   if (o.plan.requested) {
     if (!o.terrain.empty() || !o.ranges_from.empty())
-      throw UsageError("--plan uses flat ground; omit --terrain and --ranges-from");
+      throw UsageError("--plan uses flat terrain; omit --terrain and --ranges-from");
     return cli::run_plan(session, o.plan, o.batch_points);
   }
   if (o.terrain.empty() && o.ranges_from.empty()) throw UsageError("--terrain is required");

@@ -33,7 +33,7 @@ Configuration: --print-schema, man terrain-gen, docs/user/terrain-gen.md.)";
 constexpr const char* kDescription =
     R"(Writes the terrain that scan-sim scans and regrid compares with: elevations on a regular grid, or a triangle mesh.
 
-The relief is a plane, fractal ground, an imported raster, or a sum of these; features (cones, rocks, craters, ice blocks, ridges, fractures, pits, penitentes) are placed individually, in patterns, or as populations drawn from a size distribution. Lengths are in metres in the site frame, z upwards, the origin at the intended landing site.
+The relief is a plane, fractal terrain, an imported raster, or a sum of these; features (cones, rocks, craters, ice blocks, ridges, fractures, pits, penitentes) are placed individually, in patterns, or as populations drawn from a size distribution. Lengths are in metres in the site frame, z upwards, the origin at the intended landing site.
 
 --from imports a raster that GDAL reads or a mesh (OBJ, PLY, OFF, STL, .tab), or exports a terrain.h5. The same configuration and seed give the same bytes on any machine with any number of threads.)";
 
@@ -67,7 +67,7 @@ void bind(CLI::App& app, Options& o) {
       "--horizontal-scale", import.horizontal_scale, "M",
       "Metres per unit of the coordinates (per pixel without a georeference), for a raster without a CRS");
   of_raster("--crs", import.crs, "DEF",
-            "CRS of the raster in place of its own: EPSG:NUMBER, a PROJ text or WKT");
+            "CRS that replaces that of the raster: EPSG:NUMBER, a PROJ text or WKT");
   of_raster(
       "--nodata", import.nodata, "VALUE[,...]",
       "Samples that are holes, in addition to those that the raster declares; none: keep numbers that look "

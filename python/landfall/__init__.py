@@ -17,17 +17,21 @@ from landfall.errors import DataError, Error, ToolError, UsageError
 
 if typing.TYPE_CHECKING:
     from landfall import model, plot
+    from landfall.memory import chain, evaluate, grid, hazards, Lidar, scan, Terrain
 
-__all__ = ["DataError", "Error", "ToolError", "UsageError", "model", "open", "plot", "run"]
+__all__ = ["chain", "DataError", "Error", "evaluate", "grid", "hazards", "Lidar", "model", "open", "plot", "run", "scan", "Terrain", "ToolError", "UsageError"]
+_IN_MEMORY = ("chain", "evaluate", "grid", "hazards", "Lidar", "scan", "Terrain")
 
 Path = str | os.PathLike[str]
 Config = typing.Mapping[str, typing.Any] | Path
 
 
 def __getattr__(name: str) -> typing.Any:
-    """Imports landfall.plot and landfall.model when they are first used, because loading matplotlib and numpy takes time."""
+    """Imports landfall.plot, landfall.model and landfall.memory when they are first used, because loading matplotlib and numpy takes time."""
     if name in ("model", "plot"):
         return importlib.import_module(f"landfall.{name}")
+    if name in _IN_MEMORY:
+        return getattr(importlib.import_module("landfall.memory"), name)
     raise AttributeError(f"module 'landfall' has no attribute {name!r}")
 
 
@@ -37,7 +41,7 @@ def open(path: Path, group: str | None = None, check: bool = True) -> typing.Any
     A terrain, DEM, evaluation, hazard map, plan or the maps of draws.h5 are an xarray.Dataset: layers of shape (y, x) with `units` and `long_name`,
     row 0 the southernmost, x and y in metres in frame D (x to the right, y up on the map), and the coordinate reference system as `crs`. A mesh
     terrain has `vertices` (V, 3), metres, and `triangles` (F, 3), rows of the vertices. A scan, or the results of a study, is a
-    landfall.table.Table. metrics.json, sites.json, score.json and the verdict of a campaign are dicts, whose keys end in their units. With
+    landfall.table.Table. metrics.json, sites.json, score.json and the verdict of a run of draws are dicts, whose keys end in their units. With
     `group` the columns of that group are a Table: "pulses" of a scan, "features" of a terrain, "holes" of an evaluation, "sites" of a hazard map,
     "draws" of draws.h5.
 

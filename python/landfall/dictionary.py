@@ -7,9 +7,6 @@ from dataclasses import dataclass
 
 from landfall import schema, tools
 
-UNITS = {"fraction": ("%", 100), "bins": ("bins", 1), "footprints": ("footprints", 1)}
-
-
 # Results of the user's own requirements, in metrics.json and score.json: the columns of each begin with its path.
 _OWN = r"((?:score\.)?own_requirements\.([^.]+))"
 OWN_PASS, OWN_METRIC, OWN_NUMBER = (re.compile(_OWN + end) for end in (r"\.pass", r"\.metric", r"\.(?:value|limit)"))
@@ -30,7 +27,7 @@ def table(name):
 
 def stages():
     """{name: row} of the stages of a study, in their order."""
-    return {stage["name"]: stage for stage in table("stages")["stages"]}
+    return {stage["name"]: stage for stage in table("stages")["stages"] if "study" in stage["part_of"]}
 
 
 @dataclass(frozen=True)
@@ -49,6 +46,10 @@ class Requirement:
     footprints: str = ""
 
     @property
+    def _unit(self):
+        return next(unit for unit in table("requirements")["units"] if unit["name"] == self.unit)
+
+    @property
     def words(self):
         return self.name.replace("_", " ")
 
@@ -59,12 +60,21 @@ class Requirement:
     @property
     def measured_in(self):
         """The measured quantity and its unit; footprints say it themselves."""
-        name = UNITS[self.unit][0]
+        name = self._unit["shown"]
         return self.measured if name in self.measured else f"{self.measured} ({name})"
 
     @property
     def factor(self):
-        return UNITS[self.unit][1]
+        return self._unit["factor"]
+
+    @property
+    def is_whole(self):
+        return self._unit.get("is_whole", False)
+
+    @property
+    def stored_unit(self):
+        """That of its value in files."""
+        return self._unit["stored"]
 
 
 @functools.cache
@@ -78,9 +88,14 @@ def fail_bit(name):
     return next(flag["bit"] for flag in table("requirements")["fail_flags"] if flag["name"] == name)
 
 
+def layers(file):
+    """The rows of the layers of a kind of file ("dem", "evaluation", ...), in the order of the dictionary."""
+    return [layer for layer in table("layers")["layers"] if layer["file"] == file]
+
+
 def layer_limit(name):
     """The key of eval.limits that the scale of a layer of an evaluation shows; None of most."""
-    return next(layer.get("limit") for layer in table("layers")["layers"] if (layer["file"], layer["name"]) == ("evaluation", name))
+    return next(layer.get("limit") for layer in layers("evaluation") if layer["name"] == name)
 
 
 def place_classes(layer):

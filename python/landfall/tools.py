@@ -29,7 +29,7 @@ def find(tool, folder=None):
 
 
 def run_tool(path, *arguments, **options):
-    """Runs a program and returns what it printed. Throws ToolError with its message if it fails."""
+    """Runs a program and returns its output. Throws ToolError with its message if it fails."""
     try:
         result = subprocess.run([path, *map(str, arguments)], capture_output=True, text=True, check=False, **options)
     except OSError as error:
@@ -71,7 +71,7 @@ def seal_file(path):
 
 
 def sound_files(paths):
-    """Those of the files that check_files() does not refuse."""
+    """The files that check_files() accepts."""
     try:
         if paths:
             check_files(*paths)
@@ -82,9 +82,9 @@ def sound_files(paths):
 
 
 def run(tool, config, inputs, output, options):
-    """Runs a tool as landfall.run does. Returns (the path of its output or None, what it printed)."""
+    """Runs a tool as landfall.run does. Returns (the path of its output or None, its printed text)."""
     with tempfile.TemporaryDirectory(prefix="landfall-configs-") as folder:
-        arguments, standard_input, names = _configs(config, folder)
+        arguments, standard_input, names = config_words(config, folder)
         arguments = [*(_path(name, "an input") for name in inputs), *arguments]
         for name, value in options.items():
             arguments += option_words("--" + name.replace("_", "-"), value)
@@ -101,7 +101,7 @@ def run(tool, config, inputs, output, options):
     return None if output is None else os.fspath(output), done.stdout
 
 
-def _configs(config, folder):
+def config_words(config, folder):
     """The -c arguments of one configuration or of several that are merged in order, the text of standard input: the first dict, and names of dicts
     in messages. Other dicts are written to files in `folder`."""
     arguments, standard_input, names = [], "", {}

@@ -3,7 +3,7 @@
 
 usage: web.py WEB_FOLDER OUTPUT_FOLDER PAGE...
 
-Writes PAGE.html of each page. The build calls this for the reports of the tools; it needs nothing beside Python.
+Writes PAGE.html of each page. The build calls this for the reports of the tools; it needs nothing but Python.
 """
 import base64
 import hashlib
@@ -22,7 +22,7 @@ PLACE = re.compile(r"@(\w+)@")
 
 
 class Module:
-    """A script with its imports, {module: names}, and what it declares. Throws ValueError if it cannot be joined."""
+    """A script with its imports, {module: names}, and its declarations. Throws ValueError if it cannot be joined."""
 
     def __init__(self, folder, name):
         self.name = name

@@ -25,7 +25,7 @@ UNITS = {"m": "m", "km2": "km²", "nm": "N m", "mps": "m/s", "mps2": "m/s²", "r
          "degps": "degrees/s", "s": "s", "hz": "Hz", "frac": "fraction", "bins": "bins", "J": "J", "kg": "kg", "kgm2": "kg m²", "pe": "photoelectrons",
          "ppm": "ppm", "per_m": "1/m", "m_per_sqrt_s": "m/√s", "mps_per_sqrt_s": "(m/s)/√s", "rad_per_sqrt_s": "rad/√s"}
 EFFECTS = """
-What a key changes stands after its description:
+The effect of a key follows its description:
 
 - *beam*: the true beams or what they hit; another value needs a new trace;
 - *echo*: the echoes that a receiver sees, or which of them it reports;

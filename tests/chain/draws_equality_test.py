@@ -152,7 +152,7 @@ class Verdicts(ToolTest):
 
 
 def random_scene(random):
-    """Terrain, scan and campaign of 2 draws: 25,600 rays or fewer."""
+    """Terrain, scan and run of 2 draws: 25,600 rays or fewer."""
     def pick(*values):
         return values[random.integers(len(values))]
 
@@ -190,7 +190,7 @@ class Dropouts(ToolTest):
     DRAWS = 200
     RESOLUTION_M = 0.025
     HALF_BINS = 80
-    ALLOWED = 1e-3  # probability that any bin of a campaign is outside its bounds; the seed is fixed
+    ALLOWED = 1e-3  # probability that any bin of a run of draws is outside its bounds; the seed is fixed
 
     def setUp(self):
         super().setUp()

@@ -43,7 +43,7 @@ class DrawsReportTest(PageTest):
         self.succeed("scan-sim", *self.chain.inputs("scan-sim"), "--keep-misses", "-o", self.path("scan.h5"))
 
     def run_draws(self, *arguments, config=DRAWS_CONFIG, output="draws.h5"):
-        """Runs a campaign and opens its report; the draws by column, and the layers."""
+        """Makes draws and opens its report; the draws by column, and the layers."""
         self.succeed("monte-carlo", self.path("scan.h5"), "--terrain", self.path("terrain.h5"), "-c", self.config(config), "-o",
                      self.path(output), "--report", self.path("draws.html"), "-O", *arguments)
         self.open("draws.html")

@@ -32,7 +32,7 @@ def scan_of(half_width_m, rows):
 
 class SpreadTest(ToolTest):
     def run_draws(self, slope, scan, changes):
-        """The layers of a campaign on a plane, and the paths of its inputs."""
+        """The layers of a run of draws on a plane, and the paths of its inputs."""
         terrain, source, draws = self.path("terrain.h5"), self.path("scan.h5"), self.path("draws.h5")
         self.succeed("terrain-gen", "-c", self.config({
             "grid": {"half_width_m": 14, "resolution_m": 0.5}, "base": {"type": "plane", "slope_x": slope, "slope_y": 0}}, "terrain.json"), "-o", terrain, "-O")

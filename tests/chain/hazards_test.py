@@ -169,7 +169,7 @@ class Maps(ChainTest):
             self.assertEqual(sum(score["reliability"]["count"]), known.sum())
 
     def test_no_probability_is_larger_than_its_evidence(self):
-        """A level map of bins of 0.2 m: eight grounds of the 37 bins under a body of 0.7 m."""
+        """A level map of bins of 0.2 m: eight terrains of the 37 bins under a body of 0.7 m."""
         self.succeed("terrain-gen", "-o", self.path("t.h5"), "--set", 'grid={"half_width_m": 8, "resolution_m": 0.2}')
         arguments = ["hazard-map", self.path("t.h5"), "-o", self.path("h.h5"), "-O", "--set", "z_sigma_m=0.001", "--set", "lander.body_radius_m=0.7",
                      "--set", "region_radius_m=4", "--set", "touchdown_sigma_m=0", "--sites", self.path("s.json")]
@@ -187,7 +187,7 @@ class Maps(ChainTest):
         self.assertIn("this map carries no p_safe above 0.9966, and sites.min_p is 0.999 (smaller bins carry more): 100 % safe", result.stderr)
         self.succeed("terrain-gen", "-o", self.path("t.h5"), "-O", "--set", 'grid={"half_width_m": 8, "resolution_m": 0.1}', "--set",
                      'features=[{"type": "rock", "x_m": 1, "y_m": 1, "diameter_m": 1, "height_m": 0.3}]')
-        self.check_message("hazard-map", run(*arguments).stderr, ["t.h5: rocks or steps stand out of the relief: beside them p_safe is less sure"])
+        self.check_message("hazard-map", run(*arguments).stderr, ["t.h5: rocks or steps stand out of the relief: next to them p_safe is less sure"])
 
     def test_truth_is_ignored_on_request(self):
         layers, listed = self.hazards(self.chain.dem, CONFIG, "--no-truth")
@@ -443,7 +443,7 @@ class Interface(ChainTest):
         rates = [line for line in table.splitlines() if line.startswith(("missed hazards ", "false alarms ", "not compared "))]
         self.assertEqual(len(rates), 3)
         safe = json.loads(read_bytes(self.path("s.json")))["sites"][0]["true_safe"]
-        self.assertIn("\n".join(rates + [f"best site       {'safe' if safe else 'hazard':>10}   on the true ground"]) + "\n", text)
+        self.assertIn("\n".join(rates + [f"best site       {'safe' if safe else 'hazard':>10}   on the true terrain"]) + "\n", text)
         described = json.loads(self.succeed("landfall-info", "--json", self.path("h.h5")).stdout)
         self.assertEqual(described["best_site"], {"true_safe": safe})
         self.succeed("hazard-map", *self.arguments("-O", "--no-truth"))

@@ -82,7 +82,7 @@ CASES = [
      scan_config(trajectory__velocity_mps=[1e308, 0, 0], trajectory__position_m=[1.7e308, 0, 50])),
     ("a lidar below the ground", TRACE, "below.json", scan_config(trajectory__position_m=[0.5, -0.3, -5])),
     ("a key with a NUL byte", TRACE, "nul.json", '{"seed\\u0000": 1}'),
-    ("a seed that is not the campaign's", MERGE, "a.h5", value_at("draws/seed", 0, 99)),
+    ("a seed that is not the run's", MERGE, "a.h5", value_at("draws/seed", 0, 99)),
     ("a seed that does not follow the one before", MERGE, "a.h5", value_at("draws/seed", 1, 99)),
     ("a number of a draw that does not follow the one before", MERGE, "a.h5", value_at("draws/draw", 1, 99)),
     ("a draw that passes 7 times", MERGE, "a.h5", value_at("draws/pass", 1, 7)),

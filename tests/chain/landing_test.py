@@ -1,6 +1,6 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Landings of draws: touchdowns and their verdict against numpy on the true ground, closed forms, the paired table, refusals."""
+"""Landings of draws: touchdowns and their verdict against numpy on the true terrain, closed forms, the paired table, refusals."""
 import itertools
 import json
 import math
@@ -92,7 +92,7 @@ class Judgement(LandingTest):
 
 class ClosedForms(LandingTest):
     def test_plane_and_drift(self):
-        """Flat ground is safe. A velocity error of 0.3 m/s for 2 s moves a touchdown by 0.6 m."""
+        """Flat terrain is safe. A velocity error of 0.3 m/s for 2 s moves a touchdown by 0.6 m."""
         error = {"navigation_error": {"velocity_mps": [0.3, 0, 0]}}
         rows, verdict = self.landings(draws_config(scan={**STILL, **error}, hazard={**HAZARD, "touchdown_sigma_m": 0}, landing={"drift_time_s": 2, "yaw_deg": 30}))
         np.testing.assert_allclose(rows["blind.x_m"], 0.6 + 0.3 * 399 / 2000, atol=1e-9)

@@ -79,7 +79,7 @@ class Hazards(base.DrawsTest):
         self.assertEqual((verdict["draws_with_site"], verdict["chosen_place_safe"]["passed"]), (0, 0))
 
     def test_draws_with_nothing_to_judge_count(self):
-        """A draw whose map has no place that can be judged has no site and no score, and the campaign continues."""
+        """A draw whose map has no place that can be judged has no site and no score, and the run of draws continues."""
         config = {**draws_config(), "hazard": with_values(HAZARD, region_radius_m=1)}
         config["vary"] = {**config.get("vary", {}), "scan.noise.dropout_frac": {"type": "list", "values": [0.05, 0.995, 0.05, 0.995]}}
         config["draws"] = 4

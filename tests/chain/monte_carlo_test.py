@@ -84,7 +84,7 @@ class DrawsTest(MonteCarloTest):
                 *options]
 
     def draws(self, config, *options, output="draws.h5", scan=None):
-        """Runs a campaign; returns the rows of its draws."""
+        """Makes draws; returns the rows of its draws."""
         self.succeed("monte-carlo", *self.arguments(config, output, "-O", *options, scan=scan))
         return columns(self.path(output), "draws")
 
@@ -144,7 +144,7 @@ class Equality(DrawsTest):
         self.assertIn(1, rows["requirements.coverage.pass"])
 
     def test_seeds_share_no_random_number(self):
-        """Nor do the draws of one campaign; the number of a draw, not its place, decides."""
+        """Nor do the draws of one run; the number of a draw, not its place, decides."""
         vary = {**VARY, "scan.noise.range_bias_m": {"type": "uniform", "low": -0.01, "high": 0.01}}
         rows = [self.draws(draws_config(draws=12, scan={**ERRORS, "seed": seed}, vary=vary), output=f"{seed}.h5") for seed in (1, 2)]
         for name in [*vary, "accuracy.absolute.z.mean_m", "accuracy.relative.z.max_m"]:
@@ -196,7 +196,7 @@ class Equality(DrawsTest):
 
 
 class Division(DrawsTest):
-    """How a campaign is run does not change its file."""
+    """How draws are run does not change their file."""
 
     CONFIG = draws_config(draws=9, scan={"noise": {"dropout_frac": 0.2}}, vary={"scan.navigation_error.velocity_mps.0": {**NORMAL, "sigma": 0.1}})
 
@@ -237,7 +237,7 @@ class Division(DrawsTest):
         self.refuse(2, "monte-carlo", "merge", *parts[:2], *overlapping, *out, words=["4-9.h5 (draws 4:9): overlaps ", "2-5.h5 (draws 2:5)"])
         self.refuse(2, "monte-carlo", "merge", parts[0], parts[0], *out, words=["overlaps"])
         self.refuse(2, "monte-carlo", "merge", parts[0], parts[1], *out, words=["2-5.h5", "draws 5:9 are missing"])
-        self.refuse(2, "monte-carlo", "merge", parts[1], parts[0], *other, *out, words=["is not of the same campaign as"])
+        self.refuse(2, "monte-carlo", "merge", parts[1], parts[0], *other, *out, words=["is not a part of the same run as"])
         parts = self.parts([0, 2, 5, 9])
         self.refuse(2, "monte-carlo", "merge", parts[0], parts[2], *out, words=["5-9.h5", "draws 2:5 are missing"])
         self.refuse(2, "monte-carlo", "merge", *parts[1:], *out, words=["2-5.h5", "draws 0:2 are missing"])
@@ -246,13 +246,13 @@ class Division(DrawsTest):
         self.refuse(2, "monte-carlo", "merge", *out, words=["parts"])
 
     def test_goes_on(self):
-        """A state is a part from the first draw on; one of another campaign, or a damaged one, is not used."""
+        """A state is a part from the first draw on; one of another run, or a damaged one, is not used."""
         whole = self.whole()
         state = self.path(".draws.h5.state")
         begin, middle, other = (read_bytes(self.parts(cuts, config)[0]) for cuts, config in
                                 [([0, 4], None), ([3, 5], None), ([0, 4], {**self.CONFIG, "metrics": "verdict"})])
-        cases = {"first draws": (0, begin, None), "a part's first draws": (3, middle, None), "a part's": (0, middle, "another campaign"),
-                 "other metrics": (0, other, "another campaign"), "a DEM": (0, read_bytes(self.chain.dem), "landfall.dem"),
+        cases = {"first draws": (0, begin, None), "a part's first draws": (3, middle, None), "a part's": (0, middle, "another run"),
+                 "other metrics": (0, other, "another run"), "a DEM": (0, read_bytes(self.chain.dem), "landfall.dem"),
                  "half a file": (0, begin[:len(begin) // 2], "begins again"), "empty": (0, b"", "begins again")}
         for name, (first, content, warning) in cases.items():
             with self.subTest(name):
@@ -331,7 +331,7 @@ class Results(DrawsTest):
         self.assertEqual([line.split()[0] for line in table.splitlines()], ["requirement", *REQUIREMENTS, "all"])
 
     def test_verdict_file(self):
-        """The verdict of the output, of a campaign, of a part and of merge."""
+        """The verdict of the output, of a run of draws, of a part and of merge."""
         for options in ((), ("--draws", "0:20"), ("--draws", "20:40")):
             name = options[1].replace(":", "-") if options else "draws"
             self.draws(self.HALF, *options, "--verdict", self.path(name + ".json"), output=name + ".h5")
@@ -345,7 +345,7 @@ class Results(DrawsTest):
             self.refuse(2, "monte-carlo", *self.arguments(self.HALF, "new.h5", *options), words=[words], output=self.path("new.h5"))
 
     def test_sequential_test(self):
-        """It stops where Wald's rule says, with the draws of the campaign without it."""
+        """It stops where Wald's rule says, with the draws of the run without it."""
         passed = self.draws(self.HALF)["pass"]
         ends = set()
         for p0, p1, alpha, beta in [(0.99, 0.97, 0.05, 0.05), (0.5, 0.2, 0.1, 0.1), (0.9, 0.6, 0.01, 0.2), (0.2, 0.02, 0.2, 0.1),

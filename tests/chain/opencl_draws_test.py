@@ -42,7 +42,7 @@ class DeviceDraws(MonteCarloTest):
         return json.loads(self.succeed("monte-carlo", *self.arguments(engine, config, *options, scan=scan), **where).stdout)
 
     def compare(self, engine, config, *options, scan=None, **where):
-        """Runs a campaign on the CPU and with this engine; the files must be equal, provenance included. Returns the summary."""
+        """Makes draws on the CPU and with this engine; the files must be equal, provenance included. Returns the summary."""
         expected = self.draws("cpu", config, *options, scan=scan)
         found = self.draws(engine, config, *options, scan=scan, **where)
         self.assertEqual(read_bytes(self.path(engine + ".h5")), read_bytes(self.path("cpu.h5")))

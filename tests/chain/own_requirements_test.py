@@ -87,7 +87,7 @@ class Own(base.DrawsTest):
         self.succeed("dem-eval", self.chain.dem, "-c", self.config({**EVAL, "requirements": [VALID]}, "e.json"), "--report", self.path("r.html"))
         page = read_bytes(self.path("r.html")).decode()
         self.assertIn('<tr data-requirement="valid"><th scope="row">valid</th>', page)
-        self.assertIn("1 of 1 own requirements missed", page)
+        self.assertIn("1 of 1 custom requirements missed", page)
 
     def test_hazards(self):
         self.map_hazards(MISSED, options=("--require-safe", "--score", self.path("s.json")))
@@ -99,7 +99,7 @@ class Own(base.DrawsTest):
         self.assertIn("missed: none, brier", done.stderr)  # the map has no p_safe
         self.assertRegex(done.stdout, r"brier +brier: no value +1 +FAIL")
         self.assertRegex(self.succeed("landfall-info", self.path("h.h5")).stdout, r"none +missed_hazard_frac [\d.]+ % +-100 % +FAIL")
-        self.assertIn("2 of 3 own requirements missed", read_bytes(self.path("h.html")).decode())
+        self.assertIn("2 of 3 custom requirements missed", read_bytes(self.path("h.html")).decode())
         self.assertIn("FAIL", self.map_hazards(MISSED, options=("--no-truth",)).stdout)  # nothing to compare with
 
     def test_bad_requirements(self):

@@ -83,7 +83,7 @@ class Cones(Example):
     axes = None
 
     def assert_errors_belong_to_cones(self):
-        """Without noise, flat ground has no error, and every failing footprint touches a cone."""
+        """Without noise, flat terrain has no error, and every failing footprint touches a cone."""
         distance = distance_to_axes(self.x, self.y, self.axes)
         flat = self.region & (distance > CONE_RADIUS_M + 0.2) & (self.count > 0)
         self.assertLess(np.max(np.abs(self.e_z[flat])), 1e-9)

@@ -1,6 +1,6 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""scan-sim --plan against counts from a traced scan of flat ground."""
+"""scan-sim --plan against counts from a traced scan of flat terrain."""
 import json
 import os
 import subprocess
@@ -111,7 +111,7 @@ class Plan(ChainTest):
         self.refuse(2, "scan-sim", "--plan", "--plan-filled", 1.5, words=["--plan-filled", "1.5"])
 
     def share_of_a_dem(self, config, resolution_m):
-        """The share of filled bins of a DEM of flat ground, of those that lie wholly in bins of 5 cm of the plan's region."""
+        """The share of filled bins of a DEM of flat terrain, of those that lie wholly in bins of 5 cm of the plan's region."""
         flat, half_bins = self.path("flat.h5"), int(5 / resolution_m) + 1
         self.succeed("terrain-gen", "-o", flat, "--set", 'grid={"half_width_m":20,"resolution_m":1}')
         self.succeed("scan-sim", "-c", self.config(config), "--terrain", flat, "-o", self.path("scan.h5"))

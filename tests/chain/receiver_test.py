@@ -136,7 +136,7 @@ class ClosedForms(ReceiverTest):
                 self.assertGreater(abs(peak - (50 - depth / 2)), 0.02)
 
     def test_a_step_agrees_with_its_waveform(self):
-        """Level ground at 0 and, over x > 0, at `height`: a quarter or half of the sub-rays see each of two pulses."""
+        """Level terrain at 0 and, over x > 0, at `height`: a quarter or half of the sub-rays see each of two pulses."""
         x = np.linspace(-0.6, 0.4, 1000001)
         pulse = lambda at: np.exp(-(x - at)**2 / 2 / SIGMA_M**2)
         for height in (0.08, 0.12, 0.14, 0.3):

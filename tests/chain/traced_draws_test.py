@@ -75,7 +75,7 @@ class TracedTest(ChainTest):
 
 
 class Equality(TracedTest):
-    """One draw of each campaign through the chain."""
+    """One draw of each run through the chain."""
 
     def test_everything_drawn(self):
         """Ground, path, attitude, jitter, aim from an estimate with random errors, noise."""
@@ -98,7 +98,7 @@ class Equality(TracedTest):
             np.testing.assert_array_equal(values, rows[name], name)
 
     def test_a_terrain_file_and_a_fixed_ground(self):
-        """All draws have one ground, so that the maps of it exist."""
+        """All draws have one terrain, so that the maps of it exist."""
         config = draws_config(vary=DISPERSED)
         rows = self.draws(config)
         self.check_draw(config, rows, 1)
@@ -179,7 +179,7 @@ class Equality(TracedTest):
 
 
 class Division(TracedTest):
-    """How a campaign is run does not change its file."""
+    """How draws are run does not change their file."""
 
     def test_threads_parts_and_a_state(self):
         for vary, seed in ((DISPERSED, "fixed"), ({**DISPERSED, "terrain.base.0.slope_x": TERRAIN_KEYS["terrain.base.slope_x"]}, "each")):
@@ -220,7 +220,7 @@ class Refusals(TracedTest):
     def test_keys(self):
         uniform = {"type": "uniform", "low": 1, "high": 2}
         for key, words in {"scan.seed": "the same in all draws", "scan.draw": "number of the draw", "terrain.draw": "/terrain_seed", "regrid.resolution_m": "bins",
-                           "eval.region_radius_m": "bins", "hazard.region_radius_m": "bins", "terrain.grid.resolution_m": "grid of the ground",
+                           "eval.region_radius_m": "bins", "hazard.region_radius_m": "bins", "terrain.grid.resolution_m": "grid of the terrain",
                            "landing.drift_time_s": "the same in all draws", "scan.noise.nothing": "unknown key of scan",
                            "hazard.limits.slope_deg": "no section hazard", "other.key": "first part"}.items():
             self.refused(draws_config(vary={key: uniform}), words=[key, words])
@@ -236,7 +236,7 @@ class Refusals(TracedTest):
         self.refused(draws_config(), "--terrain", self.chain.terrain, words=["--terrain", "section terrain", "one of them"])
         self.refused(draws_config(terrain=None), words=["--terrain", "section terrain"])
         self.refused(draws_config(terrain=None, terrain_seed="each"), "--terrain", self.chain.terrain, words=["/terrain_seed"])
-        self.refused(draws_config(sigma=True, vary=TERRAIN_KEYS), words=["/sigma", "ground varies"])
+        self.refused(draws_config(sigma=True, vary=TERRAIN_KEYS), words=["/sigma", "terrain varies"])
         self.refused(draws_config(terrain="europa"), words=["/terrain", "preset:NAME"])
         self.refused(draws_config(terrain="preset:nowhere"), words=["/terrain", "no such preset"])
         self.refused(draws_config(), "--engine", "opencl", words=["--engine opencl", "without a scan"])

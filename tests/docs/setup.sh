@@ -6,7 +6,7 @@ for plot in "$LANDFALL_ROOT"/python/commands/plot_*.py; do
   eval "${plot##*/}() { command ${plot##*/} --dpi 50 \"\$@\"; }"
 done
 
-# Makes a coarse terrain.h5 of flat ground with three cones.
+# Makes a coarse terrain.h5 of flat terrain with three cones.
 small_terrain() {
   command terrain-gen -o "${1:-terrain.h5}" --half-width 60 --resolution 0.5 --set 'patterns=[{"type":"ring","count":3,
     "radius_m":20,"feature":{"type":"cone","radius_m":3,"height_m":2}}]'

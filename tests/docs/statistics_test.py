@@ -108,7 +108,7 @@ def sprt_table():
     for p in sorted(PROBABILITIES + (0.98, 0.985)):
         accepted, rejected, draws, maximum = ends((0.99, 0.97, 0.05, 0.05), p)
         rows.append([p, share(accepted), share(rejected), f"{draws:.0f}", f"{maximum:,}"])
-    return table(["p", "accepted", "rejected", "draws, mean", "draws, 95 % of campaigns"], rows)
+    return table(["p", "accepted", "rejected", "draws, mean", "draws, 95 % of runs"], rows)
 
 
 def rules_table():

@@ -236,7 +236,7 @@ class ChainTest(ToolTest):
 
 
 def as_of_0_2_0(file):
-    """A draws.h5 as version 0.2.0 wrote it: draw i has the seed of the campaign plus i, and there are no numbers of draws."""
+    """A draws.h5 as version 0.2.0 wrote it: draw i has the seed of the run plus i, and there are no numbers of draws."""
     file.attrs["format_version"] = "1.0"
     file["draws/seed"][...] += np.arange(len(file["draws/seed"])) + file["draws"].attrs["first_draw"]
     del file["draws/draw"]

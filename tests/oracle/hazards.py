@@ -214,7 +214,7 @@ def fraction(part, whole):
 
 
 def score(judged, truth, limits, region):
-    """Counts, fractions and ROC, from slope and roughness of the map and of the true ground."""
+    """Counts, fractions and ROC, from slope and roughness of the map and of the true terrain."""
     def counts(roughness_limit):
         a, b = judge(*judged, {**limits, "roughness_m": roughness_limit})[region], judge(*truth, limits)[region]
         known = (a != UNKNOWN) & (b != UNKNOWN)

@@ -1,6 +1,6 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Tests of plot_draws.py on a campaign over the small chain."""
+"""Tests of plot_draws.py on draws over the small chain."""
 import json
 import os
 import shutil
@@ -122,7 +122,7 @@ class DrawsTest(harness.ChainTest):
         self.assertNotIn("spread of the map's error: observed against predicted", panels)
         layers = [*(name for name in plot_draws.LAYERS if name not in ("p_missed_hazard", "p_judged_safe")), "count_mean", "x", "y"]
         self.assertEqual(list(self.panels(self.changed(remove(layers)))), list(dictionary.requirements()))
-        self.assertEqual(list(self.panels(self.changed(remove(["z_true_map"])))), list(self.panels(self.draws)))  # of grounds that vary
+        self.assertEqual(list(self.panels(self.changed(remove(["z_true_map"])))), list(self.panels(self.draws)))  # of terrains that vary
 
     def test_hazards(self):
         """Each chosen place, by its truth; one of six is made a hazard, and one draw has none."""

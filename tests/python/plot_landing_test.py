@@ -45,7 +45,7 @@ class LandingTest(harness.ToolTest):
         for ax, arm in zip(axes, plot_landing.ARMS):
             safe, ground = draws.columns[f"{arm}.safe"] == 1, ~np.isnan(draws.columns[f"{arm}.slope_deg"])
             self.assertTrue((~ground).any() and ground.any(), arm)
-            for gid, expected in (("safe", safe), ("not-safe", ~safe & ground), ("over-no-ground", ~ground)):
+            for gid, expected in (("safe", safe), ("not-safe", ~safe & ground), ("over-no-terrain", ~ground)):
                 self.assertEqual(self.points(ax, f"{arm}-{gid}"), np.count_nonzero(expected), gid)
         curves = {line.get_gid(): line for ax in axes for line in ax.lines if line.get_gid() in plot_landing.ARMS}
         self.assertEqual(set(curves), set(plot_landing.ARMS))
@@ -78,7 +78,7 @@ class LandingTest(harness.ToolTest):
                 self.assertTrue(0 <= values.min() - line[:, axis].min() < s and 0 <= line[:, axis].max() - values.max() < s, (values, line))
 
     def test_files(self):
-        """With and without maps; the figure of the campaign too, although its ground varies."""
+        """With and without maps; the figure of the draws too, although its terrain varies."""
         for layers in (True, False):
             path = self.draws(layers=layers)
             for module, name in ((plot_landing, "landing"), (plot_draws, "draws")):

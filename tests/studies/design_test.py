@@ -133,7 +133,7 @@ class Filters(DesignTest):
             design_problem.Problem(self.write({**file, "requirement": "NMAX"}))
 
     def landing_file(self, **keys):
-        """Each draw on ground of its own, which follows its seed."""
+        """Each draw on its own terrain, which follows its seed."""
         file = design_file(requirement="safe landing", traced_draws={"terrain_seed": "each", "landing": {"drift_time_s": 1}}, terrains=[{}], **keys)
         file["base"]["terrain"] |= {"base": {"type": "fractal", "rms_deviation_m": 0.02, "reference_length_m": 1}, "seed": 4}
         file["base"]["hazard"] = {"region_radius_m": 3, "lander": {"leg_radius_m": 0.4, "body_radius_m": 0.4}, "sites": {"divert_radius_m": 2, "min_p": 0.9},
@@ -141,7 +141,7 @@ class Filters(DesignTest):
         return design_problem.Problem(self.write(file))
 
     def test_a_safe_landing(self):
-        """The margin follows the chosen place, a landing that is not safe counts as no chance; a draw is that of the chain on its own ground."""
+        """The margin follows the chosen place, a landing that is not safe counts as no chance; a draw is that of the chain on its own terrain."""
         problem = self.landing_file()
         for row, margin, passes in (({"landing.safe": 1, "site.p_touchdown": 0.95}, math.log(0.5), True),
                                     ({"landing.safe": 0, "site.p_touchdown": 0.95}, math.log(10), False),
@@ -155,7 +155,7 @@ class Filters(DesignTest):
         [draws] = search.scans_of(GOOD)
         rows = draws.rows(problem.draws(draws=3, seed=9))
         self.assertEqual([(row["seed"], row["draw"]) for row in rows], [(9, 0), (9, 1), (9, 2)])
-        self.assertEqual(len({row["score.counts.safe_safe"] for row in rows}), 3, "the ground varies")
+        self.assertEqual(len({row["score.counts.safe_safe"] for row in rows}), 3, "the terrain varies")
         for row in rows[1:]:
             self.assertEqual(search.through_the_chain(GOOD, row)["draw"], row["draw"])
         with self.assertRaises(DataError):

@@ -1,6 +1,6 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Studies with campaigns of monte-carlo: what they share, their configurations, what is made again, their columns and figures."""
+"""Studies with runs of monte-carlo: what they share, their configurations, what is made again, their columns and figures."""
 import json
 import os
 import re
@@ -83,7 +83,7 @@ class Plans(StudyTest):
     def test_keys_of_the_case_are_refused(self):
         for stage in ("scan", "regrid", "eval"):
             for tree in (draws_study(draws={**DRAWS, stage: {}}), draws_study(set={f"draws.{stage}.seed": 1})):
-                with self.assertRaisesRegex(UsageError, rf"tiny\.json: draws\.{stage}: a campaign has the {stage} of its case; set {stage} itself"):
+                with self.assertRaisesRegex(UsageError, rf"tiny\.json: draws\.{stage}: draws have the {stage} of their case; set {stage} itself"):
                     self.graph(tree)
 
     def test_keys_need_the_stage(self):
@@ -103,7 +103,7 @@ class Plans(StudyTest):
         self.assertNotIn(b"draws", read(self.out("study.mk")))
 
     def test_the_rules(self):
-        """The truth is order-only: what changes it changes the campaign's other inputs too."""
+        """The truth is order-only: what changes it changes the run's other inputs too."""
         self.plan(draws_study(SPREADS), "--keep", "draws")
         rule = r"(?m)^\$O/verdict/(\S+)\.json \$O/draws/\1\.h5 &: (.*) \| \$O/truth/[0-9a-f]{16}\.h5$"
         found = re.findall(rule, read(self.out("study.mk")).decode())
@@ -151,7 +151,7 @@ class Results(StudyTest):
         self.check_row(self.rows()[5], json.loads(read(self.out(cases[5][-1]))))
 
     def check_chain(self, folder):
-        """A draw of the campaign by hand equals the chain with the case's own errors and the values of the draw."""
+        """A draw of the run by hand equals the chain with the case's own errors and the values of the draw."""
         with h5py.File(os.path.join(folder, "draws.h5")) as file:
             rows = {name: column[()] for name, column in file["draws"].items()}
         commands = ["scan-sim -c scan.json --ranges-from truth.h5 --terrain terrain.h5 -o drawn.h5 "
@@ -227,7 +227,7 @@ class Repeats(StudyTest):
         scratch, expected = self.path("scratch"), json.loads(read(verdict))
         os.mkdir(scratch)
         self.assertEqual(expected["rates"][0]["passed"], 4)
-        # The state of a killed campaign is a part; one whose draws say something else shows that it was used.
+        # The state of a killed run is a part; one whose draws say something else shows that it was used.
         state = os.path.join(scratch, ".one-draws.h5.state")
         subprocess.run([os.path.join(BIN, "monte-carlo"), truth, "-c", config, "--terrain", terrain, "-o", self.path("part.h5"),
                         "--set", "layers=false", "--draws", "0:2"], check=True, capture_output=True)
@@ -273,10 +273,10 @@ class Traced(StudyTest):
         self.assertEqual([config["terrain"]["features"][0]["height_m"] for config in configs], [0.1, 0.1, 1.5, 1.5])
         self.assertEqual(configs[0]["scan"], tree["base"]["scan"])
         self.assertEqual([config["vary"][VELOCITY]["sigma"] for config in configs], [0.1, 2] * 2)
-        for changes, message in (({"draws": {**DRAWS, "terrain": {}}}, r"draws\.terrain: a campaign has the terrain of its case"),):
+        for changes, message in (({"draws": {**DRAWS, "terrain": {}}}, r"draws\.terrain: draws have the terrain of their case"),):
             with self.assertRaisesRegex(UsageError, message):
                 self.graph(self.traced(**changes))
-        with self.assertRaisesRegex(UsageError, r"/trace_draws: needs a campaign"):
+        with self.assertRaisesRegex(UsageError, r"/trace_draws: needs draws"):
             reader.read_study(self.write(study(trace_draws=True)))
 
     def test_a_case_equals_monte_carlo_by_hand(self):
@@ -297,7 +297,7 @@ class Traced(StudyTest):
         self.assertEqual([tree["runs"][run][0] for run in tree["caseRuns"][0]], ["terrain", "scan", "regrid", "eval", "draws"])
 
     def check_figure(self):
-        """A line for each arm, with the shares of the campaigns."""
+        """A line for each arm, with the shares of the runs of draws."""
         self.assertIn("landings.png", self.files("figures"))
         with h5py.File(self.out("results.h5")) as file:
             read_results = table.Results(file)

@@ -252,7 +252,7 @@ class Failures(ModelTest):
             self.assertIn(words, str(caught.exception))
 
     def test_a_refused_row_is_nan_and_says_why(self):
-        """In a campaign and in a chain; the other rows have their values."""
+        """In a run of draws and in a chain; the other rows have their values."""
         of = self.of([SIGMA, DRAW], [LARGEST])
         found = of([[0.01, 1], [-1, 2], [0.02, 3]])
         self.assertEqual(np.isnan(found[:, 0]).tolist(), [False, True, False])

@@ -364,7 +364,7 @@ class InBrowser(ReportTest):
                 self.assertEqual(model.configuration(alone, stage, ()), model.configuration(planned, stage, indices))
 
     def test_a_case_with_draws_as_a_study_file(self):
-        """The campaign of the saved study is the same one: it has scan, regrid and eval from its case."""
+        """The run of draws of the saved study is the same one: it has scan, regrid and eval from its case."""
         tree = study({"key": "draws.draws", "list": [1, 2]}, SIGMAS)
         tree["base"]["draws"] = {"metrics": "verdict"}
         planned = stages.build(reader.read_study(self.write(tree)))

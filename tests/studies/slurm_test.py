@@ -1,6 +1,6 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Studies and campaigns on a local Slurm cluster of four nodes: the same bytes as a local run, also if a node is lost."""
+"""Studies and runs of draws on a local Slurm cluster of four nodes: the same bytes as a local run, also if a node is lost."""
 import json
 import os
 import shutil
@@ -134,7 +134,7 @@ monte-carlo scan.h5 --terrain terrain.h5 -c mc.json -v -t 1 --draws $A:$B -o par
 """
 
     def test_draws_as_an_array(self):
-        """The parts of a campaign, one of which resumes after its node is lost, merged to the undivided campaign."""
+        """The parts of a run of draws, one of which resumes after its node is lost, merged to the undivided run."""
         chain = Chain(noise__dropout_frac=0, noise__dead_pixel_frac=0)
         self.addCleanup(chain.remove)
         calls.build_library(self.folder)

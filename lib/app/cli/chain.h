@@ -12,7 +12,7 @@
 
 namespace landfall::cli {
 
-/// The wishes that the options of `landfall run` express beside the configuration.
+/// The wishes that the options of `landfall run` express in addition to the configuration.
 struct ChainRequest {
   std::filesystem::path folder;
   bool require_pass = false;
@@ -26,7 +26,7 @@ struct ChainStage {
   std::vector<std::string> arguments;  ///< all that decide the content of the outputs, and the outputs
   std::filesystem::path output;        ///< HDF5
   std::vector<std::filesystem::path> side_outputs = {};
-  std::string requirement = {};  ///< --require-pass where that is asked for; changes the exit code only
+  std::string requirement = {};  ///< --require-pass if it is given; changes the exit code only
 };
 
 /// terrain-gen, scan-sim, regrid, dem-eval and, unless its section is null, hazard-map, for a resolved

@@ -118,7 +118,7 @@ ChainIdentity chain_identity(const ChainNames& names, const Json& config, const 
   }
   if (!names.from.empty()) chain.names.push_back(kFrom + from_folder(names.from, folder).string());
   chain.config = {{"uncertainty", config.at("uncertainty")}};
-  for (const std::string& stage : stage_sections()) {
+  for (const std::string& stage : stage_sections("chain")) {
     const Json& section = config.at(stage);
     chain.config[stage] = section.is_null() ? Json() : resolved_config({stage, section}, stage);
   }

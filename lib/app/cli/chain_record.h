@@ -12,7 +12,7 @@
 
 namespace landfall::cli {
 
-/// The chain that a folder belongs to: how it was named, and what it says.
+/// The chain of a folder: its name and its content.
 ///
 /// Two chains with equal names are one, of which the later is an edition. Two with other names and an equal
 /// configuration are one too: its file was renamed, moved or copied. Others are two chains.
@@ -45,11 +45,11 @@ struct ChainNames {
 /// The step that made a landfall file, as Provenance::as_step(); null if it is not a complete one.
 [[nodiscard]] nlohmann::json step_of(const std::filesystem::path& output);
 
-/// Why a step gives another file than an earlier one: what differs in its configuration, options, inputs and
-/// version. Empty if the file_id is the same.
+/// The reason why a step gives another file than before: the differences in its configuration, options,
+/// inputs and version. Empty if the file_id is the same.
 [[nodiscard]] std::string replacement_reason(const nlohmann::json& before, const nlohmann::json& after);
 
-/// The record of what `landfall run` has made in a folder: the chain; for each output its file_id, or the
+/// The record of the outputs of `landfall run` in a folder: the chain; for each output its file_id, or the
 /// hash of its bytes, also of one that is about to get its name, so that a file of another origin is never
 /// taken for one (the outputs equal those of the single tools, so that no file says who made it); the table
 /// that each stage printed; whether it met its requirement. It lies in the hidden file .landfall-run.json of
@@ -68,13 +68,13 @@ class ChainRecord {
   [[nodiscard]] bool is_announced(const std::filesystem::path& output) const;
   /// The table that the stage printed; empty if nothing is recorded.
   [[nodiscard]] std::string table(const ChainStage& stage) const;
-  /// Whether the stage was asked for its requirement and met it.
+  /// Whether the stage had a requirement and met it.
   [[nodiscard]] bool has_met(const ChainStage& stage) const;
   /// The names of the recorded outputs that still exist.
   [[nodiscard]] std::vector<std::string> outputs() const;
   /// The chain of these outputs; empty for a record of version 0.2.0, which has none.
   [[nodiscard]] const std::optional<ChainIdentity>& chain() const { return chain_; }
-  /// The chain of what is made from now on. The next call of add() or save() writes it.
+  /// The chain of all later outputs. The next call of add() or save() writes it.
   void set_chain(ChainIdentity chain);
   /// Notes that the temporary files of a stage are about to get their names, and writes the file.
   void announce(const ChainStage& stage);

@@ -123,7 +123,7 @@ std::string pair_lines(const Comparison& json) {
   return text;
 }
 
-/// The draws with the same random numbers in both campaigns.
+/// The draws with the same random numbers in both runs.
 std::string draw_lines(const Comparison& json) {
   const Comparison& draws = json["draws"];
   std::string text = "\n" + value_text(draws["common"]) + " draws in common, of " + value_text(draws["a"]) +

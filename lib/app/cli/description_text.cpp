@@ -51,7 +51,7 @@ std::string metres(const OrderedJson& value) {
   return value.is_number() ? print("%.6g", value.get<double>()) : "-";
 }
 
-/// Also of a clock whose seconds are large numbers.
+/// Keeps the digits of clocks whose seconds are large numbers.
 std::string time_text(const OrderedJson& value) {
   return value.is_number() ? print("%.15g", value.get<double>()) : "-";
 }
@@ -360,7 +360,7 @@ std::string score_text(const OrderedJson& d) {
                                  {rate("missed_hazard_frac"), rate("false_alarm_frac")}) +
                      own_table(own_verdicts_from(score));
   if (d.contains("best_site") && d["best_site"].at("true_safe").is_boolean())
-    text += print("%-16s%10s   on the true ground\n", "best site",
+    text += print("%-16s%10s   on the true terrain\n", "best site",
                   d["best_site"]["true_safe"].get<bool>() ? "safe" : "hazard");
   if (d.contains("best_site"))
     for (const std::string& place : place_lines(d["best_site"])) text += "best site at " + place + "\n";
@@ -405,7 +405,7 @@ std::string text_of(const OrderedJson& d) {
                       (d.contains("plan")    ? "plan"
                        : d.contains("score") ? "score"
                                              : "metrics") +
-                      "_json is not what this version writes");
+                      "_json was not written by this version");
   }
   return text + config_lines(d) + provenance_lines(d);
 }

@@ -52,7 +52,7 @@ void bind_draws_options(CLI::App& app, DrawsOptions& o) {
   app.add_option(
          "scan", o.inputs,
          "Traced scan (scan.h5); without one each draw traces its own rays. Or: merge, and the parts of "
-         "a campaign (draws.h5)")
+         "a run (draws.h5)")
       ->type_name("FILE...");
   app.add_option("--terrain", o.terrain, "Terrain that was scanned (terrain.h5), or that each draw scans")
       ->type_name("FILE");
@@ -95,7 +95,7 @@ void check_draws_options(const CommonOptions& common, const DrawsOptions& o) {
   if (o.report == "-") throw UsageError("--report needs a file");
   if (o.verdict == "-") throw UsageError("--verdict needs a file; --json prints it");
   if (o.merges()) {
-    if (o.inputs.size() < 2) throw UsageError("merge needs the parts of a campaign");
+    if (o.inputs.size() < 2) throw UsageError("merge needs the parts of a run");
     if (!o.terrain.empty() || !o.samples.empty() || !o.draws.empty() || !common.config_names.empty() ||
         !common.assignments.empty() || o.engine != "cpu")
       throw UsageError(

@@ -8,7 +8,7 @@
 
 namespace landfall::cli {
 
-/// read_region() of the session's configuration; warns of what was taken for granted about its file.
+/// read_region() of the session's configuration; warns of the assumptions about its file.
 [[nodiscard]] std::optional<BinMask> read_judged_region(Session& session, RegionMap map,
                                                         Provenance& provenance);
 

@@ -138,7 +138,7 @@ ExitCode report_hazards(Session& session, const std::string& name, const HazardM
   if (map.truth && map.truth->score.counts.unknown == counts.all())
     session.warn(name +
                  ": no place is compared with the truth, because each is unknown in the map or on the "
-                 "true ground");
+                 "true terrain");
   if (min_p && !map.p_safe && !map.sites.empty())
     session.warn(name + ": --require-safe: " + map.no_probability +
                  "; p_touchdown counts safe places as certain");

@@ -51,8 +51,8 @@ void warn_of_assumptions(Session& session, const std::string& dem, const Metrics
                                          const Evaluation& evaluation, const BinBox& scanned,
                                          bool require_pass);
 
-/// Also passes on the numbers of places, sites and score. Warns if every place is unknown on the true ground.
-/// With `min_p`, a site of that p_touchdown and the user's own requirements are required: returns
+/// Also passes on the numbers of places, sites and score. Warns if every place is unknown on the true
+/// terrain. With `min_p`, a site of that p_touchdown and the user's own requirements are required: returns
 /// requirement_missed, and always says why, without. `name` begins the messages.
 [[nodiscard]] ExitCode report_hazards(Session& session, const std::string& name, const HazardMap& map,
                                       const RequirementVerdicts& own, std::optional<double> min_p);

@@ -65,7 +65,7 @@ nlohmann::json planned_scan(Session& session) {
 
 void bind_plan(CLI::App& app, PlanOptions& o) {
   CLI::Option* const plan = app.add_flag("--plan", o.requested,
-                                         "Print the coverage of flat ground (z = 0) and the time budget of "
+                                         "Print the coverage of flat terrain (z = 0) and the time budget of "
                                          "the scan, without tracing; -o writes the "
                                          "coverage as layers");
   app.add_option("--plan-radius", o.radius_m, "Radius of the region of a plan, metres")
@@ -119,7 +119,7 @@ std::string plan_table(const PlanMetrics& plan) {
           time_line("frame partly in the region", plan.time.partly_in_region) +
           time_line("frame outside the region", plan.time.off_region) +
           time_line("blanked", plan.time.blanked) + time_line("all", plan.time.total);
-  text += print("\nRegion: %ld bins of %g m within %g m, on flat ground\n", plan.region.bin_count,
+  text += print("\nRegion: %ld bins of %g m within %g m, on flat terrain\n", plan.region.bin_count,
                 plan.region.resolution_m, plan.region.radius_m);
   text += print("  uncovered: %ld bins, %.4f %%, in %ld %s; the largest has %ld bins\n",
                 coverage.invalid_count, 100 * coverage.invalid_frac, coverage.hole_count,

@@ -18,7 +18,7 @@ struct PlanOptions {
 
 void bind_plan(CLI::App& app, PlanOptions& options);
 
-/// Computes the time budget and the coverage of flat ground of the session's scan, prints them, and writes
+/// Computes the time budget and the coverage of flat terrain of the session's scan, prints them, and writes
 /// plan.h5 if there is an output. Throws UsageError for a radius or resolution that is not positive.
 ExitCode run_plan(Session& session, const PlanOptions& options, std::int64_t batch_points);
 

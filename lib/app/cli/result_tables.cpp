@@ -58,7 +58,7 @@ std::string region_text(const RegionMetrics& region) {
   return region.shape == RegionShape::polygon ? " in the polygon" : " of the mask";
 }
 
-/// The names, then those of the own requirements that are missed.
+/// The names, then those of the missed custom requirements.
 std::string listed(std::vector<std::string> names, const RequirementVerdicts& own) {
   for (const RequirementVerdict& verdict : own.all)
     if (verdict.pass == false) names.push_back(verdict.requirement.name);

@@ -43,7 +43,7 @@ void add_named_files(const Json& value, std::vector<std::string>& files) {
     for (const Json& element : value) add_named_files(element, files);
 }
 
-/// The formats of other programs that the extension of an output may name, beside those of landfall-export.
+/// The formats of other programs that the extension of an output may name, besides those of landfall-export.
 constexpr std::array kForeignExtensions = {".asc", ".e57", ".gz",  ".img", ".jpeg", ".jpg", ".json", ".laz",
                                            ".obj", ".off", ".stl", ".txt", ".vrt",  ".xyz", ".zip"};
 
@@ -87,11 +87,12 @@ bool CommonOptions::shows_table(bool is_asked) const {
   return is_asked || (isatty(STDOUT_FILENO) != 0 && !quiet && !json_summary);
 }
 
-Session::Session(const Tool& tool, const CommonOptions& options, RunLog& log)
+Session::Session(const Tool& tool, const CommonOptions& options, RunLog& log, const Host* host)
     : tool_(tool.name),
       schema_(tool.schema),
       options_(options),
       log_(log),
+      host_(host),
       writes_hdf5_(tool.writes_hdf5),
       start_s_(wall_seconds()) {}
 
@@ -190,13 +191,17 @@ void Session::note(const std::string& text) {
 double Session::phase(const std::string& name, const std::function<void(const ProgressCallback&)>& work) {
   const double wall = wall_seconds();
   const double cpu = cpu_seconds();
-  const bool shown = !options_.quiet && options_.progress.value_or(isatty(STDERR_FILENO) != 0);
+  const bool shown =
+      host_ == nullptr && !options_.quiet && options_.progress.value_or(isatty(STDERR_FILENO) != 0);
   if (shown) {
     ProgressBar bar(name);
     bar_ = &bar;
     work([&bar](double fraction) { bar.update(fraction); });
     bar_ = nullptr;
     bar.finish();
+  } else if (host_ != nullptr) {
+    host_->progress(name, 0);
+    work([&](double fraction) { host_->progress(name, fraction); });
   } else {
     work({});
   }
@@ -211,13 +216,14 @@ double Session::elapsed_s() const { return wall_seconds() - start_s_; }
 void Session::say(const std::string& text, bool shown) const {
   const std::string line = shown_text(tool_ + ": " + text);
   log_.write(line);
-  if (shown && !options_.quiet) std::cerr << line << '\n';
+  if (shown && host_ == nullptr && !options_.quiet) std::cerr << line << '\n';
 }
 
 void Session::log(const std::string& line) const { say(line, options_.verbose); }
 
 void Session::warn(const std::string& text) {
   warnings_.push_back(text);
+  if (host_ != nullptr) host_->warn(text);
   say("warning: " + text, true);
 }
 

@@ -38,10 +38,11 @@ struct CommonOptions {
   bool print_completion = false;
   int compression = 1;
 
-  /// Whether a tool prints its table: where it is asked for, and on a terminal.
+  /// Whether a tool prints its table: with --table, and on a terminal.
   [[nodiscard]] bool shows_table(bool is_asked) const;
 };
 
+struct Host;
 struct Tool;
 class ProgressBar;
 class RunLog;
@@ -49,7 +50,8 @@ class RunLog;
 /// The resources of one run of a tool.
 class Session {
  public:
-  Session(const Tool& tool, const CommonOptions& options, RunLog& log);
+  /// `host` is null in a program of landfall.
+  Session(const Tool& tool, const CommonOptions& options, RunLog& log, const Host* host);
 
   [[nodiscard]] const std::string& tool() const { return tool_; }
   [[nodiscard]] const CommonOptions& options() const { return options_; }
@@ -78,7 +80,7 @@ class Session {
   /// Runs one phase of the work: shows its progress on a terminal and records its wall and CPU time for
   /// --json. Returns its wall time, seconds.
   double phase(const std::string& name, const std::function<void(const ProgressCallback&)>& work);
-  /// Shows a text beside the progress of the running phase, if that is shown.
+  /// Shows a text next to the progress of the running phase, if that is shown.
   void note(const std::string& text);
   /// phase() as a function, for modules that run the phases themselves.
   [[nodiscard]] PhaseRunner phases() {
@@ -112,6 +114,7 @@ class Session {
   std::string schema_;
   CommonOptions options_;
   RunLog& log_;
+  const Host* host_;
   bool writes_hdf5_;
   std::string config_name_;
   nlohmann::json config_;

@@ -12,7 +12,7 @@ namespace landfall::cli {
 /// written into it. Reading and writing these streams fails as it does on closed ones.
 void hold_closed_standard_streams();
 
-/// Collects what is written to standard output while it lives.
+/// Collects the standard output during its life.
 class CapturedOutput {
  public:
   CapturedOutput() : before_(std::cout.rdbuf(text_.rdbuf())) {}

@@ -158,29 +158,38 @@ std::string preset_list(const std::string& schema) {
   return text;
 }
 
-ExitCode run_tool(const Tool& tool, const CommonOptions& options, RunLog& log) {
+/// The work, on the threads that are asked for.
+ExitCode run_session(const Tool& tool, Session& session) {
+  session.require_output_for_view();
+  const ExitCode code = run_naming_output(tool, session);
+  session.view_output();
+  if (session.options().json_summary) std::cout << shown_lines(session.summary().dump(2)) << '\n';
+  return code;
+}
+
+ExitCode run_tool(const Tool& tool, const CommonOptions& options, RunLog& log, const Host* host) {
   if (options.print_schema || options.list_presets) {
     std::cout << (options.print_schema ? embedded_schema(tool.schema).dump(2) + "\n"
                                        : preset_list(tool.schema));
     return ExitCode::done;
   }
-  Session session(tool, options, log);
+  Session session(tool, options, log, host);
   if (!tool.schema.empty()) {
     session.resolve_config(tool);
     tool.check(session);
   }
   if (options.print_config) std::cout << shown_lines(session.config().dump(2)) << '\n';
   if (options.print_config || options.check_only) return ExitCode::done;
+  if (host != nullptr) {
+    const ThreadLimit limit(options.threads);
+    return run_session(tool, session);
+  }
   // Never destroyed: removing the limit would make oneTBB start threads that are no longer needed. Volatile,
   // so that the compiler keeps the pointer and leak checkers find the object reachable.
   static const ThreadLimit* volatile const limit = new ThreadLimit(options.threads);
   static_cast<void>(limit);
   install_signal_cleanup(tool.name);
-  session.require_output_for_view();
-  const ExitCode code = run_naming_output(tool, session);
-  session.view_output();
-  if (options.json_summary) std::cout << shown_lines(session.summary().dump(2)) << '\n';
-  return code;
+  return run_session(tool, session);
 }
 
 /// Any argument may end up in JSON: in the configuration, in provenance, in a summary.
@@ -212,7 +221,7 @@ std::string command_line(int argc, const char* const* argv, const Tool& tool) {
 }
 
 ExitCode parse_and_run(CLI::App& app, int argc, const char* const* argv, const Tool& tool,
-                       const CommonOptions& options, RunLog& log) {
+                       const CommonOptions& options, RunLog& log, const Host* host) {
   require_utf8(argc, argv);
   if (!tool.schema.empty()) require_assignments(argc, argv);
   try {
@@ -233,7 +242,7 @@ ExitCode parse_and_run(CLI::App& app, int argc, const char* const* argv, const T
     log.open(options.log_path);
     log.write(command_line(argc, argv, tool));
   }
-  return run_tool(tool, options, log);
+  return run_tool(tool, options, log, host);
 }
 
 /// " (--half-width)", the tool's option for the parameter half_width_m; empty if there is no such option.
@@ -256,7 +265,8 @@ Tool::Tool(std::string known_name) : name(std::move(known_name)) {
 }
 
 int tool_main(int argc, const char* const* argv, const Tool& tool, Invocation* invocation) {
-  hold_closed_standard_streams();
+  const Host* const host = invocation != nullptr ? invocation->host : nullptr;
+  if (host == nullptr) hold_closed_standard_streams();
   CLI::App app(tool.summary, tool.name);
   CommonOptions options;
   RunLog log;
@@ -264,10 +274,13 @@ int tool_main(int argc, const char* const* argv, const Tool& tool, Invocation* i
     constexpr std::string_view kSet = "config: ";  // the keys of --set
     const bool has_section =
         invocation != nullptr && !invocation->section.empty() && message.starts_with("config: /");
-    const std::string line = shown_text(
-        tool.name + ": " + (has_section ? invocation->section + message.substr(kSet.size()) : message));
+    const std::string text = has_section ? invocation->section + message.substr(kSet.size()) : message;
+    const std::string line = shown_text(tool.name + ": " + text);
     log.write(line);
-    std::cerr << line << '\n';
+    if (host != nullptr)
+      host->fail(text);
+    else
+      std::cerr << line << '\n';
     return static_cast<int>(code);
   };
   set_help_format(app);
@@ -276,7 +289,7 @@ int tool_main(int argc, const char* const* argv, const Tool& tool, Invocation* i
   bind_common(app, options, tool);
   const CurrentOutputsAreKept kept(invocation != nullptr && invocation->keep_same);
   try {
-    const ExitCode code = parse_and_run(app, argc, argv, tool, options, log);
+    const ExitCode code = parse_and_run(app, argc, argv, tool, options, log, host);
     flush_stdout();
     return static_cast<int>(code);
   } catch (const OutputIsCurrent&) {

@@ -25,7 +25,7 @@ struct Tool {
   std::string examples;
   std::string schema;  ///< name for embedded_schema(); empty for a tool without a configuration
   std::string exit_3;  ///< when it ends with 3; empty if never
-  std::string plugin;  ///< what it may need to read and write rasters; empty if nothing
+  std::string plugin;  ///< the plugin for rasters that it may need; empty if none
   bool has_seed = false;
   std::string seed_key = "/seed";       ///< what --seed sets, a JSON pointer
   bool writes_hdf5 = true;              ///< false: the tool checks the extension of its output itself
@@ -34,8 +34,8 @@ struct Tool {
   std::function<void(CLI::App&)> bind;  ///< declares the tool's own options; opens nothing
   /// Translates the tool's own options into configuration values, before --set; may be empty.
   std::function<void(JsonSource&, const CommonOptions&)> expand;
-  /// Changes values after --set: fills in what the inputs determine, or applies options that override the
-  /// configuration; may be empty.
+  /// Changes values after --set: fills in the values that the inputs determine, or applies options that
+  /// override the configuration; may be empty.
   std::function<void(JsonSource&)> complete;
   /// Builds the typed configuration, so that --check also finds errors that the schema cannot express; not
   /// called without a schema.
@@ -43,12 +43,26 @@ struct Tool {
   std::function<ExitCode(Session&)> run;
 };
 
+/// Thrown by Host::progress to end a run; no std::exception, so that nothing takes it for a failure.
+struct Interrupted {};
+
+/// A program that runs tools as functions of its own process, such as Python: nothing is printed, no signal
+/// is taken, and no state of the process is left changed.
+struct Host {
+  std::function<void(const std::string& text)> warn;  ///< gets Session::warn()'s texts
+  std::function<void(const std::string& text)>
+      fail;  ///< gets the message of an error, without the tool's name
+  /// Called with the progress of each phase, from any thread, one call at a time; may throw Interrupted.
+  std::function<void(const std::string& phase, double fraction)> progress;
+};
+
 /// A run that another program of landfall starts.
 struct Invocation {
-  bool keep_same = false;  ///< an output that is what this run would write is left as it is
+  bool keep_same = false;  ///< leaves an output that this run would not change
   bool kept = false;       ///< it was left
   std::string
       section{};  ///< of the configuration that --set has, for messages: "chain.json: /eval"; or empty
+  const Host* host = nullptr;  ///< null in a program of landfall
 };
 
 /// Parses the command line, prints requested texts, runs the tool; contains the only catch. Exit codes as in

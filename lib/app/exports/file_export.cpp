@@ -187,7 +187,7 @@ PointReader::Pass properties_pass(const PointReader& points, const ExportOptions
   return pass;
 }
 
-/// Writes the .xmf, and beside it the positions that it refers to, which get their final name first. Returns
+/// Writes the .xmf and the file of positions that it refers to, which gets its final name first. Returns
 /// a remark on their frame, or nothing.
 std::string xmf_points(const Job& job, const PointReader& points, ByteSink& sink) {
   const auto& [o, output, tool, progress] = job;
@@ -304,7 +304,7 @@ std::string csv_grid(const Job& job, ByteSink& sink) {
   return "";
 }
 
-/// Adds the input's name to what a writer finds wrong in its content.
+/// Adds the input's name to a writer's error about its content.
 void naming(const std::string& input, const std::function<void()>& write) {
   try {
     write();

@@ -41,7 +41,7 @@ class FileExport {
   FileExport(ExportOptions options, const std::string& output);
 
   [[nodiscard]] const std::string& format() const { return options_.format; }
-  /// The second output beside the first: the points' positions of an .xmf. Empty if there is none.
+  /// The second output: the points' positions of an .xmf. Empty if there is none.
   [[nodiscard]] std::string second_output() const;
 
   /// Writes `output`, in any format but html (app/runs/cloud_output.h), whose path is that of the

@@ -22,7 +22,7 @@ void append_text(std::string& out, std::string text, std::size_t length) {
   out += text;
 }
 
-/// Columns of the pass that writes the points: coordinates, status, then what the scan has of the others.
+/// Columns of the pass that writes the points: coordinates, status, then the others if the scan has them.
 constexpr std::size_t kStatusColumn = 3;
 
 struct OtherColumns {

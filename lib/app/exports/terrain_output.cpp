@@ -64,7 +64,7 @@ using Warn = std::function<void(const std::string&)>;
 /// Warnings about the axes of a mesh file, and about how the placed mesh stands.
 std::vector<std::string> place_findings(const MeshImport& import, const PlaceComments& comments,
                                         const IndexedTriangles& mesh) {
-  constexpr std::size_t kFewestVertices = 16;  // of which a shape is told
+  constexpr std::size_t kFewestVertices = 16;  // that show a shape
   Eigen::AlignedBox3d box;
   for (const Eigen::Vector3d& vertex : mesh.vertices) box.extend(vertex);
   const Eigen::Vector3d size = box.sizes();
@@ -148,7 +148,7 @@ class RasterPlaces {
   std::optional<Sited> first_;
 };
 
-/// Loads rasters, and records and warns of what it finds in them.
+/// Loads rasters, and records and reports findings about them.
 DemLoader recording_dem_loader(const RasterRules& rules, Provenance& provenance, const Warn& warn) {
   const auto places = std::make_shared<RasterPlaces>(rules, warn);
   return [links = rules.links, places, &provenance, warn](const DemBase& asked, const GridSpec& site) {

@@ -25,7 +25,7 @@ namespace landfall {
 [[nodiscard]] PointPositions positions_of(const PointReader& points, const std::string& position,
                                           const std::string& scan);
 
-/// XDMF 3 for the points of a scan: a vertex at each of the positions, which are in `positions_file` beside
+/// XDMF 3 for the points of a scan: a vertex at each of the positions, which are in `positions_file` next to
 /// the .xmf; every column of the scan is an attribute.
 [[nodiscard]] std::string points_xdmf(const std::vector<ContentInfo>& columns,
                                       const PointPositions& positions, const std::string& positions_file);

@@ -78,7 +78,7 @@ struct PixelReturn {
   double range_true_m = 0;       ///< from the exit point to the scene along the pixel's beam
   double range_measured_m = 0;   ///< with range noise and clock
   Vector3 true_m{};              ///< where the scene was hit (Eq. 1), frame D
-  Vector3 estimated_m{};         ///< where the lander believes it was hit (Eq. 7), frame D
+  Vector3 estimated_m{};         ///< the estimated position (Eq. 7), frame D
 };
 
 /// The answer to a pulse.

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Maps of probabilities show the shaded ground where the probability is 0, and colours from 0 to the
+// Maps of probabilities show the shaded terrain where the probability is 0, and colours from 0 to the
 // largest one elsewhere, because most places never fail, and a colour for 0 would hide where the others
 // lie. Blocks of bins have their largest probability. The report keeps the commands of the chain for each
 // draw: they carry the configurations, so that they need no file but the scan and the terrain.
@@ -93,7 +93,7 @@ Json requirement_json(const DrawTable& table, const std::string& path, const std
   return requirement;
 }
 
-/// The metric of one of the user's own requirements, in the configuration of the campaign.
+/// The metric of one of the user's own requirements, in the configuration of the run of draws.
 std::string own_metric(const OwnColumn& own, const nlohmann::json& config) {
   const char* const stage = own.path.starts_with("score.") ? "hazard" : "eval";
   for (const nlohmann::json& each : config.at(stage).at("requirements"))
@@ -186,7 +186,7 @@ Json stages_json(const nlohmann::json& config) {
   return stages;
 }
 
-/// The touchdowns of both arms; none of a campaign whose draws do not land.
+/// The touchdowns of both arms; none of a run whose draws do not land.
 Json landings_json(const DrawTable& table, std::int64_t shown) {
   if (find_metric(table, kLandingSafe) == nullptr) return nullptr;
   Json arms;
@@ -217,7 +217,7 @@ std::string assumptions_of(const Draws& draws) {
                            mean("single_return_frac")});
 }
 
-/// The maps, if the campaign has any, and the numbers of each draw. `config` is the campaign's configuration.
+/// The maps, if the run of draws has any, and the numbers of each draw. `config` is the run's configuration.
 ReportData draws_data(const DrawsReport& content, const nlohmann::json& config) {
   const DrawTable& table = content.draws.table;
   const EvaluationParameters& parameters = content.parameters;
@@ -336,14 +336,13 @@ std::string banner_html(const Json& verdict) {
 std::string draws_page(const DrawsReport& content, const Provenance& provenance, const std::string& title) {
   nlohmann::json steps = provenance.chain;
   steps.push_back(provenance.as_step());
-  return page_html("draws.html",
-                   {{"title", html_text(title.empty() ? title_of(steps, "Campaign of draws") : title)},
-                    {"subtitle", subtitle_html(steps, "draws", "scan", "scan")},
-                    {"banner", banner_html(content.verdict)},
-                    {"rates", rates_html(content.verdict)},
-                    {"assumptions", assumptions_of(content.draws)},
-                    {"provenance", provenance_html(steps, "these draws")},
-                    {"data", data_html(draws_data(content, provenance.config))}});
+  return page_html("draws.html", {{"title", html_text(title.empty() ? title_of(steps, "Draws") : title)},
+                                  {"subtitle", subtitle_html(steps, "draws", "scan", "scan")},
+                                  {"banner", banner_html(content.verdict)},
+                                  {"rates", rates_html(content.verdict)},
+                                  {"assumptions", assumptions_of(content.draws)},
+                                  {"provenance", provenance_html(steps, "these draws")},
+                                  {"data", data_html(draws_data(content, provenance.config))}});
 }
 
 }  // namespace landfall::html_report

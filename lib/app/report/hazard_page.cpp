@@ -225,7 +225,7 @@ std::string outcomes_html(const HazardScore::Counts& n, std::int64_t all) {
                    row("false alarm", n.hazard_safe, all,
                        share(n.hazard_safe, safe) + " of the " + grouped(safe) + " truly safe places") +
                    row("hazard found", n.hazard_hazard, all, "") + row("safe found", n.safe_safe, all, "") +
-                   row("unknown", n.unknown, all, "on the map or on the true ground"));
+                   row("unknown", n.unknown, all, "on the map or on the true terrain"));
 }
 
 std::string metres(double value) { return number_text(value) + " m"; }

@@ -103,7 +103,7 @@ Enum value_in(const std::array<const char*, n>& names, std::string_view name) {
   return static_cast<Enum>(found - names.begin());
 }
 
-/// "1" is the unit of what has none.
+/// "1" stands for no unit.
 std::string shown_unit(std::string_view unit) {
   return unit == "1" ? "" : unit == "degree" ? "deg" : std::string(unit);
 }

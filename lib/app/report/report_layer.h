@@ -69,10 +69,10 @@ struct ReportLayer {
   Rule rule = Rule::mean;
   Quantised values = {};
   std::optional<double> limit = std::nullopt;  ///< in `unit`; marked on the scale
-  std::string quantity = {};                   ///< what the colours show; if empty, the page's scripts know
-  int steps = 0;                               ///< most steps of the values; 0: as many as the style needs
-  std::vector<LayerClass> classes = {};        ///< a cell has the colour of the first of which it has the bit
-  std::string group = {};                      ///< the heading under which the page shows it
+  std::string quantity = {};             ///< the quantity of the colours; if empty, the page's scripts know
+  int steps = 0;                         ///< most steps of the values; 0: as many as the style needs
+  std::vector<LayerClass> classes = {};  ///< a cell has the colour of the first of which it has the bit
+  std::string group = {};                ///< the heading under which the page shows it
 };
 
 /// "#rrggbb".

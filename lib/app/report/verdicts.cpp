@@ -59,9 +59,9 @@ std::string own_table_html(const RequirementVerdicts& own) {
 
 std::string own_missed_text(const RequirementVerdicts& own) {
   const auto missed = std::ranges::count(own.all, false, &RequirementVerdict::pass);
-  return missed == 0
-             ? ""
-             : std::to_string(missed) + " of " + std::to_string(own.all.size()) + " own requirements missed";
+  return missed == 0 ? ""
+                     : std::to_string(missed) + " of " + std::to_string(own.all.size()) +
+                           " custom requirements missed";
 }
 
 std::string verdict_banner_html(const Metrics& metrics) {
@@ -79,7 +79,7 @@ std::string verdict_banner_html(const Metrics& metrics) {
   if (!all_pass(own))
     text += ", " + own_missed_text(own);
   else if (!own.all.empty())
-    text += ", all " + std::to_string(own.all.size()) + " own requirements met";
+    text += ", all " + std::to_string(own.all.size()) + " custom requirements met";
   const std::optional<bool> pass = missed > 0 ? std::optional(false) : metrics.pass;
   return std::string("<div class=\"banner ") + verdict_class(pass) + "\" id=\"verdict\">" +
          verdict_word(pass) + ": " + text + "</div>";

@@ -25,7 +25,7 @@
 namespace landfall {
 namespace {
 
-constexpr std::size_t kFewestPoints = 64;  // of which a shape is told
+constexpr std::size_t kFewestPoints = 64;  // that show a shape
 constexpr const char* kBeyondHorizon =
     " points lie beyond the horizon of the site, 90 degrees or more from its centre";
 constexpr double kInfinite = std::numeric_limits<double>::infinity();

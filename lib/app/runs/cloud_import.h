@@ -29,7 +29,7 @@ struct CloudImport {
   CloudNodata nodata{};  ///< --nodata
 };
 
-/// An output and what it needs; the provenance without configuration and inputs, which are added.
+/// An output and its inputs; the provenance without configuration and inputs, which are added.
 struct ImportOutput {
   OutputOptions file;
   Provenance provenance;

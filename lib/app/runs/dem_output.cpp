@@ -17,7 +17,7 @@
 namespace landfall {
 namespace {
 
-/// The inputs of an uncertainty map beside the bins.
+/// The inputs of an uncertainty map, other than the bins.
 struct UncertaintyInputs {
   UncertaintyParameters parameters;
   PoseTrack poses;

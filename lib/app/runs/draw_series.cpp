@@ -68,7 +68,7 @@ void require_hazards(const DrawsConfig& config, const DrawSpan& span) {
   });
 }
 
-/// The sigmas of regrid --uncertainty in a draw; none unless they are asked for.
+/// The sigmas of regrid --uncertainty in a draw; none unless they are requested.
 std::optional<UncertaintyParameters> uncertainty_of(const DrawsConfig& config, const DrawStages& stages,
                                                     const std::string& name) {
   if (!config.has_uncertainty()) return std::nullopt;
@@ -162,7 +162,7 @@ DrawSeries::DrawSeries(TerrainSource terrain, const DrawsConfig& config, const D
   } else {
     build_terrain(config.stages(span.first).terrain, provenance);
     terrain_draw_ = span.first;
-    source_.warn = [](const std::string&) {};  // of later grounds, which are alike
+    source_.warn = [](const std::string&) {};  // of later terrains, which are alike
   }
   prepare(config.terrain_varies() ? nullptr : scene_.surface.get(), std::nullopt, provenance);
 }

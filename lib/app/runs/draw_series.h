@@ -36,15 +36,15 @@ struct DrawSpan {
 using TerrainMaker = std::function<TerrainInput(const TerrainConfig&, Provenance&,
                                                 const std::function<void(const std::string&)>& warn)>;
 
-/// The ground of a campaign; that of a traced scan is a file.
+/// The ground of a run of draws; that of a traced scan is a file.
 struct TerrainSource {
-  std::string terrain;  ///< terrain.h5; empty: the section terrain of the campaign
+  std::string terrain;  ///< terrain.h5; empty: the section terrain of the run of draws
   TerrainMaker make;    ///< for the section
   std::function<void(const std::string&)> warn;
   MeetingRules rules = {};  ///< of regions
 };
 
-/// A campaign over one traced scan, or one whose draws trace: its inputs in memory, and its draws.
+/// A run of draws over one traced scan, or one whose draws trace: its inputs in memory, and its draws.
 class DrawSeries {
  public:
   /// Draws that trace. Reads or makes the ground, and adds it and the tables of the scan to the inputs of
@@ -52,11 +52,11 @@ class DrawSeries {
   /// valid; FormatError as the readers do.
   DrawSeries(TerrainSource terrain, const DrawsConfig& config, const DrawSpan& span, Provenance& provenance);
 
-  /// `pair` is the number of the scan in a campaign over several: its draws follow those of the scans before,
-  /// and their rows have it as the column kPairColumn. Reads the true ranges (8 bytes per ray) and the
-  /// terrain, and adds both to the inputs of `provenance`. Throws UsageError, naming the key, unless every
-  /// draw of `span` has the rays of the scan, and can be made by `device` if one is given (DeviceGridder);
-  /// FormatError as the readers do, or for a terrain other than the one that was scanned.
+  /// `pair` is the number of the scan in a run of draws over several: its draws follow those of the scans
+  /// before, and their rows have it as the column kPairColumn. Reads the true ranges (8 bytes per ray) and
+  /// the terrain, and adds both to the inputs of `provenance`. Throws UsageError, naming the key, unless
+  /// every draw of `span` has the rays of the scan, and can be made by `device` if one is given
+  /// (DeviceGridder); FormatError as the readers do, or for a terrain other than the one that was scanned.
   DrawSeries(const RangeFile& scan, TerrainSource terrain, const DrawsConfig& config, const DrawSpan& span,
              std::optional<std::int64_t> pair, const std::optional<OpenClOptions>& device,
              Provenance& provenance, const ProgressCallback& progress);
@@ -67,7 +67,7 @@ class DrawSeries {
   /// Runs the draw after the last row of `draws`, and adds it. The result of each draw depends on its number
   /// only.
   void run_next(Draws& draws);
-  /// After the last draw, and before `draws` is kept: adds to its maps what a device still has.
+  /// Adds the remaining results of a device to the maps. Call after the last draw and before keeping `draws`.
   void complete(Draws& draws);
 
  private:

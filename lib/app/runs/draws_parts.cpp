@@ -12,6 +12,7 @@
 
 #include "base/core/error.h"
 #include "store/config/schema.h"
+#include "store/files/draws_verdict.h"
 
 namespace landfall {
 namespace {
@@ -49,7 +50,7 @@ void require_same_draws(const std::vector<Part>& parts) {
       throw UsageError(counted_seeds_text(part.path) + "merge its parts with that version");
   for (std::size_t i = 1; i < parts.size(); ++i)
     if (undivided_step(parts[i].input) != undivided_step(parts[0].input))
-      throw UsageError(parts[i].path + ": is not of the same campaign as " + parts[0].path +
+      throw UsageError(parts[i].path + ": is not a part of the same run as " + parts[0].path +
                        ": its version, configuration or inputs differ");
 }
 
@@ -57,7 +58,7 @@ bool same_columns(const std::vector<DrawColumn>& a, const std::vector<DrawColumn
   return std::ranges::equal(a, b, {}, &DrawColumn::name, &DrawColumn::name);
 }
 
-/// The files of one campaign have the same columns and grid, unless they were edited.
+/// The files of one run of draws have the same columns and grid, unless they were edited.
 void require_same_contents(const std::vector<Part>& parts) {
   const Draws& first = parts.front().input.draws;
   for (const Part& part : parts) {
@@ -71,12 +72,13 @@ void require_same_contents(const std::vector<Part>& parts) {
   }
 }
 
-/// The configuration of the campaign with all its keys.
+/// The configuration of the run of draws with all its keys.
 nlohmann::json config_of(const Part& part) {
   try {
     return resolve_config({part.path, part.input.chain.back().at("config")}, embedded_schema("draws"));
   } catch (const UsageError& error) {
-    throw FormatError(part.path + ": /provenance/config_json is not that of a campaign: " + error.what());
+    throw FormatError(part.path +
+                      ": /provenance/config_json is not a configuration of draws: " + error.what());
   }
 }
 
@@ -112,19 +114,19 @@ Provenance DrawsState::provenance_of(const DrawTable& table) const {
 std::optional<Draws> DrawsState::load(const std::function<void(const std::string&)>& warn) const {
   {
     const OutputPath killed(path_, true);
-  }  // removes what a run that was killed while it wrote a state has left
+  }  // removes the temporary file of a run that was killed while it wrote a state
   if (!std::filesystem::exists(path_)) return std::nullopt;
   try {
     DrawsInput input = read_draws(path_);
     if (input.counts_seeds)
-      throw UsageError(counted_seeds_text(path_.string()) + "end that campaign with it, or remove the file");
+      throw UsageError(counted_seeds_text(path_.string()) + "finish that run with it, or remove the file");
     if (input.draws.table.first == first_ && input.file_id == provenance_of(input.draws.table).file_id())
       return std::move(input.draws);
-    warn(path_.string() + ": is of another campaign and is not used");
+    warn(path_.string() + ": belongs to another run and is not used");
   } catch (const UsageError&) {
     throw;
   } catch (const Error& error) {
-    warn(std::string(error.what()) + "; the campaign begins again");
+    warn(std::string(error.what()) + "; the run begins again");
   }
   return std::nullopt;
 }
@@ -158,7 +160,7 @@ MergedDraws merge_draws(const std::vector<std::string>& paths, Provenance& prove
   if (const nlohmann::json whole = undivided_step(parts.front().input); whole.contains("options"))
     provenance.options = whole.at("options");
   if (config.at("stop").at("type") != "fixed")
-    throw UsageError(paths.front() + ": a campaign with a sequential test has no parts");
+    throw UsageError(paths.front() + ": a run with a sequential test has no parts");
   const auto scans = std::ranges::count(step.at("inputs"), "scan", [](const nlohmann::json& input) {
     return input.at("role").get<std::string>();
   });

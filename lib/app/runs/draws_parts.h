@@ -11,7 +11,7 @@
 
 namespace landfall {
 
-/// The state that a run of a campaign keeps: a file of draws under a hidden name beside the
+/// The state that a run of draws keeps: a file of draws under a hidden name next to the
 /// output, so that a run that was ended resumes from it.
 class DrawsState {
  public:
@@ -19,8 +19,8 @@ class DrawsState {
   DrawsState(const std::filesystem::path& output, Provenance provenance, std::int64_t first);
 
   [[nodiscard]] const std::filesystem::path& path() const { return path_; }
-  /// The draws of an earlier run of the same campaign; none if there is no state, or if it is of another
-  /// campaign or damaged, which `warn` then says. Throws UsageError for one of version 0.2.0.
+  /// The draws of an earlier, unfinished run with the same inputs. None without a state, or if it belongs to
+  /// another run or is damaged; `warn` then says so. Throws UsageError for one of version 0.2.0.
   [[nodiscard]] std::optional<Draws> load(const std::function<void(const std::string&)>& warn) const;
   /// Replaces the state. Throws IoError.
   void save(const Draws& draws, const std::string& crs_wkt) const;
@@ -37,9 +37,9 @@ class DrawsState {
 /// The option of a part in its provenance: "A:B".
 [[nodiscard]] nlohmann::json part_options(std::int64_t first, std::int64_t end);
 
-/// Joins the parts of one campaign. `provenance` gets the configuration, the inputs and the chain of the
-/// undivided campaign. Throws UsageError, naming two files, for parts that overlap, leave a gap or belong to
-/// different campaigns, and for parts of version 0.2.0.
+/// Joins the parts of one run of draws. `provenance` gets the configuration, the inputs and the chain of the
+/// undivided run. Throws UsageError, naming two files, for parts that overlap, leave a gap or belong to
+/// different runs of draws, and for parts of version 0.2.0.
 struct MergedDraws {
   Draws draws;
   std::string crs_wkt;

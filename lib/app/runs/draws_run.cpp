@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The first interrupt of a campaign waits for the current draw and the state, a second one does not. Batch
-// systems send SIGTERM some seconds before SIGKILL, and a draw takes less. Writing a state does not decide
-// the end of the run (lib/base/output/temporary_files.h), because interrupts are deferred while it is named.
+// The first interrupt waits for the current draw and the state, a second one does not. Batch systems send
+// SIGTERM some seconds before SIGKILL, and a draw takes less. Writing a state does not decide the end of the
+// run (lib/base/output/temporary_files.h), because interrupts are deferred while it is named.
 #include "app/runs/draws_run.h"
 
 #include <algorithm>
@@ -11,6 +11,7 @@
 
 #include "base/output/temporary_files.h"
 #include "store/config/path_names.h"
+#include "store/files/draws_verdict.h"
 #include "store/files/table_reader.h"
 
 namespace landfall {
@@ -18,7 +19,7 @@ namespace {
 
 constexpr double kStateInterval_s = 30;
 
-/// The scans of a campaign, one after the other in memory.
+/// The scans of a run of draws, one after the other in memory.
 class ScanSequence {
  public:
   /// `resolved` is the configuration of monte-carlo.
@@ -52,7 +53,7 @@ class ScanSequence {
     if (config().sprt())
       throw UsageError(text + ": a sequential test cannot be divided; it decides after each draw");
     if (part->end > row_count())
-      throw UsageError(text + ": the campaign has " + std::to_string(row_count()) + " draws");
+      throw UsageError(text + ": the run has " + std::to_string(row_count()) + " draws");
     return *part;
   }
 
@@ -62,7 +63,7 @@ class ScanSequence {
     for (std::size_t pair = 0; pair < scans_.size(); ++pair) load(pair, provenance, progress);
   }
 
-  /// The campaign of a row.
+  /// The run of draws of a row.
   [[nodiscard]] DrawSeries& of(std::int64_t row) {
     const auto pair = static_cast<std::size_t>(row / config().draw_count());
     Provenance recorded;  // by check()
@@ -70,7 +71,7 @@ class ScanSequence {
     return *series_;
   }
 
-  /// Adds to the maps what a device still has.
+  /// Adds the remaining results of a device to the maps.
   void complete(Draws& draws) { series_->complete(draws); }
 
   /// The frame of the scan in memory; with several it is not written, because there are no maps.
@@ -94,7 +95,7 @@ class ScanSequence {
         throw UsageError("--terrain " + terrain + ": " + config.name() +
                          " has a section terrain; give one of them");
       if (!has_section && terrain.empty())
-        throw UsageError("draws that trace need a ground: --terrain, or the section terrain of " +
+        throw UsageError("draws that trace need a terrain: --terrain, or the section terrain of " +
                          config.name());
     }
 

@@ -20,10 +20,10 @@ struct ScanPair {
   std::string terrain;  ///< terrain.h5; may be empty for draws that trace
 };
 
-/// The scans and terrains of a campaign.
+/// The scans and terrains of a run of draws.
 struct DrawsSources {
   /// With several, all draws run over the first, then over the next: row p N + i is draw i of N over pair p.
-  /// Such a campaign has no maps.
+  /// Such a run has no maps.
   std::vector<ScanPair> pairs;
   std::string samples;  ///< a table of values; empty: none
   /// The OpenCL device that draws errors and grids the returns; none: the CPU does.
@@ -34,7 +34,7 @@ struct DrawsSources {
 
 struct DrawsOutput {
   OutputOptions file;
-  nlohmann::json config;    ///< of the campaign
+  nlohmann::json config;    ///< of the run of draws
   Provenance provenance;    ///< its configuration and inputs are added later
   std::string config_name;  ///< for messages
   PhaseRunner phase;
@@ -51,9 +51,9 @@ struct DrawsSummary {
   double draws_per_s = 0;          ///< of this run
 };
 
-/// Runs a campaign, or its part, and writes draws.h5. At most every 30 s the state of the run is written
-/// beside the output (DrawsState); a run of the same campaign begins there. An interrupt ends the run
-/// after the draw that is being made and a last state. The state is removed when the output is complete.
+/// Makes the draws, or a part of them, and writes draws.h5. At most every 30 s the state of the run is
+/// written next to the output (DrawsState); a run with the same inputs begins there. An interrupt ends the
+/// run after the draw that is being made and a last state. The state is removed when the output is complete.
 /// Throws as DrawsConfig and DrawSeries do, and UsageError for a part beyond the rows or of a sequential
 /// test, and for a sequential test over several pairs.
 DrawsSummary run_draws(const DrawsSources& sources, const std::optional<DrawSpan>& part, DrawsOutput output);

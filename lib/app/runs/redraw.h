@@ -13,7 +13,7 @@ namespace landfall {
 /// see the same: the earlier one was made by this version on the same terrain and tables; no key differs that
 /// moves the true beams or, with a receiver, shapes the echoes (KeyEffect); the seed is the same if it moves
 /// the beams; and the scan holds the true range of every pixel that hit, in double precision, and the echoes
-/// that the receiver hears. Throws UsageError, naming the key and both values; `option` begins the message.
+/// that the receiver accepts. Throws UsageError, naming the key and both values; `option` begins the message.
 void require_redraw(const RangeFile& scan, const Provenance& provenance,
                     const std::string& option = "--ranges-from ");
 

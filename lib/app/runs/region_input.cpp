@@ -10,7 +10,7 @@
 namespace landfall {
 namespace {
 
-/// Adds the file of a region to the inputs, and warns of what was taken for granted about it.
+/// Adds the file of a region to the inputs, and warns of the assumptions about it.
 void record(const RegionSource& source, const RegionMap& map, const std::string& file_id,
             std::vector<std::string> assumed, Provenance& provenance) {
   if (map.warn)

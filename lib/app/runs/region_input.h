@@ -18,11 +18,11 @@ struct RegionMap {
   const std::string& crs_wkt;
   bool is_clipped = false;  ///< whether a polygon may reach beyond the map
   MeetingRules rules = {};
-  std::function<void(const std::string&)> warn = {};  ///< gets what was taken for granted about a file
+  std::function<void(const std::string&)> warn = {};  ///< gets the assumptions about a file
 };
 
 /// The bins of a region that is a mask or polygons; nothing for other shapes. A file is added to the
-/// provenance; what was taken for granted stands in `assumed` of its input.
+/// provenance; assumptions are in `assumed` of its input.
 ///
 /// Throws FormatError and UsageError as read_region_mask(), polygon_file() and polygon_region() do; `name`
 /// begins a message about vertices of the configuration.

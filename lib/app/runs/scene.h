@@ -32,7 +32,7 @@ struct Scene : TerrainIdentity {
 };
 
 struct SceneRequest {
-  std::filesystem::path terrain{};  ///< terrain.h5; empty: infinite level ground, z = 0
+  std::filesystem::path terrain{};  ///< terrain.h5; empty: infinite level terrain, z = 0
   SceneUse use = SceneUse::rays;
   EngineKind engine = EngineKind::automatic;        ///< automatic: cgal for a mesh, else heightfield
   std::int64_t max_loaded_nodes = kMaxLoadedNodes;  ///< a grid with more nodes is loaded in part
@@ -41,8 +41,8 @@ struct SceneRequest {
 /// Makes the engine that traces a terrain in memory: cgal for a mesh, else heightfield.
 [[nodiscard]] Scene traced_scene(const TerrainInput& terrain);
 
-/// Opens level ground, a grid, a grid that is loaded in part, or a mesh. Throws FormatError as read_terrain()
-/// and open_large_terrain() do, and UsageError if heightfield is requested for a mesh.
+/// Opens level terrain, a grid, a grid that is loaded in part, or a mesh. Throws FormatError as
+/// read_terrain() and open_large_terrain() do, and UsageError if heightfield is requested for a mesh.
 [[nodiscard]] Scene open_scene(const SceneRequest& request, const ProgressCallback& progress = {});
 
 }  // namespace landfall

@@ -94,7 +94,7 @@ void flush_to_disk(const fs::path& file) {
     throw IoError(file.string() + ": flushing to disk failed: " + system_message(error_number));
 }
 
-/// Makes an empty file of this process, so that whoever opens it by its name follows no link that another
+/// Makes an empty file of this process, so that no process that opens it by name follows a link that another
 /// user of the folder has made. What has the name is left from an ended process of this number.
 void claim(const fs::path& output, const fs::path& temporary) {
   ::unlink(temporary.c_str());

@@ -64,7 +64,7 @@ class BeforeNaming {
   BeforeNaming& operator=(const BeforeNaming&) = delete;
 };
 
-/// The path of the hidden file `.NAME.SUFFIX` beside an output. If that would be too long for a file name, a
+/// The path of the hidden file `.NAME.SUFFIX` next to an output. If that would be too long for a file name, a
 /// hash replaces NAME.
 [[nodiscard]] std::filesystem::path hidden_beside(const std::filesystem::path& output,
                                                   const std::string& suffix);

@@ -10,14 +10,14 @@
 //
 // The order in which the CPU adds three products is found, not assumed. On x86-64 Eigen adds those of the
 // first two rows of a rotation from the left and those of the third from the right; with other vectors it
-// does otherwise. The host computes sums that tell the orders apart and passes the order to the kernels;
+// does otherwise. The host computes sums that distinguish the orders and passes the order to the kernels;
 // fused products are refused. The results of the CPU stay what they were.
 //
-// A draw that a device cannot make is refused before the first draw, for each draw of the campaign, since a
+// A draw that a device cannot make is refused before the first draw, for each draw of the run, since a
 // varied key may ask for it only in the last one. With `opencl-or-cpu` the CPU makes only those draws.
 // After a failure of the device it makes all that are left, and begins again the one in progress.
 //
-// The sums of the maps stay on the device until the state of the campaign is kept (30 s, or its end),
+// The sums of the maps stay on the device until the state of the run of draws is kept (30 s, or its end),
 // because they have 84 bytes per bin and change with each draw. They are integers, so that adding them
 // later changes nothing. If the device is lost, the CPU draws again those that it had: rows and verdicts
 // are kept already, and the same draw has the same bits.

@@ -24,7 +24,7 @@ struct DeviceRefusal {
 };
 
 /// Redraws the errors of a scan and bins the returns on an OpenCL device: what DrawGridder does on the CPU,
-/// bit for bit. The CPU steers the beams once, for all draws, and computes the believed pose of each pulse
+/// bit for bit. The CPU steers the beams once, for all draws, and computes the estimated pose of each pulse
 /// and the map of dead pixels for each draw. The device draws dropouts, false returns and noise, computes the
 /// points and adds them to the bins, each bin in the order of the scan. It keeps 64 bytes per pixel and
 /// pulse, 192 per pulse, 116 per bin, and 44 (bilinear4: 56) for each beam of 2^20, or of a pulse if it has

@@ -15,7 +15,7 @@ namespace landfall {
 
 /// Judges draws on the device that makes them, bit for bit as decide() does, and keeps the sums of their maps
 /// there. One byte per bin comes back for each draw; the CPU finds the holes among these. The device keeps 8
-/// bytes per node of the ground and 67 per bin, with maps 159.
+/// bytes per node of the terrain and 67 per bin, with maps 159.
 class DeviceJudge {
  public:
   /// `gridder`, `terrain`, `region` and `z_true_map` must outlive this object; without maps `z_true_map` is

@@ -29,7 +29,7 @@ struct DrawnDem {
   Grid<std::int32_t> count;  ///< returns of each bin
 };
 
-/// The true ground of a draw. What it points to outlives the draw.
+/// The true terrain of a draw. What it points to outlives the draw.
 struct DrawTerrain {
   const TerrainSurface& surface;
   const RayEngine* engine = nullptr;  ///< null: the draw takes the ranges of the traced scan
@@ -43,7 +43,7 @@ struct DrawTerrain {
 
 /// Makes the returns of a draw and grids them, without files: scan-sim, or scan-sim --ranges-from, and regrid
 /// in memory, by the same simulation and gridding. On all threads; the result does not depend on their
-/// number. Memory beside the ranges: 2^17 points, and the sums of the method.
+/// number. Memory besides the ranges: 2^17 points, and the sums of the method.
 class DrawGridder {
  public:
   /// `truth` holds one range per pixel and pulse (RangeFile), and its echo if the receiver sees waveforms; it
@@ -55,9 +55,9 @@ class DrawGridder {
   /// Null without a device.
   [[nodiscard]] DeviceGridder* device() const { return device_.get(); }
 
-  /// The DEM of the draw, which the next call replaces; the caller may take layers out of it. `simulation` is
-  /// of the ground `truth`. It traces if it can; else it has as many pulses and pixels as the ranges: throws
-  /// FormatError where it has not.
+  /// The DEM of the draw, which the next call replaces; the caller may take layers out of it. `simulation`
+  /// must use the terrain `truth`. Without an engine its pulse and pixel counts must match the ranges; throws
+  /// FormatError otherwise.
   [[nodiscard]] DrawnDem& draw(const Simulation& simulation, Method method, TruthAt truth_at,
                                const TerrainSurface& truth);
 

@@ -8,7 +8,7 @@
 
 namespace landfall {
 
-/// The layers that follow from the sums of a campaign, as draws.h5 stores and its report shows them.
+/// The layers that follow from the sums of a run of draws, as draws.h5 stores and its report shows them.
 
 /// One kind of failing footprints: its layer and the requirement that the footprints miss.
 struct FailureMap {
@@ -16,7 +16,7 @@ struct FailureMap {
   const char* requirement;
   const Grid<std::int32_t>& count;  ///< draws
 };
-/// Those of relative x, y and z, and the absolute one.
+/// The maps of relative x, y and z, and the absolute one.
 [[nodiscard]] std::array<FailureMap, 4> failure_maps(const DrawMaps& maps);
 
 /// `count` / `draws`. NaN outside `region`, unless that is null, and everywhere without a draw.

@@ -29,7 +29,7 @@ struct ErrorSums {
   [[nodiscard]] double std_m(std::size_t bin) const;
 };
 
-/// The safety of each place over the draws, where it is known in the draw's map and on the true ground.
+/// The safety of each place over the draws, where it is known in the draw's map and on the true terrain.
 struct SafetyCounts {
   Grid<std::int32_t> known;        ///< draws in which both are known
   Grid<std::int32_t> judged_safe;  ///< of these, draws in which the map says safe
@@ -41,8 +41,8 @@ struct SafetyCounts {
   void merge(const SafetyCounts& other);
 };
 
-/// The sums from which the maps of a campaign are made: counts and integer sums over its draws, per bin of
-/// the DEM. 84 bytes per bin, 96 with hazards.
+/// The sums from which the maps of a run of draws are made: counts and integer sums over its draws, per bin
+/// of the DEM. 84 bytes per bin, 96 with hazards.
 struct DrawMaps {
   std::int64_t draws = 0;
   Grid<std::int32_t> invalid;     ///< draws in which the bin has no elevation
@@ -52,9 +52,9 @@ struct DrawMaps {
   Grid<std::int32_t> fail_absolute;
   Grid<std::int64_t> count;  ///< returns
   ErrorSums e_z;             ///< z_true - z_est
-  /// H(X, Y) - z_est, (X, Y) the bin's centre; none where the ground varies.
+  /// H(X, Y) - z_est, (X, Y) the bin's centre; none where the terrain varies.
   std::optional<ErrorSums> e_map;
-  std::optional<SafetyCounts> safety;  ///< of a campaign that judges hazards
+  std::optional<SafetyCounts> safety;  ///< of a run of draws that judges hazards
 
   explicit DrawMaps(const GridSpec& grid);
   [[nodiscard]] const GridSpec& spec() const { return invalid.spec(); }

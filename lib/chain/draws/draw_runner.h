@@ -26,19 +26,19 @@ namespace landfall {
 /// The metrics of a draw that are computed.
 enum class MetricsKind {
   full,     ///< all of metrics.json
-  verdict,  ///< what decides the six requirements: no percentiles, several times faster
+  verdict,  ///< the numbers that decide the six requirements: no percentiles, several times faster
 };
 
 /// By MetricsKind.
 using DrawMetrics = std::variant<Metrics, DecisiveMetrics>;
 
-/// The score of a draw's hazard map on the true ground.
+/// The score of a draw's hazard map on the true terrain.
 struct DrawHazards {
   HazardScore score;
   std::optional<LandingSite> best;  ///< the chosen place; none where no place is safe
 };
 
-/// How a campaign's draws land.
+/// How a run's draws land.
 struct LandingParameters {
   double drift_time_s = 0;              ///< for which the velocity error acts after the last pulse
   std::optional<double> yaw_deg;        ///< none: drawn, uniform in [0, 360)
@@ -80,15 +80,15 @@ struct DrawSetup {
 
 /// Runs draws one after the other, each on all threads: traces or replays, grids and judges in memory. Memory
 /// does not depend on the number of draws. A device judges them too (DeviceJudge) where the metrics are
-/// MetricsKind::verdict, no hazards are asked for and the ground is a grid in memory.
+/// MetricsKind::verdict, no hazards are requested and the terrain is a grid in memory.
 class DrawRunner {
  public:
   /// The scene's data must outlive this object. With maps H at the bins' centres is computed once, if all
-  /// draws have one ground. With `device`, an OpenCL device draws and bins (DeviceGridder).
+  /// draws have one terrain. With `device`, an OpenCL device draws and bins (DeviceGridder).
   DrawRunner(DrawsScene scene, bool with_maps, const std::optional<OpenClOptions>& device = std::nullopt);
 
   [[nodiscard]] const DrawsScene& scene() const { return scene_; }
-  /// H at the bins' centres, NaN off the terrain; only with maps of one ground.
+  /// H at the bins' centres, NaN off the terrain; only with maps of one terrain.
   [[nodiscard]] const std::optional<Grid<double>>& z_true_map() const { return z_true_map_; }
 
   /// Throws UsageError, naming the key, for a draw that the device must make and cannot.

@@ -16,7 +16,7 @@ struct DrawColumn {
   friend bool operator==(const DrawColumn&, const DrawColumn&) = default;
 };
 
-/// The draws of a campaign or of a part of it, a row each.
+/// The draws of a run or of a part of it, a row each.
 struct DrawTable {
   std::int64_t first = 0;  ///< number of the first draw
   // The random numbers of each draw (RandomSeed):
@@ -32,10 +32,10 @@ struct DrawTable {
   friend bool operator==(const DrawTable&, const DrawTable&) = default;
 };
 
-/// The varied column with the number of the scan, in a campaign over several scans.
+/// The varied column with the number of the scan, in a run of draws over several scans.
 inline constexpr const char* kPairColumn = "pair";
 
-/// Metrics of a campaign whose draws land: whether the landing is safe, 0 or 1.
+/// Metrics of a run whose draws land: whether the landing is safe, 0 or 1.
 inline constexpr const char* kLandingSafe = "landing.safe";
 inline constexpr const char* kBlindSafe = "blind.safe";
 

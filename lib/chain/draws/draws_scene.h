@@ -10,11 +10,11 @@
 
 namespace landfall {
 
-/// The inputs that the draws of a campaign share.
+/// The inputs that the draws of a run share.
 struct DrawsScene {
-  TrueRanges truth;  ///< one range per pixel and pulse, and its echo if the receiver sees waveforms; empty
+  TrueRanges truth;  ///< one range per pixel and pulse, and its echo if the receiver uses waveforms; empty
                      ///< for draws that trace
-  const TerrainSurface* terrain;  ///< the true ground of all draws; null where it varies
+  const TerrainSurface* terrain;  ///< the true terrain of all draws; null where it varies
   GridSpec grid;
   BinMask region;                                       ///< judged_region(), which no draw changes
   std::optional<BinMask> hazard_region = std::nullopt;  ///< HazardInput::region

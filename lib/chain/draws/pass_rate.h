@@ -34,7 +34,7 @@ struct ProbabilityInterval {
 [[nodiscard]] double exact_lower_bound(const PassRate& rate, double confidence = 0.95);
 
 /// How many of n pairs passed on both sides, on one side only and on neither; a pair is the same draw of two
-/// campaigns, or of two arms of one. No count is negative.
+/// runs of draws, or of two arms of one. No count is negative.
 struct PairedCounts {
   std::int64_t both = 0;
   std::int64_t only_a = 0;

@@ -40,7 +40,7 @@ struct ListVariation {
 template <class Value>
 using Variation = std::variant<NormalVariation, UniformVariation, ListVariation<Value>>;
 
-/// The value of `key` in a draw of a campaign. The same bits on every machine.
+/// The value of `key` in a draw of a run. The same bits on every machine.
 [[nodiscard]] double value(const NormalVariation& variation, const std::string& key, RandomSeed seed);
 [[nodiscard]] double value(const UniformVariation& variation, const std::string& key, RandomSeed seed);
 

@@ -10,8 +10,9 @@ namespace {
 
 using Words = dictionary::Requirement;
 static_assert(std::ranges::all_of(dictionary::kRequirements, [](const Words& words) {
-  const std::string_view unit = words.unit;
-  return unit == "fraction" || unit == "bins" || unit == "footprints";
+  return std::ranges::any_of(dictionary::kUnits, [&](const dictionary::Unit& unit) {
+    return unit.name == std::string_view(words.unit);
+  });
 }));
 
 }  // namespace

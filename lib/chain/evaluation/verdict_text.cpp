@@ -8,6 +8,7 @@
 #include <ranges>
 #include <string_view>
 
+#include "base/text/key_unit.h"
 #include "base/text/number_text.h"
 
 namespace landfall {
@@ -17,12 +18,13 @@ std::string centimetres(double metres) { return short_number(100 * metres) + " c
 
 std::string bins(double count) { return short_number(count) + (count == 1 ? " bin" : " bins"); }
 
-/// A number of metrics.json with its unit: lengths in cm, fractions in per cent.
+/// A number of metrics.json with the unit of its key: lengths in cm, fractions in per cent.
 std::string measure(const std::string& metric, double value) {
   if (metric.ends_with("_m")) return centimetres(value);
   if (metric.ends_with("_frac")) return percent_text(value);
   if (metric.ends_with("_bins")) return bins(value);
-  return short_number(value);
+  const std::string_view unit = unit_of_key(metric);
+  return short_number(value).append(unit.empty() ? "" : " ").append(unit);
 }
 
 const char* verdict(const RequirementVerdict& verdict) {

@@ -8,7 +8,7 @@
 
 namespace landfall {
 
-/// A requirement as a person reads it: counts with their denominator and share, lengths beside their limit.
+/// A requirement as a person reads it: counts with their denominator and share, lengths next to their limit.
 struct VerdictText {
   std::string name;     ///< as in metrics.json
   std::string value;    ///< "87,348 of 785,321, 11.1 %, worst 5.79 cm"; empty if there is none

@@ -10,7 +10,7 @@
 namespace landfall {
 
 /// One batch of returns, column by column, all of the same length. Metres in frame D; t in seconds. `_est` is
-/// where the lander believes the return lies (Eq. 7), `_true` where it really lies. All values are finite:
+/// the estimated position of the return (Eq. 7), `_true` where it really lies. All values are finite:
 /// the code that reads returns from files checks that (ScanReader), gridding does not.
 struct GridPoints {
   using Columns = std::array<std::span<const double>, 7>;

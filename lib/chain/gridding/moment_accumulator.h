@@ -21,7 +21,7 @@ struct BinMoments {
   float w_dy_dz;
 };
 
-/// Second moments per bin, beside a WeightedMeanAccumulator of the same grid and with its weights. Returns
+/// Second moments per bin, for a WeightedMeanAccumulator of the same grid and with its weights. Returns
 /// are added in the same order at any number of threads, which gives the same bits. 24 bytes per bin,
 /// untouched until a return falls on it.
 class MomentAccumulator {

@@ -27,9 +27,9 @@ struct PlaneFit {
 /// x_est, mean y_est, z_est) of the 3 x 3 bins around it. With centroids instead of bin centres, the slope of
 /// a plane is exact for any position of the returns.
 ///
-/// Where fewer than 6 of those bins hold returns, or they are so nearly collinear that their scatter across
-/// the line is below 0.1 s^2 (s the bin's edge; 2/3 s^2 for 3 x 3 full bins), 5 x 5 bins are used, then 7 x
-/// 7. There is none where even these have fewer than 3 bins or are collinear. Range noise sigma_z of a bin
+/// If fewer than 6 of those bins hold returns, or they are so nearly collinear that their scatter across the
+/// line is below 0.1 s^2 (s the bin's edge; 2/3 s^2 for 3 x 3 full bins), 5 x 5 bins are used, then 7 x 7.
+/// No plane is returned if even these have fewer than 3 bins or are collinear. Range noise sigma_z of a bin
 /// gives the slope the noise sigma_z / (s sqrt(6)) on each axis.
 [[nodiscard]] PlaneFit fit_plane(const WeightedMeanAccumulator& bins, BinIndex bin);
 

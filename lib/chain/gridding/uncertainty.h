@@ -80,7 +80,7 @@ struct BinSigmas {
 ///
 /// navigation = J (Sigma_p + t^2 Sigma_v) J^T + a^T (Sigma_th + t^2 Sigma_w) a, a = R^T (r x J).
 ///
-/// Where a bin has no slope, misfit is 0 and the others are NaN.
+/// In a bin without a slope, misfit is 0 and the others are NaN.
 class UncertaintyMap {
  public:
   /// The first four arguments belong to one grid and one set of returns, and must outlive the map. Takes 8
@@ -128,7 +128,7 @@ class UncertaintyMap {
 [[nodiscard]] double misfit_factor(double count);
 
 /// max(0.6, q)^1.2 for a bin with q times the mean number of returns: more returns fall into the bins that
-/// hold a steep face of a rock, where the error is largest, and fewer beside them. Fitted to rocks under
+/// hold a steep face of a rock, where the error is largest, and fewer next to them. Fitted to rocks under
 /// seven scans of 1 to 14 returns per bin (docs/user/uncertainty.md).
 [[nodiscard]] double crowding_factor(double relative_count);
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The largest roughness of many planes over many bins is found by bounds, in float lanes. The highest bins of
-// small squares tell between which values the roughness of a plane lies; the planes that can have the largest
+// small squares bound the roughness of a plane; the planes that can have the largest
 // one are compared with the bins of the squares that can hold it, which leaves a plane or two; and these are
 // compared with all bins in double. In a source that is compiled once for each instruction set.
 #if defined(LANDFALL_HAZARDS_CONTACT_ROUGHNESS_INL_H_) == defined(HWY_TARGET_TOGGLE)

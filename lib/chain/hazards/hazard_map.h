@@ -31,11 +31,11 @@ struct HazardParameters {
   std::optional<double> z_sigma_m;   ///< of maps without a sigma of their own
   double touchdown_sigma_m = 1;      ///< >= 0
   SiteParameters sites;
-  std::uint64_t seed = 1;                          ///< of the grounds that p_safe is computed from
+  std::uint64_t seed = 1;                          ///< of the terrains that p_safe is computed from
   std::vector<Requirement> own_requirements = {};  ///< on numbers of HazardScore
 };
 
-/// A map with its small holes filled, and the true ground of its bins.
+/// A map with its small holes filled, and the true terrain of its bins.
 struct HazardInput {
   Grid<double> z;
   std::optional<Grid<double>> z_true;
@@ -48,8 +48,8 @@ struct HazardInput {
   std::int64_t bins_without_sigma = 0;
   std::optional<BinMask> region = std::nullopt;  ///< the places, if the region's shape is mask or polygon
   std::optional<ReturnCentroids> centroids = std::nullopt;  ///< for p_safe
-  /// Whether a map on which no place of the region can be judged is a result: the worst of a campaign or of a
-  /// study. A region without a bin never is.
+  /// Whether a map on which no place of the region can be judged is a result: the worst of a run of draws or
+  /// of a study. A region without a bin never is.
   bool takes_unknown = false;
 };
 
@@ -91,7 +91,7 @@ struct MapLayers {
 /// The region in words: "within 50 m of the origin".
 [[nodiscard]] std::string region_text(const HazardParameters& parameters);
 
-/// A place to land; SiteParameters tells how it is chosen.
+/// A place to land, chosen by SiteParameters.
 struct LandingSite {
   BinIndex bin;
   double x_m = 0, y_m = 0, z_m = 0;
@@ -102,7 +102,7 @@ struct LandingSite {
   double slope_deg = 0, roughness_m = 0;
   std::optional<float> distance_to_hazard_m;  ///< none without a place that is not safe
   Safety truth = Safety::unknown;
-  MapPosition map = {};  ///< who has the CRS of the file sets it
+  MapPosition map = {};  ///< set by the caller, who has the CRS of the file
 };
 
 /// Whether p_touchdown too is as large as the evidence allows: all about the site is at that bound.

@@ -16,10 +16,10 @@ struct Touchdown {
   double yaw_deg = 0;
 };
 
-/// A touchdown, judged on the true ground.
+/// A touchdown, judged on the true terrain.
 struct Landing {
   Touchdown touchdown;
-  double slope_deg = 0;    ///< NaN where a pad or the body is over no ground
+  double slope_deg = 0;    ///< NaN where a pad or the body is over no terrain
   double roughness_m = 0;  ///< NaN there
   bool is_safe = false;    ///< both within their limits
 };

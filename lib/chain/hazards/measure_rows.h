@@ -11,7 +11,7 @@ namespace landfall {
 /// Rows that one task measures.
 inline constexpr std::size_t kRowsPerPiece = 8;
 
-/// Writes the measures of the places in rows begin .. end - 1; what it leaves stays NaN.
+/// Writes the measures of the places in rows begin .. end - 1; the other values stay NaN.
 using MeasureRows = std::function<void(std::int64_t begin, std::int64_t end, PlaceMeasures& result)>;
 
 /// Measures a map on all threads.

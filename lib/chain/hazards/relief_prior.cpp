@@ -29,7 +29,7 @@ constexpr double kCellM = 0.6;
 constexpr std::int64_t kMinCellBins = 2;
 constexpr std::int64_t kCellReach = 2;
 constexpr std::array<double, 2 * kCellReach + 1> kCellWeights = {1, 4, 6, 4, 1};
-/// From this share on a detail tells of the relief around.
+/// The smallest share from which a detail shows the relief around it.
 constexpr float kSeen = 0.5F;
 
 using Probabilities = std::array<float, kClasses>;
@@ -145,7 +145,7 @@ class Cells {
   std::int64_t bins_, first_row_, first_col_, rows_, cols_;
 };
 
-/// The mean about each bin of what was seen, blurred over the scale.
+/// The mean of the measured bins about each bin, blurred over the scale.
 Grid<float> mean_of_seen(Grid<float> values, const ScaleDetails& scale) {
   const GridSpec& spec = values.spec();
   for (std::size_t i = 0; i < spec.size(); ++i) values.values()[i] *= scale.seen.values()[i];
@@ -249,7 +249,7 @@ ScaleRelief relief_of(const ScaleDetails& scale, const Grid<float>* coarser) {
         gain_square += found[k] * g * g;
         relief += found[k] * ratio;
       }
-      // Beyond the last class the energy tells itself.
+      // Beyond the last class the energy itself is used.
       if (const float excess = energy.at(bin) - 1; excess > kRatios.back()) relief = std::max(relief, excess);
       const float detail = scale.detail_m.at(bin);
       result.gain.at(bin) = gain;

@@ -7,7 +7,7 @@
 
 namespace landfall {
 
-/// The details of a map at one scale (scale_filter.h), and what is known of their noise.
+/// The details of a map at one scale (scale_filter.h), and their noise.
 struct ScaleDetails {
   const Grid<float>& detail_m;
   const Grid<float>& noise_m2;  ///< variance that noise gives the detail; > 0

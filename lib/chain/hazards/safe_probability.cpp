@@ -20,8 +20,8 @@ namespace landfall {
 namespace {
 
 constexpr double kStudentFreedom = 5;
-/// Sigmas beyond which nothing is open: neither the map's own, nor those of the first grounds, where one more
-/// ground would be on the other side of a limit with a probability of kDoubt.
+/// Sigmas beyond which nothing is open: neither the map's own, nor those of the first terrains, where one
+/// more terrain would be on the other side of a limit with a probability of kDoubt.
 constexpr double kCertain = 8;
 constexpr std::uint64_t kFirstTerrains = 3;
 constexpr float kDoubt = 2.46e-4F;  // T(-kCertain)
@@ -69,14 +69,14 @@ Sorted sort_places(const MapEvidence& map, const HazardLimits& limits, double sl
   return sorted;
 }
 
-/// Mean and sum of squared departures of a measure over the grounds, one ground after the other (Welford).
+/// Mean and sum of squared departures of a measure over the terrains, one terrain after the other (Welford).
 class Moments {
  public:
   /// Variances are those of the places within half_bins.
   Moments(const GridSpec& spec, std::int64_t half_bins)
       : half_bins_(half_bins), mean_(spec), squares_(spec) {}
 
-  /// The places' values on the ground of this number, from 1 on.
+  /// The places' values on the terrain of this number, from 1 on.
   void add(const Grid<double>& values, const BinMask& places, double number) {
     by_rows(mean_.spec(), [&](std::int64_t row) {
       for (std::size_t c = 0; c < values.row(row).size(); ++c) {
@@ -88,7 +88,7 @@ class Moments {
       }
     });
   }
-  /// Student's t of the distance of one more ground to the limit. `terrains` is how many each place was
+  /// Student's t of the distance of one more terrain to the limit. `terrains` is how many each place was
   /// judged on, 0 for none. NaN where a value was.
   [[nodiscard]] double room(double limit, BinIndex place, const Grid<std::int8_t>& terrains) const {
     const double distance = limit - static_cast<double>(mean_.at(place));

@@ -19,9 +19,9 @@ inline constexpr std::int64_t kLowPassReach = 5;
 inline constexpr std::int64_t kBlurReach = 2;
 
 /// Deslauriers and Dubuc's interpolating filter of 11 taps, (3, 0, -25, 0, 150, 256, 150, 0, -25, 0, 3) / 512
-/// in each direction. It keeps polynomials of degree 5, so that the relief of smooth or fractal ground leaves
-/// little in the details finer than itself. Beyond the border the map is continued by point reflection at
-/// its outermost bins, which keeps planes. Values are finite. T is float or double.
+/// in each direction. It keeps polynomials of degree 5, so that the relief of smooth or fractal terrain
+/// leaves little in the details finer than itself. Beyond the border the map is continued by point reflection
+/// at its outermost bins, which keeps planes. Values are finite. T is float or double.
 template <class T>
 [[nodiscard]] Grid<T> low_pass(const Grid<T>& map, std::int64_t step);
 

@@ -20,7 +20,7 @@ double block_sum(const Grid<double>& z, std::int64_t size, std::int64_t row, std
   return sum;
 }
 
-/// The share of the sharpest hundredth of the blocks of `size` x `size` bins; 0 of level ground.
+/// The share of the sharpest hundredth of the blocks of `size` x `size` bins; 0 of level terrain.
 double sharp_share(const Grid<double>& z, const BinMask& region, std::int64_t size) {
   std::vector<double> squares;
   for (std::int64_t row = size; row + 2 * size <= z.spec().rows; row += size)

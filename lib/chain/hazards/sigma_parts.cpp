@@ -10,7 +10,7 @@
 namespace landfall {
 namespace {
 
-/// Returns in a bin vary by more than the mean of 1 / sigma^2 tells.
+/// Returns in a bin vary by more than the mean of 1 / sigma^2 suggests.
 constexpr double kNoiseSpread = 1.3;
 
 float root(double variance) { return static_cast<float>(std::sqrt(std::max(variance, 0.0))); }

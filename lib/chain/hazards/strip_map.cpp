@@ -22,7 +22,7 @@ constexpr std::uint64_t kBytesPerMapBin = 2;
 constexpr std::uint64_t kBytesPerStripBin = 46;
 
 /// Rows around a strip that its measures need. A hole of n bins that is filled lies within n - 1 rows of each
-/// of its bins, and one that reaches the border of what is loaded is larger.
+/// of its bins, and one that reaches the border of the loaded rows is larger.
 std::int64_t halo_rows(const MapJudge& judge, const HazardParameters& parameters) {
   return judge.reach_bins() + parameters.hole_fill_bins;
 }

@@ -129,7 +129,7 @@ Grid<float> extrapolated(const Grid<float>& finest_m2, const Grid<float>& coarse
 
 /// The differences of a bin from the bins around it that have a value.
 struct Differences {
-  double curvature = 0;  ///< from the mean of the four beside it; 0 if one of them has no value
+  double curvature = 0;  ///< from the mean of its four neighbours; 0 if one of them has no value
   double like = 0;       ///< size of the second smallest of the eight
 };
 

@@ -4,9 +4,9 @@
 // by a bit without a sign. Compiling the kernels and the check take 0.7 s of CPU time with pocl the first
 // time, and 0.1 s afterwards, from the cache of its compiler.
 //
-// A device is used only if it is asked for. `auto` never does: the result is the same, but the time
+// A device is used only if it is requested. `auto` never does: the result is the same, but the time
 // depends on the device and its driver, and others may be using it. `opencl` fails where it cannot be
-// used, because a scan that silently takes ten times as long is not what was asked for; `opencl-or-cpu`
+// used, because a scan that silently takes ten times as long is not what was requested; `opencl-or-cpu`
 // falls back with a warning. The first usable GPU is taken, then an accelerator, then a CPU.
 #include "chain/opencl/cl_device.h"
 

@@ -31,7 +31,7 @@ auto on_device(const std::string& name, const char* task, const Work& work) {
   }
 }
 
-/// Waits at the end of its scope for what a queue still does, also after an error: it may be using the memory
+/// Waits at the end of its scope for the work of a queue, also after an error: it may be using the memory
 /// of the caller, and drivers crash when a program ends meanwhile.
 class FinishesQueue {
  public:

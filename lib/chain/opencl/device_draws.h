@@ -75,7 +75,7 @@ struct DeviceJudged {
   DeviceSurface surface;
   std::span<const double> nodes;  ///< elevations, of the surface
   std::span<const std::int8_t> region;
-  std::span<const double> z_true_map;  ///< DrawRunner::z_true_map(); empty in a campaign without maps
+  std::span<const double> z_true_map;  ///< DrawRunner::z_true_map(); empty in a run of draws without maps
 };
 
 /// A verdict, read back from the device.

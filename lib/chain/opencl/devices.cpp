@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// A plugin linked with libOpenCL, loaded like the one for GDAL only if a device is asked for: no tool
+// A plugin linked with libOpenCL, loaded like the one for GDAL only if a device is requested: no tool
 // starts later or needs another library, and the build does without it where the headers are missing.
 // Kernels are compiled from source by the driver, because compiled ones fit a single device.
 #include "chain/opencl/devices.h"

@@ -36,7 +36,7 @@ enum class DeviceFailure { throws, falls_back };
 /// The end of a message about work that is not done.
 inline constexpr const char* kCpuInstead = "; opencl-or-cpu uses the CPU instead";
 
-/// Counts the draws of a campaign that a device made.
+/// Counts the draws of a run that a device made.
 class DeviceUse {
  public:
   void count_draw() { ++draws_; }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// One draw of a campaign in OpenCL C 1.2: errors, estimated points and the sums of each bin, by the operations of the CPU in
+// One draw of a run in OpenCL C 1.2: errors, estimated points and the sums of each bin, by the operations of the CPU in
 // their order (lib/chain/lidar/simulation/pulse_simulator.cpp, lib/chain/lidar/error_models/range_errors.cpp, lib/base/numerics/random.h, lib/base/numerics/box_muller.cpp,
 // lib/chain/gridding). Without contraction each operation is rounded as on the CPU.
 //

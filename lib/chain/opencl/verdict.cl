@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The verdict on the DEM of one draw in OpenCL C 1.2, and the sums of a campaign's maps, by the operations of the CPU in their
+// The verdict on the DEM of one draw in OpenCL C 1.2, and the sums of a run's maps, by the operations of the CPU in their
 // order (lib/chain/terrain/relief/triangulated_grid.cpp, lib/base/raster/window_mean.cpp, lib/chain/evaluation/judge/verdict.h, lib/chain/draws/draw_maps.cpp).
 // Without contraction each operation is rounded as on the CPU.
 //
 // compare() computes the errors of the bins; bound() and reach() their range about each tile of bins, from which many verdicts
 // follow. For each axis, add_up() counts values, row_sums() and average() compute the means of the other footprints, bound() and
 // reach() the range of these means, add_up() the values beyond the limit for some and for each of these, and judge() decides, looking
-// at each value only where these counts do not tell. tally() counts the flags. Values that a device cannot judge set *unusual: the CPU
+// at each value only where these counts do not decide. tally() counts the flags. Values that a device cannot judge set *unusual: the CPU
 // judges that draw. add_to_maps() adds a draw that was judged.
 
 // Structures of lib/chain/opencl/device_draws.h.

@@ -33,7 +33,7 @@ typename K::Triangle_3 cgal_triangle(const std::array<Eigen::Vector3d, 3>& corne
   return {cgal_point<K>(corners[0]), cgal_point<K>(corners[1]), cgal_point<K>(corners[2])};
 }
 
-/// The corner that both triangles of a cell share. The construction of the tree asks for it some 50 times per
+/// The corner that both triangles of a cell share. The construction of the tree reads it some 50 times per
 /// triangle, so it is read from the nodes directly: this computes one corner instead of three.
 Kernel::Point_3 reference_corner(const TriangulatedGrid& terrain, std::size_t id) {
   const GridSpec& spec = terrain.nodes().spec();

@@ -8,8 +8,8 @@
 
 namespace landfall {
 
-/// Infinite level ground, z = elevation_m: range = (elevation - o_z) / d_z in closed form, exact to rounding.
-/// Rays that are level or point away from the ground miss.
+/// Infinite level terrain, z = elevation_m: range = (elevation - o_z) / d_z in closed form, exact to
+/// rounding. Rays that are level or point away from the ground miss.
 class FlatTerrain final : public TerrainSurface, public RayEngine {
  public:
   explicit FlatTerrain(double elevation_m = 0) : elevation_m_(elevation_m) {}

@@ -37,7 +37,7 @@ struct GridFrame {
 };
 
 /// A ray with x and y counted in cells from node (0, 0), z and the range in metres, with bounds of the
-/// rounding errors of what is computed from it. With 2^-53 the unit of rounding and some 10 operations per
+/// rounding errors of the values computed from it. With 2^-53 the unit of rounding and some 10 operations per
 /// result, wherever the ray is inside the grid and within the terrain's heights,
 /// - its position in cells errs by less than position_error + horizontal_speed * (error of the range);
 /// - its range to the plane of a cell's triangle errs by less than

@@ -12,7 +12,7 @@
 
 namespace landfall {
 
-/// First hits on a gridded terrain, without a tree of triangles: a pyramid of elevation bounds tells where a
+/// First hits on a gridded terrain, without a tree of triangles: a pyramid of elevation bounds shows where a
 /// ray may meet the surface, so that few triangles are tested.
 ///
 /// Double precision decides wherever its error bounds allow. WatertightRay decides for a triangle that a ray

@@ -21,17 +21,17 @@
 HWY_BEFORE_NAMESPACE();
 namespace landfall::HWY_NAMESPACE {
 
-/// Walks one vector of rays over the grid from block to block, each lane on its own rung. The walk alternates
-/// between two parts: step() until every lane is done or has reached a cell that its ray may meet, then
-/// look() into these cells. Both are free of branches, so that the steps of several walks overlap. Rays may
-/// have any origin and any direction. Where rounding might decide, the result is kUndecided.
+/// Walks one vector of rays over the grid from block to block, each lane on its own level. The walk
+/// alternates between two parts: step() until every lane is done or has reached a cell that its ray may meet,
+/// then find_range() in these cells. Both are free of branches, so that the steps of several walks overlap.
+/// Rays may have any origin and any direction. Where rounding might decide, the result is kUndecided.
 class LaneWalk {
  public:
   enum class Start { in_cell, among_cells, among_blocks };
 
   HWY_INLINE void enter(const WalkTerrain& terrain, const RayChunk& chunk, std::size_t begin,
                         const HeightSlab& slab, Start start);
-  /// Moves each searching lane one block on, or one rung down. Returns whether any lane is still searching.
+  /// Moves each searching lane one block on, or one level down. Returns whether any lane is still searching.
   HWY_INLINE bool step(const WalkTerrain& terrain);
   /// Tests the cells that the lanes have reached. Returns whether any lane must continue.
   HWY_INLINE bool find_range(const WalkTerrain& terrain);
@@ -82,7 +82,7 @@ class LaneWalk {
   /// Range at which a ray enters the grid's width, -infinity where steep.
   static HWY_INLINE V entrance(const Axis& along, double width);
   static HWY_INLINE void put_on_border(const Axis& along, M comes_over, double width, CellPosition& position);
-  /// Moves rays that start beside the grid to where they enter it. Returns which of them certainly miss it.
+  /// Moves rays that start outside the grid to where they enter it. Returns which of them certainly miss it.
   HWY_INLINE M position_at_entrance(const WalkTerrain& terrain, const Axis& x, const Axis& y,
                                     CellPosition& col, CellPosition& row);
   /// Whether a ray certainly ends in the cell where it starts.
@@ -282,7 +282,7 @@ HWY_INLINE bool LaneWalk::step(const WalkTerrain& terrain) {
   at_ = hn::IfThenElse(on, leave, at_);
   missed_ = hn::Or(missed_, ended);
 
-  // Move up a rung where the ray also leaves the block of the next rung, unless that block cannot be clear.
+  // Move up a level where the ray also leaves the block of the next level, unless that block cannot be clear.
   const V border = hn::Mul(hn::IfThenElse(by_x, border_col, border_row), constant(0.25));
   const M far = hn::Gt(hn::Mul(distance, rays_.horizontal_speed), hn::Mul(size, hn::Abs(rays_.dz)));
   const M rise = hn::And(hn::And(on, far), hn::Eq(border, hn::Floor(border)));

@@ -148,7 +148,7 @@ HWY_INLINE void fetch(const T* row, std::int64_t first, std::int64_t last) {
 }
 
 /// Prefetches the nodes that the first `end` rays of the chunk may meet, and the bounds of their cells where
-/// the ways are long enough to look at these. This affects speed only: most pulses reach ground that the
+/// the paths are long enough to test these. This affects speed only: most pulses reach terrain that the
 /// cache does not hold.
 HWY_INLINE void fetch_terrain(const WalkTerrain& terrain, const RayChunk& chunk, std::size_t end,
                               const HeightSlab& slab) {

@@ -31,8 +31,8 @@ struct HeightSlab {
   double high;
 };
 
-/// The data that lanes walk over: rungs of square blocks, 4^rung cells wide, up to a single block for the
-/// grid or the last rung that fits.
+/// The data that lanes walk over: levels of square blocks, 4^level cells wide, up to a single block for
+/// the grid or the last level that fits.
 struct WalkTerrain {
   static constexpr int kMaxLevels = 8;
 
@@ -45,8 +45,8 @@ struct WalkTerrain {
   int top_level = 0;
   alignas(64) double size[kMaxLevels];        ///< edge of a block, cells
   alignas(64) double per_size[kMaxLevels];    ///< its inverse
-  alignas(64) double first[kMaxLevels];       ///< first block of each rung, in `highs`
-  alignas(64) double block_cols[kMaxLevels];  ///< columns of blocks of each rung
+  alignas(64) double first[kMaxLevels];       ///< first block of each level, in `highs`
+  alignas(64) double block_cols[kMaxLevels];  ///< columns of blocks of each level
 
   explicit WalkTerrain(const Heightfield& field)
       : highs(field.pyramid.highs().data()),

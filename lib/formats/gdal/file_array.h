@@ -27,7 +27,7 @@ struct ValidRange {
   bool unpacked = false;  ///< holds after scale and offset, else before
 };
 
-/// The statements of a netCDF or HDF5 file itself on a raster, beside what GDAL makes of them.
+/// The statements of a netCDF or HDF5 file on a raster, in addition to GDAL's reading of them.
 struct FileArray {
   std::string name;
   FileAxis columns;

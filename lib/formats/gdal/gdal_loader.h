@@ -23,7 +23,7 @@ namespace landfall {
 
 /// The DemLoader for files: any raster of the formats that docs/user/terrain-gen.md lists, read by GDAL. GDAL
 /// depends on about a hundred shared libraries, so it is in a plugin, landfall-gdal.so, which the first call
-/// loads. The plugin is searched for in $LANDFALL_PLUGIN_DIR, then beside the running program
+/// loads. The plugin is searched for in $LANDFALL_PLUGIN_DIR, then next to the running program
 /// (../lib/landfall and ../<libdir>/landfall), then in the installation folder.
 ///
 /// Holes are NaN: pixels marked by the band's nodata value, by its mask or alpha band, or as NaN. Scale and
@@ -57,7 +57,7 @@ namespace landfall {
 /// without the plugin.
 [[nodiscard]] std::vector<std::string> named_dem_files(const DemBase& dem, RasterLinks links);
 
-/// The files that load_dem() may read, including files beside a raster that belong to it. Opens the raster,
+/// The files that load_dem() may read, including files next to a raster that belong to it. Opens the raster,
 /// but does not throw if that fails; throws FormatError without the plugin.
 [[nodiscard]] std::vector<std::string> dem_files(const DemBase& dem,
                                                  RasterLinks links = RasterLinks::refused);

@@ -54,7 +54,7 @@ void write_geopackage_points(const std::string& path, const PointLayer& layer) {
   if (driver == nullptr) throw IoError("this GDAL has no GeoPackage driver");
   // The time of the last change is part of the format; equal sites give equal bytes.
   const CPLConfigOptionSetter no_clock("OGR_CURRENT_DATE", "1970-01-01T00:00:00.000Z", false);
-  // The whole file is temporary until it is complete; a journal beside it could be left behind.
+  // The whole file is temporary until it is complete; a journal next to it could be left behind.
   const CPLConfigOptionSetter no_journal("OGR_SQLITE_JOURNAL", "OFF", false);
   VSIUnlink(path.c_str());  // the driver refuses a file that exists, also an empty one
   GDALDatasetUniquePtr file(driver->Create(path.c_str(), 0, 0, 0, GDT_Unknown, nullptr));

@@ -104,7 +104,7 @@ std::int64_t block_bytes(const OpenRaster& raster) {
   return bytes < 0x1p62 ? static_cast<std::int64_t>(bytes) : std::int64_t{1} << 62U;
 }
 
-/// A DTED cell stores whole columns, so its length tells how many it has; GDAL takes missing columns for
+/// A DTED cell stores whole columns, so its length gives their number; GDAL takes missing columns for
 /// holes. A cell that is marked complete must hold all of them.
 void require_whole_dted(const OpenRaster& raster, const DemBase& dem) {
   const char* const partial = raster.dataset->GetMetadataItem("DTED_PartialCellIndicator");
@@ -148,7 +148,7 @@ void require_whole_usgs_dem(const OpenRaster& raster, const DemBase& dem) {
         " columns between the corners of a USGS DEM: it is truncated or damaged; get or export it again");
 }
 
-/// A header beside an image of another format (FILE.hdr beside FILE.pgm) makes the drivers of raw rasters
+/// A header next to an image of another format (FILE.hdr next to FILE.pgm) makes the drivers of raw rasters
 /// read the image's own header and samples as elevations.
 void require_own_data(const OpenRaster& raster, const DemBase& dem) {
   constexpr std::array<std::string_view, 6> kRawDrivers = {"EHdr", "ENVI", "ERS", "RST", "SAGA", "PDS"};
@@ -156,7 +156,7 @@ void require_own_data(const OpenRaster& raster, const DemBase& dem) {
   if (std::ranges::find(kRawDrivers, driver) == kRawDrivers.end()) return;
   const std::string format = promised_format(dem.path);
   if (!format.empty())
-    throw FormatError(dem.path + ": is a " + format + " file, which a header of a raw raster beside it (" +
+    throw FormatError(dem.path + ": is a " + format + " file, which a header of a raw raster next to it (" +
                       std::string(driver) +
                       ") describes otherwise; rename one of them, or gdal_translate it");
 }

@@ -15,7 +15,7 @@
 
 namespace landfall {
 
-/// While one lives, GDAL's drivers tell on this thread what they skip by default: wrong checksums of DTED,
+/// While one lives, GDAL's drivers report on this thread what they skip by default: wrong checksums of DTED,
 /// damaged or truncated JPEG data, and the vertical CRS of GeoTIFF 1.0. A value that the user has set
 /// (environment) stays.
 class StrictReading {

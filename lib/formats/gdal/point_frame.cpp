@@ -96,7 +96,7 @@ void use_map(PointFrame& frame, const OGRSpatialReference& crs, const PointFrame
 }
 
 /// The unit that the file states for x and y is that of the CRS. International and US feet are taken for each
-/// other: a header does not tell them apart.
+/// other: a header does not distinguish them.
 void require_stated_unit(const PointFrameRequest& request, const OGRSpatialReference& crs) {
   if (!request.stated) return;
   const StatedMapUnit& stated = *request.stated;

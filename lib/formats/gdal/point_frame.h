@@ -61,9 +61,9 @@ struct PointFrame {
   /// The place of a point of the map: none beyond the horizon of the site, NaN outside the map's projection.
   /// Not set: (point - center) metres_per_unit.
   std::function<std::optional<SitePoint>(const MapPoint&)> site{};
-  /// Set where the points may lie across the seam of their CRS: ask again with their extent if they do.
+  /// Set where the points may lie across the seam of their CRS: repeat the request with their extent.
   std::function<LonLat(const MapPoint&)> lon_lat{};
-  /// Set for a geocentric CRS, and nothing else: ask again with geodetic points.
+  /// Set for a geocentric CRS, and nothing else: repeat the request with geodetic points.
   std::optional<BodyFixed> body_fixed{};
   bool one_thread = false;             ///< `site` and `lon_lat` must not be called from several threads
   std::string crs_wkt;                 ///< of the site

@@ -26,7 +26,7 @@ struct RasterStatement {
   Scaling elevation;                ///< metres
   std::vector<double> nodata;       ///< raw samples that are holes, in the type of the band
   std::optional<ValidRange> valid;  ///< others are holes
-  /// The statements that the raster lacks or makes in two ways, and what was taken instead; sentences without
+  /// The statements that the raster lacks or contradicts, and the assumptions instead; sentences without
   /// the file's name. Empty where all is certain.
   std::vector<std::string> assumed;
 };

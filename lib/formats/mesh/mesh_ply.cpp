@@ -40,7 +40,7 @@ class Values {
     return encoding_ == PlyEncoding::text ? 1 : size_of(type);
   }
 
-  /// Refuses what follows the last element.
+  /// Refuses text after the last element.
   void require_end() {
     if (encoding_ == PlyEncoding::text) return text_.require_end();
     if (bytes_left() > 0)
@@ -162,8 +162,9 @@ void read_other(Values& values, const PlyElement& element, const std::string& na
   if (element.count == 0) return;
   for (const char* const shape : {"edge", "edges", "line", "polyline", "point", "range_grid", "cell"})
     if (element.name == shape)
-      throw FormatError(name + ": has " + std::to_string(element.count) + " elements '" + element.name +
-                        "'; vertex, face and tristrips are read: remove or convert them");
+      throw FormatError(name + ": has element '" + element.name + "' (count " +
+                        std::to_string(element.count) +
+                        "); only vertex, face and tristrips can be read: remove or convert it");
   pass_over(values, element);
   soup.unread.push_back("element '" + shown_word(element.name) + "' (" + std::to_string(element.count) + ")");
 }

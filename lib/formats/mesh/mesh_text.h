@@ -86,7 +86,7 @@ class MeshText {
     return numbers;
   }
 
-  /// Refuses a word: what follows the last element of the file.
+  /// Refuses a word after the last element of the file.
   void require_end() {
     for (std::string_view rest = word(); !rest.empty(); rest = word()) {
       if (rest.front() != '#')
@@ -126,7 +126,7 @@ class MeshText {
   bool cr_alone_ = false;  ///< the first line ends with CR alone
 };
 
-/// Ends the polygon whose corners were added last. `fail` reports one that is no facet.
+/// Ends the polygon whose corners were added last. `fail` reports a polygon that is not a facet.
 template <class Fail>
 void end_polygon(PolygonSoup& soup, const Fail& fail) {
   const std::size_t corners =

@@ -51,7 +51,7 @@ Slope slope_at(const PixelMap& map, std::int64_t row, std::int64_t col) {
 }
 
 double shade_of(const Slope& slope, double factor) {
-  // Normal (-east, -north, 1) times light (-1, 1, sqrt 2) / 2, divided by its value on level ground.
+  // Normal (-east, -north, 1) times light (-1, 1, sqrt 2) / 2, divided by its value on level terrain.
   const double east = factor * slope.east;
   const double north = factor * slope.north;
   const double shade = (east - north + std::numbers::sqrt2) / std::sqrt(1 + east * east + north * north);

@@ -53,7 +53,7 @@ using ColumnChoice = std::vector<std::pair<CloudField, std::string>>;
 struct CloudTable {
   CloudColumns columns;
   CloudUnits units{};
-  std::vector<std::string> notes{};  ///< what is assumed; sentences without the file's name
+  std::vector<std::string> notes{};  ///< assumptions; sentences without the file's name
 };
 
 /// The columns of a file with these column names. A field that is not chosen has the column with one of its

@@ -57,8 +57,8 @@ Format promised_format(const std::filesystem::path& path) {
   return Format::none;
 }
 
-/// The format of a text, or of what is only named like one. A grid, and binary content that no message
-/// explains, are left to those who read rasters.
+/// The format of a text, or of another file that is named like one. A grid, and binary content that no
+/// message explains, are left to those who read rasters.
 Format text_format(std::string_view begin, bool is_all, Format promised) {
   constexpr std::size_t kSignature = 8;
   if (is_grid_text(begin)) return Format::none;

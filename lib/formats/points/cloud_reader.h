@@ -45,10 +45,10 @@ struct CloudInfo {
   std::optional<CloudSteps> steps{};
   std::optional<CloudBox> box{};
   std::array<bool, 3> is_float32{};  ///< coordinates that the file declares as float32
-  std::string clock{};               ///< what t counts, where the file says so; its unit is then the second
+  std::string clock{};               ///< the clock of t, if the file states it; its unit is then the second
   /// Added to t: the first of times that are integers beyond 2^53, which a double cannot hold.
   std::int64_t time_base = 0;
-  std::vector<std::string> notes{};  ///< what was ignored or assumed; sentences without the file's name
+  std::vector<std::string> notes{};  ///< ignored or assumed statements; sentences without the file's name
 
   [[nodiscard]] bool has(CloudField field) const {
     return columns[static_cast<std::size_t>(field)].has_value();
@@ -124,7 +124,7 @@ class CloudReader {
 
 /// True for a file that is read as points. Its content decides: LAS, PLY, PCD, E57 and QFIT by their first
 /// bytes, text with rows of at least three numbers, unless it begins as grids of Esri, Surfer or GRASS do. A
-/// file that is missing, or whose content is nothing of that, is points by the extension (.csv, .txt, .xyz,
+/// file that is missing, or whose content is none of these, is points by the extension (.csv, .txt, .xyz,
 /// .pts, .ptx, .dat, .qi, .las, .laz, .ply, .pcd, .e57), unless it is text of a grid or begins as binary.
 [[nodiscard]] bool is_cloud_file(const std::filesystem::path& path);
 

@@ -72,7 +72,7 @@ double float32_step(const PointSample& sample, std::size_t axis) {
 double step_of(std::vector<double>& values) {
   std::ranges::sort(values);
   const std::vector<double> gaps = distances(values);
-  constexpr std::size_t kFew = 8;  // lines of points, or a step in level ground
+  constexpr std::size_t kFew = 8;  // lines of points, or a step in level terrain
   if (gaps.empty()) return 0;
   if (gaps.size() < kFew && std::ranges::min(gaps) > 1e-3 * largest(values)) return 0;
   std::vector<double> sorted = gaps;

@@ -180,7 +180,7 @@ std::unique_ptr<CloudReader> open_ply_cloud(std::unique_ptr<CloudBytes> file, co
   CloudInfo info = info_of("PLY", cloud_columns(names, choice, file->name()));
   info.is_float32 = float32_axes(info.columns, [&](std::size_t i) { return vertex.properties[i].type; });
   if (const std::string ignored = ignored_elements(header); !ignored.empty())
-    info.notes.push_back("its elements beside the vertices are ignored: " + ignored);
+    info.notes.push_back("its elements other than the vertices are ignored: " + ignored);
   RowLayout rows{.begin = header.end,
                  .row_size = static_cast<std::size_t>(row_bytes(*file, vertex)),
                  .count = static_cast<std::uint64_t>(vertex.count),

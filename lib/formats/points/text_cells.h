@@ -61,7 +61,7 @@ std::size_t for_each_cell(std::string_view line, char separator, const Use& use)
 [[nodiscard]] std::optional<std::int64_t> whole_number(std::string_view cell);
 
 /// The form of a row by its characters: a semicolon divides before a tab, a tab before a comma, a comma
-/// before blanks. Commas beside another separator, and between digits of words that blanks divide, are those
+/// before blanks. Commas next to another separator, and between digits of words that blanks divide, are those
 /// of decimals.
 [[nodiscard]] RowForm form_of(std::string_view row);
 

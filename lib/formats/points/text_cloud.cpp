@@ -38,7 +38,7 @@ bool is_helios(const std::vector<std::string>& cells) {
   return *whole_number(cells[5]) >= 0 && *whole_number(cells[5]) <= *whole_number(cells[6]);
 }
 
-/// The rows at the beginning of a file, by which its columns are told.
+/// The rows at the beginning of a file, from which its columns are identified.
 struct SampleRows {
   RowForm form;
   std::vector<std::vector<std::string>> cells;  ///< of each row

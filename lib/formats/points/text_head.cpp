@@ -8,7 +8,7 @@
 namespace landfall {
 namespace {
 
-/// Lines that are looked at to tell what a text is.
+/// The number of lines that decide the kind of a text.
 constexpr std::size_t kProbed = 20;
 constexpr std::size_t kMaxComments = 1U << 16U;
 

@@ -81,7 +81,7 @@ void TextReader::rewind() {
   point_ = 0;
 }
 
-/// Declared points have been read, and what follows is not theirs.
+/// All declared points have been read; the remaining text does not belong to them.
 bool TextReader::is_done() const { return rows_.may_continue && rows_.count && point_ >= *rows_.count; }
 
 void TextReader::read_block(CloudBatch& batch) {

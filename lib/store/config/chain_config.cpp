@@ -25,7 +25,7 @@ void check_section(const std::string& stage, const nlohmann::json& resolved, con
 
 void check_chain_config(const nlohmann::json& resolved, const std::string& name) {
   std::map<std::string, nlohmann::json> sections;
-  for (const std::string& stage : stage_sections()) {
+  for (const std::string& stage : stage_sections("chain")) {
     if (resolved.at(stage).is_null()) continue;
     const JsonSource source{name + ": /" + stage, resolved.at(stage)};
     sections[stage] = resolved_config(source, stage);

@@ -137,7 +137,7 @@ std::string moves_rays_because(const Json::json_pointer& pointer, const Json& sc
   return {};
 }
 
-/// Why a key cannot vary in any campaign; empty if it can.
+/// Why a key cannot vary in any run of draws; empty if it can.
 std::string fixed_because(const std::string& key) {
   if (key == "scan.seed" || key == "terrain.seed")
     return "is the same in all draws, whose numbers make their random numbers differ";
@@ -148,7 +148,7 @@ std::string fixed_because(const std::string& key) {
                                        "eval.region", "hazard.region"};
   for (const char* const prefix : kGrid)
     if (key.starts_with(prefix)) return "changes the bins that are judged, and all draws share them";
-  if (key.starts_with("terrain.grid")) return "changes the grid of the ground, and all draws share it";
+  if (key.starts_with("terrain.grid")) return "changes the grid of the terrain, and all draws share it";
   return {};
 }
 
@@ -229,7 +229,7 @@ DrawsConfig::DrawsConfig(const Json& resolved, std::string name, const Json& sca
              stage("hazard", Json::object()), stage("terrain", Json::object())};
   if (has_hazards()) check_hazard_map(stages_.hazard, stages_.regrid, name_);
   seed_ = stages_.scan.at("seed");
-  for (const std::string& each : stage_sections()) json_[each] = stage_of(stages_, each);
+  for (const std::string& each : stage_sections("draws")) json_[each] = stage_of(stages_, each);
   if (!resolved.at("landing").is_null()) landing_ = landing_of(resolved.at("landing"));
   if (landing_ && !has_hazards())
     throw UsageError(name_ + ": /landing: needs the section hazard, which finds the site");
@@ -306,7 +306,7 @@ void DrawsConfig::check_requirements() const {
 
 void DrawsConfig::predict() {
   if (!has_layers_) throw UsageError(name_ + ": /sigma: is a map, and /layers is false");
-  if (terrain_varies_) throw UsageError(name_ + ": /sigma: is a map of one ground, and the ground varies");
+  if (terrain_varies_) throw UsageError(name_ + ": /sigma: is a map of one terrain, and the terrain varies");
   if (const std::string method = stages_.regrid.at("method"); method != "bilinear_nearest")
     throw UsageError(name_ + ": /sigma: needs the method bilinear_nearest, not " + method);
   Json regrid = stages_.regrid;
@@ -333,7 +333,7 @@ void DrawsConfig::take_samples(const NumberTable& samples) {
   if (samples.row_count() == 0) samples.fail("has no row; a draw is a row");
   constexpr std::size_t kMaxDraws = 100'000;  // the bound of /draws in the schema
   if (samples.row_count() > kMaxDraws)
-    samples.fail("has " + std::to_string(samples.row_count()) + " rows; a campaign has at most 100000 draws");
+    samples.fail("has " + std::to_string(samples.row_count()) + " rows; a run has at most 100000 draws");
   draw_count_ = static_cast<std::int64_t>(samples.row_count());
   for (const std::string& key : samples.names()) {
     const std::vector<double>& values = samples.column(key);
@@ -349,8 +349,9 @@ void DrawsConfig::add_variation(const std::string& owner, const std::string& key
   if (vary_.contains(key)) throw UsageError(where + "is a column of the samples too");
   const auto [stage, pointer] = split_key(key);
   if (const std::string why = fixed_because(key); !why.empty()) throw UsageError(where + why);
-  const bool is_known = traces_ ? std::ranges::find(stage_sections(), stage) != stage_sections().end()
-                                : std::ranges::find(kRedrawn, stage) != kRedrawn.end();
+  const bool is_known =
+      traces_ ? std::ranges::find(stage_sections("draws"), stage) != stage_sections("draws").end()
+              : std::ranges::find(kRedrawn, stage) != kRedrawn.end();
   if (!is_known)
     throw UsageError(where + "unknown key; its first part is scan, regrid" +
                      (traces_ ? ", eval, hazard or terrain" : " or eval"));
@@ -416,7 +417,7 @@ DrawStages DrawsConfig::stages(std::int64_t draw) const {
     set_value(stage_of(stages, stage), stage_of(stages_, stage), pointer, drawn[i++]);
   }
   const std::string name = name_ + ": draw " + std::to_string(draw);
-  for (const std::string& stage : stage_sections())
+  for (const std::string& stage : stage_sections("draws"))
     if (Json& config = stage_of(stages, stage); !config.is_null())
       config = resolve_stage(stage, config, name);
   return stages;

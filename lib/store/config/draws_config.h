@@ -26,7 +26,7 @@ struct DrawStages {
   nlohmann::json terrain;  ///< null: the ground is a file's
 };
 
-/// A campaign (docs/user/monte-carlo.md).
+/// A run of draws (docs/user/monte-carlo.md).
 class DrawsConfig {
  public:
   /// `resolved` is the configuration of monte-carlo, `scanned` the resolved configuration of the traced scan,
@@ -44,13 +44,13 @@ class DrawsConfig {
   [[nodiscard]] MetricsKind metrics() const { return metrics_; }
   [[nodiscard]] bool has_layers() const { return has_layers_; }
   /// The parameters of the predicted 1-sigma map: /regrid/uncertainty; what it lacks is taken from the varied
-  /// navigation errors, and the range noise from the scan (D318). Empty where the map is not asked for.
+  /// navigation errors, and the range noise from the scan (D318). Empty if the map is not requested.
   [[nodiscard]] const std::optional<UncertaintyParameters>& predicted() const { return predicted_; }
   /// Whether hazards are judged on the DEM of each draw.
   [[nodiscard]] bool has_hazards() const { return !stages_.hazard.is_null(); }
   /// Whether each draw traces its rays; else they are those of the scan.
   [[nodiscard]] bool traces() const { return traces_; }
-  /// Whether draws have different grounds.
+  /// Whether draws have different terrains.
   [[nodiscard]] bool terrain_varies() const { return terrain_varies_; }
   /// Whether each DEM has its 1-sigma map.
   [[nodiscard]] bool has_uncertainty() const { return has_uncertainty_; }
@@ -89,7 +89,7 @@ class DrawsConfig {
   /// `owner` begins messages about the key.
   void add_variation(const std::string& owner, const std::string& key, Variation<double> variation);
   void take_samples(const NumberTable& samples);
-  /// Refuses what only draws that trace have.
+  /// Refuses keys that only draws that trace have.
   void require_scanned(const nlohmann::json& resolved) const;
   void check_requirements() const;
   void warn_of_draw(const nlohmann::json& section, const char* stage);
@@ -115,7 +115,7 @@ class DrawsConfig {
   std::map<std::string, Variation<double>> vary_;
 };
 
-/// Checks what can be checked without the scan: as DrawsConfig, but sections of the scan that a campaign
+/// Checks what can be checked without the scan: as DrawsConfig, but sections of the scan that a run of draws
 /// cannot change are only checked for their names. Without a scan, of draws that trace: as DrawsConfig.
 void check_draws_config(const nlohmann::json& resolved, const std::string& name, bool has_scan,
                         const NumberTable* samples);

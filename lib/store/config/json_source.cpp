@@ -3,7 +3,7 @@
 // characters and is always one line.
 //
 // An element of an array is set by its index (`--set navigation_error.velocity_mps.0=0.1`) where the array
-// is in the configuration or its default; `scan` of a campaign changes elements of the scan's own array.
+// is in the configuration or its default; `scan` of a run of draws changes elements of the scan's own array.
 //
 // A configuration has at most 64 MiB. Half a million features take less; parsed, it needs several times
 // its size. The limit is for devices and pipes without an end.

@@ -8,7 +8,7 @@
 
 namespace landfall {
 
-// The effects of the keys of a scan's configuration, as schemas/scan.schema.json says beside each key:
+// The effects of the keys of a scan's configuration, as schemas/scan.schema.json states for each key:
 // "effect", which the keys below inherit, "drawn" and "sigma"; "beam_with", for a whole section, the value of
 // another key with which its keys move the beams.
 
@@ -16,7 +16,7 @@ namespace landfall {
 enum class KeyEffect {
   beam,      ///< the true beams or what they hit: another value needs another trace
   echo,      ///< the echoes that a receiver sees, or which of them it reports
-  estimate,  ///< only what the lidar measures or the lander believes: a redraw takes another value
+  estimate,  ///< only measurements and estimates: a redraw takes another value
 };
 
 /// The sigma of `regrid --uncertainty` that covers an error.

@@ -298,7 +298,7 @@ const Json& dereferenced(const Json& schema, const Json& node) {
 }
 
 const Json& embedded_schema(const std::string& name) {
-  // Each is parsed when it is first asked for, because a tool asks for one or two of them.
+  // Each is parsed on its first use, because a tool uses one or two of them.
   static std::mutex mutex;
   static std::map<std::string, Json> parsed;  // whose values stay where they are
   const std::lock_guard lock(mutex);

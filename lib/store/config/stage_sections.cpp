@@ -6,6 +6,7 @@
 #include <cmath>
 #include <filesystem>
 #include <optional>
+#include <string_view>
 #include <system_error>
 
 #include "base/core/error.h"
@@ -25,7 +26,7 @@ constexpr double kTerrainMargin = 10;  // m
 constexpr double kFineSpacing = 0.1;   // m; no terrain needs finer nodes than this because of a footprint
 constexpr double kNodesPerFootprint = 17;
 
-/// Merges as RFC 7396 does, but keeps a null: it removes a key from what the result is merged over.
+/// Merges as RFC 7396 does, but keeps a null, which removes the key when the result is merged later.
 void merge_keeping_nulls(Json& base, const Json& changes) {
   if (!changes.is_object() || !base.is_object()) {
     base = changes;
@@ -120,22 +121,26 @@ void fill_region(Json& section, const Json& area, const std::optional<double>& r
 
 }  // namespace
 
-const std::vector<std::string>& stage_sections() {
-  static const std::vector<std::string> sections = [] {
+const std::vector<std::string>& stage_sections(const std::string& schema) {
+  static const auto sections_of = [](std::string_view whole) {
     std::vector<std::string> names;
     for (const dictionary::Stage& stage : dictionary::kStages)
-      if (stage.is_section) names.emplace_back(stage.name);
+      if (std::string_view(stage.part_of).find(whole) != std::string_view::npos)
+        names.emplace_back(stage.name);
     return names;
-  }();
-  return sections;
+  };
+  static const std::vector<std::string> chain = sections_of("chain");
+  static const std::vector<std::string> draws = sections_of("draws");
+  return schema == "chain" ? chain : draws;
 }
 
 bool has_stage_sections(const std::string& schema) { return schema == "chain" || schema == "draws"; }
 
 void expand_stage_sections(JsonSource& source) {
   if (!source.value.is_object()) return;
-  for (const std::string& stage : stage_sections())
-    if (source.value.contains(stage)) expand(source.value[stage], stage, source.name + ": /" + stage);
+  for (const char* const schema : {"chain", "draws"})
+    for (const std::string& stage : stage_sections(schema))
+      if (source.value.contains(stage)) expand(source.value[stage], stage, source.name + ": /" + stage);
 }
 
 bool is_import(const Json& config) {
@@ -168,7 +173,7 @@ void fill_area(Json& config, bool makes_all) {
   const std::optional<double> resolution_m = given_number(area, "resolution_m");
   std::optional<double> radius_m = given_number(area, "region_radius_m");
   if (!radius_m) radius_m = half_width_m;
-  for (const std::string& stage : stage_sections())
+  for (const std::string& stage : stage_sections(makes_all ? "chain" : "draws"))
     if (!config.contains(stage) && (makes_all || stage == "regrid" || stage == "eval"))
       config[stage] = Json::object();
   if (config.contains("terrain"))

@@ -9,9 +9,9 @@
 
 namespace landfall {
 
-/// The sections of a configuration that holds those of several stages, and the schema of each, which has the
-/// section's name: terrain, scan, regrid, eval, hazard.
-[[nodiscard]] const std::vector<std::string>& stage_sections();
+/// The sections of a configuration that holds those of several stages, of the schema chain or draws, and the
+/// schema of each, which has the section's name: terrain, scan, regrid, eval, hazard.
+[[nodiscard]] const std::vector<std::string>& stage_sections(const std::string& schema);
 
 /// Whether configurations of this schema have such sections: chain and draws.
 [[nodiscard]] bool has_stage_sections(const std::string& schema);

@@ -30,7 +30,7 @@ struct TerrainConfig {
 [[nodiscard]] DemBase dem_base(const nlohmann::json& resolved);
 
 /// resolve_config() with the schema of terrain-gen. A mesh replaces grid, base, features, patterns
-/// and albedo: UsageError if one of them is given beside it. The resolved configuration then contains none of
+/// and albedo: UsageError if one of them is given with it. The resolved configuration then contains none of
 /// them, and no seed.
 [[nodiscard]] nlohmann::json resolve_terrain_config(const JsonSource& source);
 

@@ -74,7 +74,7 @@ std::vector<std::string> errors_of(const Json& config, CoveringSigma sigma) {
   return errors;
 }
 
-/// The white errors of the timer beside the range noise: jitter, and rounding to steps, uniform over one.
+/// The white errors of the timer besides the range noise: jitter, and rounding to steps, uniform over one.
 double with_timer(double range_sigma_m, const Json& config) {
   const double jitter_m =
       range_of_time_m(number_at(config, Json::json_pointer("/receiver/jitter_sigma_s")).value_or(0));
@@ -106,7 +106,7 @@ double range_sigma_m(const std::vector<ScanOrigin>& scans) {
   return common.value_or(0);
 }
 
-/// The navigation and pointing errors beside the keys of kNavigationKeys.
+/// The navigation and pointing errors other than the keys of kNavigationKeys.
 std::vector<std::string> other_navigation_errors(const Json& config) {
   std::vector<std::string> errors = errors_of(config, CoveringSigma::navigation);
   std::erase_if(errors, [](const std::string& where) {
@@ -151,7 +151,7 @@ std::vector<std::string> navigation_left_out(const NavigationSigma& sigma, const
   return errors;
 }
 
-/// Whether a key that is on makes an error, beside the other keys.
+/// Whether a key that is on makes an error, given the other keys.
 bool matters(const std::string& where, const Json& config) {
   const auto is = [&](const char* other, const Json& value) {
     const Json::json_pointer pointer(other);

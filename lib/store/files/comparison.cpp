@@ -172,7 +172,7 @@ Grid<double> on_bins(Grid<double> layer, const GridSpec& placed, const GridSpec&
   return part;
 }
 
-/// By what a layer changes when its map is placed in another frame: coordinates of that axis.
+/// The change of a layer of coordinates when its map is placed in another frame.
 double shift_of(const std::string& kind, const std::string& layer, const Placement& placement) {
   const dictionary::Layer* const words = dictionary::find_layer(kind, layer);
   const std::string_view axis = words == nullptr ? "" : words->axis;

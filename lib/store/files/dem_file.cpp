@@ -14,8 +14,6 @@
 namespace landfall {
 namespace {
 
-constexpr const char* kTime = "t_mean";
-
 /// Part of a row of the map, and the offset of its values in a tile.
 struct Strip {
   const GridSpec& spec;
@@ -134,7 +132,7 @@ std::vector<Layer> all_layers(const DemRequest& request) {
           z_true(request),
           simple<float>("x_est_mean", &BinValues::x_est),
           simple<float>("y_est_mean", &BinValues::y_est),
-          simple<double>(kTime, &BinValues::t, times_missing),
+          simple<double>("t_mean", &BinValues::t, times_missing),
           simple<float>("z_spread", &BinValues::z_spread),
           of_filled_bins("z_corrected", correction_missing, corrected),
           of_filled_bins("z_true_map", map_truth_missing, true_elevation_of_map),
@@ -153,7 +151,7 @@ std::vector<std::string> qualifiers_of(const std::string& layer) {
   return {};
 }
 
-/// Those that are in the file, in the form of CF's ancillary_variables.
+/// The qualifiers that are in the file, in the form of CF's ancillary_variables.
 std::string ancillary_variables(const std::string& layer, const std::vector<Layer>& written) {
   std::string names;
   for (const std::string& name : qualifiers_of(layer))
@@ -202,7 +200,7 @@ std::int64_t write_dem(LandfallFileWriter& file, const GriddedScans& scans, cons
     tiled.push_back({layer.name, layer.type, layer.text});
     tiled.back().text.ancillary_variables = ancillary_variables(layer.name, layers);
     if (layer.is_sigma) tiled.back().text.comment = request.left_out;
-    if (layer.name == kTime) tiled.back().text.epoch_s = request.epoch_s;
+    if (layer.missing == times_missing) tiled.back().text.epoch_s = request.epoch_s;
   }
   const bool has_sigmas = std::ranges::any_of(layers, &Layer::is_sigma);
   std::atomic<std::int64_t> empty_bins = 0;

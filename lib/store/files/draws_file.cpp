@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Decisions: D452
 #include "store/files/draws_file.h"
 
 #include <algorithm>
@@ -16,7 +15,6 @@
 #include "base/text/key_unit.h"
 #include "base/text/number_text.h"
 #include "chain/draws/draw_layers.h"
-#include "chain/draws/pass_rate.h"
 #include "store/files/contents.h"
 #include "store/files/field_json.h"
 #include "store/files/grid_file.h"
@@ -82,7 +80,7 @@ class StateTable {
     add("safety_missed", maps.safety->missed, "1", "of these, draws in which the place is a hazard in truth");
   }
 
-  /// In pieces, so that little memory is needed beside the maps.
+  /// In pieces, so that little memory is needed besides the maps.
   void write(const LandfallFileWriter& file) {
     constexpr std::size_t kPieceRows = 4 * kTableChunkRows;
     std::vector<ColumnSpec> specs;
@@ -170,8 +168,9 @@ void write_rows(const LandfallFileWriter& file, const DrawTable& table) {
                        "metric of metrics.json, score.json, of the best site or of a landing"});
     rows.emplace_back(std::span(column.values));
   }
-  const std::string of =
-      own_columns(table).empty() ? "all six requirements" : "all six requirements and the user's own";
+  constexpr std::size_t kCount = dictionary::kRequirements.size();
+  const std::string all = "all " + (kCount == 6 ? "six" : std::to_string(kCount)) + " requirements";
+  const std::string of = all + (own_columns(table).empty() ? "" : " and the user's own");
   columns.push_back({"pass", int8, "1", "whether " + of + " passed", {-1, 0, 1}, "not_judged no yes"});
   rows.emplace_back(std::span(table.pass));
   write_table(file.root(), "draws", std::move(columns), rows, file.compression());
@@ -185,7 +184,7 @@ bool is_varied(const std::string& name) {
          });
 }
 
-/// Refuses values that no campaign has, because sums of them could overflow.
+/// Refuses values that no run of draws has, because sums of them could overflow.
 template <class T>
 void require_at_most(const LandfallFileReader& file, const std::string& name, const Grid<T>& values,
                      std::int64_t minimum, std::int64_t maximum) {
@@ -226,107 +225,6 @@ void flatten(const Json& tree, const std::string& path, std::vector<NamedNumber>
   }
 }
 
-Json rate_json(const std::string& name, const PassRate& rate) {
-  const ProbabilityInterval interval = wilson(rate);
-  return {{"requirement", name},
-          {"passed", rate.k},
-          {"draws", rate.n},
-          {"wilson_low", interval.low},
-          {"wilson_high", interval.high},
-          {"exact_lower_bound", exact_lower_bound(rate)}};
-}
-
-/// The rate of a requirement from the pass_flag() of each draw, or NaN where it is not judged. A draw that is
-/// not judged might pass or fail: the interval holds for both (D452).
-template <class T>
-Json requirement_rate(const std::string& name, const std::vector<T>& passes) {
-  const PassRate rate{std::ranges::count(passes, T{1}), std::ssize(passes)};
-  const std::int64_t judged = rate.k + std::ranges::count(passes, T{0});
-  Json json = rate_json(name, rate);
-  json["judged"] = judged;
-  json["wilson_high"] = wilson({rate.k + rate.n - judged, rate.n}).high;
-  return json;
-}
-
-/// The share of draws whose chosen place is safe in truth, of a campaign that judges hazards. A draw without
-/// a safe place, or whose place is unknown in truth, counts as not safe.
-Json hazard_json(std::int64_t draws, const std::vector<double>& chosen_safe,
-                 const std::vector<double>& site_x_m, const std::vector<double>& missed) {
-  const auto sites = std::ranges::count_if(site_x_m, [](double x_m) { return !std::isnan(x_m); });
-  double sum = 0;
-  std::int64_t known = 0;
-  for (const double frac : missed)
-    if (!std::isnan(frac)) {
-      sum += frac;
-      ++known;
-    }
-  return {
-      {"draws_with_site", sites},
-      {"missed_hazard_frac_mean", known > 0 ? Json(sum / static_cast<double>(known)) : Json(nullptr)},
-      {"chosen_place_safe", rate_json("chosen_place_safe", {std::ranges::count(chosen_safe, 1.0), draws})}};
-}
-
-/// Landings with the lidar and without, in pairs. `is_valid` is false after a sequential test.
-Json landing_json(const DrawTable& table, bool is_valid) {
-  const std::vector<double>& with = find_metric(table, kLandingSafe)->values;
-  const std::vector<double>& without = find_metric(table, kBlindSafe)->values;
-  const PairedCounts pairs = paired_counts(with, without);
-  const auto off_terrain = [&](const char* column) {
-    return std::ranges::count_if(find_metric(table, column)->values,
-                                 [](double slope_deg) { return std::isnan(slope_deg); });
-  };
-  const auto arm = [](const PassRate& rate) {
-    Json json = rate_json("", rate);
-    json.erase("requirement");
-    return json;
-  };
-  const ProbabilityDifference difference = newcombe_difference(pairs);
-  Json json = {
-      {"safe", arm(pairs.rate_a())},
-      {"blind", arm(pairs.rate_b())},
-      {"off_terrain",
-       {{"lidar", off_terrain("landing.slope_deg")}, {"blind", off_terrain("blind.slope_deg")}}},
-      {"both", pairs.both},
-      {"only_lidar", pairs.only_a},
-      {"only_blind", pairs.only_b},
-      {"neither", pairs.neither},
-      {"mcnemar_p", mcnemar_p(pairs)},
-      {"difference", {{"value", difference.value}, {"low", difference.low}, {"high", difference.high}}}};
-  if (!is_valid) json["note"] = "intervals, p and difference are not valid after stopping";
-  return json;
-}
-
-/// The rates of all rows.
-Json result_json(const DrawTable& table, bool is_valid) {
-  Json rates = Json::array();
-  for (const dictionary::Requirement& words : dictionary::kRequirements)
-    rates.push_back(requirement_rate(words.name, pass_column(table, words.name).values));
-  rates.push_back(requirement_rate("all", six_passed(table)));
-  const std::vector<OwnColumn> own = own_columns(table);
-  for (const OwnColumn& column : own) rates.push_back(requirement_rate(column.name, column.passes->values));
-  if (!own.empty()) rates.push_back(requirement_rate("all_and_own", table.pass));
-  Json result = {{"rates", std::move(rates)}};
-  const DrawColumn* const chosen_safe = find_metric(table, "site.true_safe");
-  const DrawColumn* const site_x = find_metric(table, "site.x_m");
-  const DrawColumn* const missed = find_metric(table, "score.missed_hazard_frac");
-  if (chosen_safe != nullptr && site_x != nullptr && missed != nullptr)
-    result["hazard"] = hazard_json(table.size(), chosen_safe->values, site_x->values, missed->values);
-  if (find_metric(table, kLandingSafe) != nullptr) result["landing"] = landing_json(table, is_valid);
-  return result;
-}
-
-/// The rows begin .. end - 1.
-DrawTable rows_of_pair(const DrawTable& table, std::ptrdiff_t begin, std::ptrdiff_t end) {
-  const auto cut = [&](const auto& values) {
-    return std::decay_t<decltype(values)>(values.begin() + begin, values.begin() + end);
-  };
-  DrawTable result = {table.first + begin, cut(table.seeds), cut(table.draws),
-                      table.varied,        table.metrics,    cut(table.pass)};
-  for (auto* const columns : {&result.varied, &result.metrics})
-    for (DrawColumn& column : *columns) column.values = cut(column.values);
-  return result;
-}
-
 /// Calls each(name, sums) for the errors that the maps have.
 void for_each_error(auto& maps, const auto& each) {
   each("e_z", maps.e_z);
@@ -337,7 +235,7 @@ constexpr std::int64_t kMaxDraws = std::int64_t{1} << 17;  ///< for which ErrorS
 
 void check_state(const LandfallFileReader& file, const DrawMaps& maps) {
   constexpr std::int64_t kMaxError = std::int64_t{1} << 46;    // 65,536 m in 2^-30 m
-  constexpr std::int64_t kMaxReturns = std::int64_t{1} << 52;  // in all draws of a campaign, below 2^63
+  constexpr std::int64_t kMaxReturns = std::int64_t{1} << 52;  // in all draws of a run, below 2^63
   require_at_most(file, "invalid", maps.invalid, 0, maps.draws);
   require_at_most(file, "fail_rel_x", maps.fail_rel_x, 0, maps.draws);
   require_at_most(file, "fail_rel_y", maps.fail_rel_y, 0, maps.draws);
@@ -415,7 +313,7 @@ struct Numbering {
   const char* meaning;
 };
 
-/// With several scans, each counts from its own first draw. `first`: in a campaign over one scan.
+/// With several scans, each counts from its own first draw. `first`: in a run of draws over one scan.
 void check_numbering(const LandfallFileReader& file, const DrawTable& table, const Numbering& numbering,
                      const std::optional<std::int64_t>& first) {
   const auto pair = std::ranges::find(table.varied, kPairColumn, &DrawColumn::name);
@@ -431,8 +329,8 @@ void check_numbering(const LandfallFileReader& file, const DrawTable& table, con
       expect(i, sum_of(numbering.values[i - 1], numbering.step));
 }
 
-/// Draw i has the seed of the campaign and the number i; in a file of version 0.2.0 the seed of the campaign
-/// plus i.
+/// Draw i has the seed of the run and the number i; in a file of version 0.2.0 the seed of the run
+/// of draws plus i.
 void check_seeds(const LandfallFileReader& file, const DrawTable& table, bool counts_seeds) {
   static const nlohmann::json::json_pointer kSeed("/scan/seed");
   const nlohmann::json& config = file.config();
@@ -441,10 +339,10 @@ void check_seeds(const LandfallFileReader& file, const DrawTable& table, bool co
     seed = config.at(kSeed).get<std::int64_t>();
   if (counts_seeds) {
     if (seed) seed = sum_of(*seed, table.first);
-    return check_numbering(
-        file, table, {"seed", table.seeds, 1, "the seed of the campaign plus the number of the draw"}, seed);
+    return check_numbering(file, table,
+                           {"seed", table.seeds, 1, "the seed of the run plus the number of the draw"}, seed);
   }
-  check_numbering(file, table, {"seed", table.seeds, 0, "the seed of the campaign"}, seed);
+  check_numbering(file, table, {"seed", table.seeds, 0, "the seed of the run"}, seed);
   check_numbering(file, table, {"draw", table.draws, 1, "the number of the draw"}, table.first);
 }
 
@@ -473,7 +371,7 @@ void check_landings(const LandfallFileReader& file, const DrawTable& table) {
     check_metric(file, table, name, "0 or 1", [](double value) { return value == 0 || value == 1; });
 }
 
-/// Refuses rows that contradict themselves or the configuration: no campaign wrote them.
+/// Refuses rows that contradict themselves or the configuration: no run of draws wrote them.
 void check_rows(const LandfallFileReader& file, const DrawTable& table, bool counts_seeds) {
   check_seeds(file, table, counts_seeds);
   const auto is_flag = [](double value) { return value == 0 || value == 1; };
@@ -555,28 +453,6 @@ std::vector<NamedNumber> flat_metrics(const DrawResult& result) {
     landing("blind", result.landings->blind);
   }
   return flat;
-}
-
-Json verdict_json(const DrawTable& table, const std::optional<SprtState>& sprt) {
-  Json verdict = {{"format", "landfall.draws_verdict"}, {"version", 1}, {"confidence", 0.95}};
-  if (sprt) {
-    constexpr std::array kStates = {"running", "accepted", "rejected"};
-    verdict["sprt"] = kStates.at(static_cast<std::size_t>(*sprt));
-    verdict["note"] = "intervals are not valid after stopping";
-  }
-  if (!table.varied.empty() && table.varied.front().name == kPairColumn) {
-    verdict["note"] = "for these terrains; another terrain is not part of the probability";
-    const std::vector<double>& pairs = table.varied.front().values;
-    for (auto begin = pairs.begin(); begin != pairs.end();) {  // the rows of a pair follow each other
-      const auto end = std::find_if(begin + 1, pairs.end(), [&](double pair) { return pair != *begin; });
-      Json result = {{"pair", *begin}};
-      result.update(result_json(rows_of_pair(table, begin - pairs.begin(), end - pairs.begin()), !sprt));
-      verdict["pairs"].push_back(std::move(result));
-      begin = end;
-    }
-  }
-  verdict.update(result_json(table, !sprt));
-  return verdict;
 }
 
 void write_draws(LandfallFileWriter& file, const Draws& draws, const Json& verdict,

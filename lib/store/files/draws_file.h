@@ -12,12 +12,11 @@
 #include "chain/draws/draw_maps.h"
 #include "chain/draws/draw_runner.h"
 #include "chain/draws/draw_table.h"
-#include "chain/draws/sprt.h"
 #include "store/files/landfall_file.h"
 
 namespace landfall {
 
-/// The draws of a campaign, or of a part of one.
+/// The draws of a run, or of a part of one.
 struct Draws {
   DrawTable table;
   /// Footprint::edge_bins() of all draws; none where the footprint varies, and in files of version 0.2.0.
@@ -25,8 +24,8 @@ struct Draws {
   std::optional<DrawMaps> maps;
   // With maps:
   std::optional<BinMask> region;           ///< the judged bins
-  std::optional<Grid<float>> z_true_map;   ///< H(X, Y), NaN off the terrain; none where the ground varies
-  std::optional<Grid<float>> z_sigma_abs;  ///< predicted, where it is asked for
+  std::optional<Grid<float>> z_true_map;   ///< H(X, Y), NaN off the terrain; none where the terrain varies
+  std::optional<Grid<float>> z_sigma_abs;  ///< predicted, if it is requested
 };
 
 /// A number of a draw by its dotted path in metrics.json.
@@ -37,17 +36,8 @@ using NamedNumber = std::pair<std::string, double>;
 /// site.KEY, NaN where there is no site, and landing.KEY and blind.KEY of a draw that lands.
 [[nodiscard]] std::vector<NamedNumber> flat_metrics(const DrawResult& result);
 
-/// How many draws passed each requirement and all six ("all"), then each of the user's own and these and the
-/// six together ("all_and_own"), with Wilson's 95 % interval and the exact one-sided
-/// lower bound, and in how many it is judged; of a campaign that judges hazards also in how many the chosen
-/// place is safe in truth, and of one whose draws land in how many they land safely, with the lidar and
-/// without, with exact McNemar test and the interval of the difference (Newcombe). Over several scans for
-/// each of them, and for all. With the state of a sequential test the results decided the number of draws:
-/// both are then not valid, and marked so.
-[[nodiscard]] nlohmann::ordered_json verdict_json(const DrawTable& table,
-                                                  const std::optional<SprtState>& sprt);
-
-/// Writes draws.h5 (docs/user/files/draws.md) and commits it. `verdict` is stored as text.
+/// Writes draws.h5 (docs/user/files/draws.md) and commits it. `verdict` (store/files/draws_verdict.h) is
+/// stored as text.
 void write_draws(LandfallFileWriter& file, const Draws& draws, const nlohmann::ordered_json& verdict,
                  const std::string& crs_wkt);
 
@@ -57,8 +47,8 @@ struct DrawsInput {
   std::string crs_wkt;
   std::string file_id;
   nlohmann::json chain;  ///< its last step made the file
-  /// The file is of version 0.2.0: draw i has the seed of the campaign plus i, and so random numbers that
-  /// campaigns with other seeds have too.
+  /// The file is of version 0.2.0: draw i has the seed of the run plus i, and so random numbers that
+  /// runs of draws with other seeds have too.
   bool counts_seeds = false;
 };
 

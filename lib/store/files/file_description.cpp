@@ -300,7 +300,7 @@ std::optional<double> first_value(const LandfallFileReader& file, const DatasetE
   return value;
 }
 
-/// Whether the first site is safe on the true ground, null if there is no site or it is unknown; its
+/// Whether the first site is safe on the true terrain, null if there is no site or it is unknown; its
 /// coordinates on the map, if the file has them.
 Json best_site_json(const LandfallFileReader& file, const Group& sites) {
   Json json = {{"true_safe", nullptr}};

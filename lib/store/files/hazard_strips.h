@@ -32,7 +32,7 @@ class HazardStripReader {
   [[nodiscard]] const std::string& file_id() const { return file_.file_id(); }
   [[nodiscard]] const nlohmann::json& chain() const { return file_.chain(); }
   [[nodiscard]] bool has_sigma() const;
-  /// Loads whole rows of tiles, and keeps those that the rows asked for last have in common with the next.
+  /// Loads whole rows of tiles, and keeps those that consecutive requests have in common.
   /// Throws FormatError for an infinite elevation. Refers to this reader.
   [[nodiscard]] StripSource source();
 
@@ -55,7 +55,7 @@ class HazardStripWriter {
                     std::vector<std::string> layers);
 
   void take(const PlaceMeasures& strip);
-  /// Writes what is known at the end, and commits the file.
+  /// Writes the final attributes, and commits the file.
   void finish(const HazardMap& map);
 
  private:

@@ -12,7 +12,7 @@
 
 namespace landfall {
 
-/// The columns of points that landfall did not make, beside x_est, y_est, z_est and status.
+/// The columns of imported points, besides x_est, y_est, z_est and status.
 struct ImportedColumns {
   bool intensity = false, return_number = false, t = false, pulse = false, pixel = false;
   std::string clock{};  ///< what t counts; empty: not known

@@ -15,6 +15,7 @@
 #include "store/files/stored_json.h"
 #include "store/hdf5/guard/file_seal.h"
 #include "store/hdf5/h5.h"
+#include "store/hdf5/memory_file.h"
 
 namespace landfall {
 namespace {
@@ -40,11 +41,22 @@ h5::Handle create_quietly(const std::filesystem::path& path) {
   return h5::create_file(path);
 }
 
-/// The path of an output that is to be written.
-const std::filesystem::path& path_unless_current(const OutputOptions& options, const std::string& kind,
-                                                 const Provenance& provenance) {
+/// Null in memory. Throws OutputIsCurrent.
+std::unique_ptr<OutputPath> output_path(const OutputOptions& options, const std::string& kind,
+                                        const Provenance& provenance) {
+  if (h5::MemoryFile::find(options.path) != nullptr) return nullptr;
   leave_current(options.path, kind, provenance);
-  return options.path;
+  return std::make_unique<OutputPath>(options.path, options.overwrite);
+}
+
+/// Seals a temporary file that is closed, and gives it its name.
+void seal_and_commit(OutputPath& output, const std::vector<haddr_t>& objects) {
+  try {
+    h5::seal_file(output.temporary(), objects);
+  } catch (const IoError& error) {
+    throw IoError("output " + output.path().string() + ": " + error.what());
+  }
+  output.commit();
 }
 
 h5::Handle open_quietly(const std::string& path) {
@@ -104,10 +116,10 @@ bool is_history(const nlohmann::json& chain) {
 
 LandfallFileWriter::LandfallFileWriter(const OutputOptions& options, const std::string& kind,
                                        const Provenance& provenance)
-    : output_(path_unless_current(options, kind, provenance), options.overwrite),
+    : output_(output_path(options, kind, provenance)),
       kind_(kind),
-      compression_(options.compression),
-      file_(create_quietly(output_.temporary())) {
+      compression_(output_ ? options.compression : h5::kPlain),
+      file_(create_quietly(output_ ? output_->temporary() : options.path)) {
   h5::write_attribute(root(), "title", title_of(kind, provenance.tool));
   h5::write_attribute(root(), "source", source_line(provenance.tool));
   h5::write_attribute(root(), "history", history_of(provenance));
@@ -132,15 +144,22 @@ LandfallFileWriter::LandfallFileWriter(const OutputOptions& options, const std::
 void LandfallFileWriter::commit() {
   if (follows_cf_) h5::write_attribute(root(), "Conventions", std::string("CF-1.8"));
   h5::write_attribute(root(), "complete", std::int64_t{1});
+  if (!output_) {
+    if (const std::optional<std::string> failure = h5::close_file(file_)) throw IoError(*failure);
+    return;
+  }
   const std::vector<haddr_t> objects = h5::object_addresses(root());
   if (const std::optional<std::string> failure = h5::close_file(file_))
-    throw IoError("output " + output_.path().string() + ": closing failed: " + *failure);
-  try {
-    h5::seal_file(output_.temporary(), objects);
-  } catch (const IoError& error) {
-    throw IoError("output " + output_.path().string() + ": " + error.what());
-  }
-  output_.commit();
+    throw IoError("output " + output_->path().string() + ": closing failed: " + *failure);
+  seal_and_commit(*output_, objects);
+}
+
+void save_file(const h5::MemoryFile& file, const OutputOptions& options) {
+  OutputPath output(options.path, options.overwrite);
+  write_text(output, file.image());
+  file.save_arrays(output.temporary());
+  const std::vector<haddr_t> objects = h5::object_addresses(open_quietly(output.temporary()).get());
+  seal_and_commit(output, objects);
 }
 
 void check_file(const std::filesystem::path& path) {

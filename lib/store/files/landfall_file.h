@@ -3,6 +3,7 @@
 
 #include <filesystem>
 #include <initializer_list>
+#include <memory>
 #include <nlohmann/json.hpp>
 #include <string>
 
@@ -12,6 +13,10 @@
 
 namespace landfall {
 
+namespace h5 {
+class MemoryFile;
+}
+
 /// The kinds of files that the tools write.
 inline constexpr std::initializer_list<const char*> kLandfallKinds = {
     "terrain", "scan", "dem", "evaluation", "plan", "hazards", "draws"};
@@ -20,8 +25,8 @@ inline constexpr std::initializer_list<const char*> kLandfallKinds = {
 /// name under which the file appears only when it is complete.
 class LandfallFileWriter {
  public:
-  /// `kind` is one of kLandfallKinds. Throws UsageError before any work is
-  /// done if the output exists.
+  /// `kind` is one of kLandfallKinds. The file is in memory if the output has the name of an h5::MemoryFile.
+  /// Throws UsageError before any work is done if the output exists.
   LandfallFileWriter(const OutputOptions& options, const std::string& kind, const Provenance& provenance);
 
   [[nodiscard]] hid_t root() const { return file_.get(); }
@@ -34,12 +39,15 @@ class LandfallFileWriter {
 
  private:
   // The file is declared last: it closes before the temporary name is removed.
-  OutputPath output_;
+  std::unique_ptr<OutputPath> output_;  ///< null in memory
   std::string kind_;
   int compression_;
   bool follows_cf_ = true;
   h5::Handle file_;
 };
+
+/// Writes a file in memory to the disk, as its tool would have. Throws as LandfallFileWriter does.
+void save_file(const h5::MemoryFile& file, const OutputOptions& options);
 
 /// Opens and checks any landfall file.
 class LandfallFileReader {

@@ -53,7 +53,7 @@ class Placement {
 
 struct Meeting {
   Placement placement;
-  std::vector<std::string> said;  ///< what was moved, reprojected or assumed; without the second's name
+  std::vector<std::string> said;  ///< moves, reprojections and assumptions; without the second's name
   std::string refusal;            ///< why they do not meet, and what to do; empty if they do
 };
 

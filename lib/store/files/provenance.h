@@ -12,7 +12,7 @@ namespace landfall {
 struct InputRecord {
   std::string role;     ///< "terrain", "scan", "dem", "raster", "mesh", "trajectory"
   std::string file_id;  ///< of a landfall file; otherwise the hash of the bytes
-  /// The statements that the file lacked, or made in two ways, and what was taken instead
+  /// The statements that the file lacked or contradicted, and the assumptions instead
   /// (DemSource::assumed).
   std::vector<std::string> assumed = {};
   friend bool operator==(const InputRecord&, const InputRecord&) = default;

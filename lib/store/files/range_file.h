@@ -26,8 +26,8 @@ class LaterEchoReader {
   /// `scan` has the table and must outlive this object.
   explicit LaterEchoReader(const LandfallFileReader& scan);
 
-  /// Those of these pulses; fastest if read in order. Throws FormatError, naming the row, for one out of
-  /// order or of no pixel of the detector.
+  /// The later echoes of these pulses; fastest if read in order. Throws FormatError, naming the row, for one
+  /// out of order or of no pixel of the detector.
   [[nodiscard]] std::vector<LaterEcho> read(PulseSpan pulses, std::size_t pixel_count);
 
  private:

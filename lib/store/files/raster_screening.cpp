@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // An output is compared with every file that an input leads to: also those that a VRT names at any depth,
 // those inside a name such as `NETCDF:"f.h5":z` or `/vsizip/f.zip/a.tif`, and those that GDAL lists for a
-// raster. GDAL is asked for a raster's files only if there is a file to replace. Sources of a VRT are
+// raster. GDAL lists a raster's files only if there is a file to replace. Sources of a VRT are
 // searched for where they may be opened (lib/formats/gdal/file_guard.h); otherwise the run is refused
 // before it writes.
 #include "store/files/raster_screening.h"

@@ -24,7 +24,7 @@ namespace landfall {
 
 using Scans = std::vector<std::unique_ptr<ScanReader>>;
 
-/// Opens scans, and adds them to the inputs of what is made from them. All count their times from the
+/// Opens scans, and adds them to the inputs of the output. All count their times from the
 /// earliest of their first pulses.
 [[nodiscard]] Scans open_scans(const std::vector<std::string>& paths, Provenance& provenance);
 

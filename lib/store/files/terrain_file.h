@@ -33,7 +33,7 @@ struct NodeCounts {
 NodeCounts write_terrain(LandfallFileWriter& file, TerrainStrips& strips,
                          const ProgressCallback& progress = {});
 
-/// The id of an imported raster: a hash of the samples, position and frame that were read. Files beside the
+/// The id of an imported raster: a hash of the samples, position and frame that were read. Files next to the
 /// named one (a world file, the parts of a VRT) affect it only through these; the file's name does not.
 [[nodiscard]] std::string raster_id(const DemRaster& raster);
 

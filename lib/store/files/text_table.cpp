@@ -38,7 +38,7 @@ std::string_view trimmed(std::string_view text) {
 }
 
 /// The character of "," ";" and tab that divides a line into most cells; a blank if it has none of them.
-/// Those between double quotes do not count.
+/// Characters between double quotes do not count.
 char separator_of(std::string_view line) {
   char separator = ' ';
   std::ptrdiff_t maximum = 0;
@@ -136,15 +136,15 @@ class TextTable {
     std::size_t line;
   };
 
-  /// Refuses what is certainly not text. An SBET file (smoothed best estimate of trajectory) has records of
-  /// 17 float64 and no header.
+  /// Refuses files that are certainly not text. An SBET file (smoothed best estimate of trajectory) has
+  /// records of 17 float64 and no header.
   void require_text() const {
     constexpr std::size_t kSbetRecord = 136;
     if (const std::string foreign = foreign_content(text_); !foreign.empty()) fail(foreign);
     if (text_.substr(0, 8) == "TSCANTRJ") fail("is a TerraScan trajectory; it needs " + wish());
     if (text_.find('\0') == std::string::npos) return;
     if (text_.size() % kSbetRecord == 0)
-      fail("is binary, as an SBET trajectory (.out: latitude, longitude and heading in radians); it needs " +
+      fail("is binary, like an SBET trajectory (.out: latitude, longitude, heading in radians); it needs " +
            wish());
     fail("is binary, but not HDF5; it needs " + wish());
   }

@@ -12,6 +12,7 @@
 
 #include "base/core/error.h"
 #include "store/hdf5/chunk_filters.h"
+#include "store/hdf5/h5.h"
 
 namespace landfall {
 namespace {
@@ -200,6 +201,7 @@ std::span<const std::byte> put_stored_stream(Bytes raw, std::vector<std::byte>& 
 }  // namespace
 
 std::span<const std::byte> ChunkEncoder::encode(std::span<const std::byte> raw) {
+  if (level_ == h5::kPlain) return raw;
   if (level_ == 0) return put_stored_stream(raw, stream_);
   thread_local std::vector<std::byte> room;
   if (room.size() < raw.size()) room.resize(raw.size());

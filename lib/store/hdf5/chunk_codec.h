@@ -24,7 +24,7 @@ inline constexpr unsigned kMaxDeflate = 1032;
 /// thread. Use an encoder in one thread at a time.
 class ChunkEncoder {
  public:
-  /// `level` in 0..9.
+  /// `level` in 0..9, or h5::kPlain: the bytes as they are.
   ChunkEncoder(std::size_t element_size, int level) : element_size_(element_size), level_(level) {}
 
   /// Valid until the next call. Throws IoError if libdeflate refuses (out of memory).

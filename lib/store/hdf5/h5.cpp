@@ -8,6 +8,7 @@
 
 #include "base/core/error.h"
 #include "base/memory/available_memory.h"
+#include "store/hdf5/memory_file.h"
 
 // Members of a group are kept in the order of their creation, in which netCDF, and so GMT and GDAL's
 // netCDF driver, list them: the first layer is the one that a user wants. GDAL's HDF5 driver (3.6) sorts
@@ -81,7 +82,7 @@ void keep_creation_order(hid_t group_properties) {
 std::mutex close_lock;
 std::string close_failure;  // NOLINT(*-avoid-non-const-global-variables)
 
-/// H5Dclose that remembers its first failure; closing what the file has already closed is not a failure.
+/// H5Dclose that remembers its first failure; closing an already closed object is not a failure.
 herr_t close_written(hid_t dataset) {
   if (H5Iis_valid(dataset) <= 0) return -1;
   const herr_t result = H5Dclose(dataset);
@@ -169,6 +170,7 @@ Handle create_file(const std::filesystem::path& path) {
   H5Pset_fclose_degree(access.get(), H5F_CLOSE_STRONG);
   const Handle creation(H5Pcreate(H5P_FILE_CREATE), H5Pclose);
   keep_creation_order(creation.get());
+  if (MemoryFile* const file = MemoryFile::find(path)) return file->create(creation.get());
   return checked(H5Fcreate(path.c_str(), H5F_ACC_TRUNC, creation.get(), access.get()), H5Fclose,
                  path.string());
 }
@@ -206,8 +208,9 @@ Handle create_dataset(hid_t parent, const std::string& name, Type type, const Da
   if (!shape.chunk.empty()) {
     H5Pset_chunk(properties.get(), rank, shape.chunk.data());
     H5Pset_fill_time(properties.get(), H5D_FILL_TIME_IFSET);
-    if (shape.level > 0) H5Pset_shuffle(properties.get());
-    H5Pset_deflate(properties.get(), static_cast<unsigned>(shape.level));
+    const int level = shape.level == kPlain ? 1 : shape.level;
+    if (level > 0) H5Pset_shuffle(properties.get());
+    H5Pset_deflate(properties.get(), static_cast<unsigned>(level));
   }
   if (shape.nan_fill) {
     const double nan = std::numeric_limits<double>::quiet_NaN();
@@ -225,6 +228,10 @@ Handle create_dataset(hid_t parent, const std::string& name, Type type, const Da
 
 bool write_chunk(hid_t dataset, std::span<const hsize_t> offset, std::span<const std::byte> bytes) {
   require_headroom(kHeadroom);
+  if (MemoryFile* const file = MemoryFile::of(dataset)) {
+    file->put_chunk(dataset, offset, bytes);
+    return true;
+  }
   return H5Dwrite_chunk(dataset, H5P_DEFAULT, 0, offset.data(), bytes.size(), bytes.data()) >= 0;
 }
 

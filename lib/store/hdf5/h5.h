@@ -96,9 +96,14 @@ struct TypeOf<std::int8_t> {
 /// then nearly on the disk when it is complete. Does nothing if the system has no such call.
 void start_writeback(int descriptor);
 
+/// The level of chunks that stay in plain form: those of a MemoryFile (memory_file.h), which compresses them
+/// at level 1 when it is saved.
+inline constexpr int kPlain = -1;
+
 /// Every creation below leaves out object times, so that equal content gives equal bytes. Each throws IoError
 /// naming `object` when HDF5 refuses. Closing the file closes every object in it; remaining handles become
 /// invalid.
+/// The file is in memory if `path` is the name of a MemoryFile.
 Handle create_file(const std::filesystem::path& path);
 Handle create_group(hid_t parent, const std::string& name);
 /// Chunked (chunk dimensions > 0) with shuffle and deflate at `level` (0: only with deflate, for its
@@ -132,7 +137,8 @@ struct TextDataset {
 void write_text(hid_t parent, const TextDataset& dataset, const std::string& text);
 
 /// Opens a file for reading. Throws FormatError if it is missing, not HDF5, truncated, or refused by
-/// screen_file() (file_screening.h), for example because of links to other files.
+/// screen_file() (file_screening.h), for example because of links to other files. A MemoryFile is opened as
+/// it is.
 Handle open_file(const std::filesystem::path& path);
 /// Opens a file without screening it, only to read the attributes of its root; an empty handle if it is not
 /// an HDF5 file. Throws FormatError if the system refuses access or the file is damaged.

@@ -11,6 +11,7 @@
 #include "store/hdf5/chunk_check.h"
 #include "store/hdf5/guard/file_screening.h"
 #include "store/hdf5/h5.h"
+#include "store/hdf5/memory_file.h"
 
 namespace landfall::h5 {
 namespace {
@@ -101,6 +102,7 @@ std::optional<std::string> read_string(hid_t file_type, hid_t space, const Read&
 }  // namespace
 
 Handle open_file(const std::filesystem::path& path) {
+  if (const MemoryFile* const file = MemoryFile::find(path)) return file->open();
   require_regular_file(path);
   require_headroom(kHeadroom);
   MetadataGuard guard(path);
@@ -157,6 +159,7 @@ Handle open_dataset(hid_t parent, const std::string& name) {
 Handle open_group(hid_t parent, const std::string& name) { return open_kind(parent, name, H5I_GROUP); }
 
 std::uint64_t stored_bytes(hid_t dataset) {
+  if (const auto array = array_in_memory(dataset)) return array->values.size();
   H5Eclear2(H5E_DEFAULT);
   const hsize_t size = H5Dget_storage_size(dataset);
   if (size == 0 && H5Eget_num(H5E_DEFAULT) > 0) fail_reading(dataset);  // 0 means no data or a failure
@@ -223,6 +226,7 @@ std::optional<std::string> read_text(hid_t parent, const std::string& name) {
 }
 
 bool read_values(hid_t dataset, hid_t type, hid_t memory, hid_t selection, void* values) {
+  if (const auto array = array_in_memory(dataset)) return gather(*array, type, selection, values);
   const ChunkBytes chunks = chunk_bytes_of(dataset);
   if (const std::optional<std::string> filter = undecodable_filter(dataset))
     throw FormatError(file_of(dataset) + ": " + path_of(dataset) + " is stored by filter " + *filter +

@@ -20,6 +20,7 @@
 #include "store/hdf5/column_reader.h"
 #include "store/hdf5/dataset_list.h"
 #include "store/hdf5/infinite_values.h"
+#include "store/hdf5/memory_file.h"
 
 namespace landfall {
 namespace {
@@ -109,6 +110,7 @@ void TableWriter::create_columns(std::size_t chunk_rows) {
 
 /// Whether a dataset of so many rows holds the chunks that this table would write.
 bool TableWriter::is_stored_alike(hid_t theirs, std::size_t rows, h5::Type type) const {
+  if (compression_ == h5::kPlain || h5::MemoryFile::of(theirs) != nullptr) return false;
   const std::array<hsize_t, 1> chunk = {chunk_rows_of(rows)};
   const std::optional<DecodableChunks> chunks = decodable_chunks(theirs, chunk);
   const ChunkFilters filters = compression_ == 0 ? ChunkFilters::deflate : ChunkFilters::shuffle_deflate;

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The reports of sensitivity.py and design.py: one HTML file each that needs nothing beside it. Texts from files are escaped."""
+"""The reports of sensitivity.py and design.py: one self-contained HTML file each. Texts from files are escaped."""
 import json
 import os
 

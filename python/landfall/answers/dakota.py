@@ -18,7 +18,7 @@ KEYS = ("base", "inputs", "outputs")
 
 
 def read_parameters(path):
-    """({variable: number}, [(name of a function, what is asked of it)]) of a file in Dakota's standard or APREPRO format."""
+    """({variable: number}, [(name of a function, its requested values)]) of a file in Dakota's standard or APREPRO format."""
     try:
         with open(path, encoding="utf-8") as file:
             lines = [line.strip() for line in file]
@@ -82,7 +82,7 @@ def main(arguments):
     parser.add_argument("results", metavar="RESULTS", help="Dakota's results file")
     parser.add_argument("--model", metavar="FILE", default="model.json", help="base, inputs and outputs (model.json)")
     parser.add_argument("--folder", metavar="DIR", default="landfall-model", help="where results are kept and found again (landfall-model)")
-    parser.add_argument("--bin", metavar="DIR", help="where the tools are (default: beside this package, or on PATH)")
+    parser.add_argument("--bin", metavar="DIR", help="where the tools are (default: next to this package, or on PATH)")
     options = parser.parse_args(arguments)
     if options.bin:
         tools.BIN = options.bin

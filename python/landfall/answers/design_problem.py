@@ -52,7 +52,7 @@ class Problem:
         return {f"{path}.{own['name']}": own for path, stage in sections.items() for own in self.base.get(stage, {}).get("requirements", [])}
 
     def _counted_own(self):
-        """Those of _own() that a draw must meet: all, the one that is named, or none."""
+        """The requirements of _own() that a draw must meet: all, the named one, or none."""
         return {path: own for path, own in self._own().items() if self.requirement in (ALL_AND_OWN, own["name"])}
 
     def judges_map(self):
@@ -168,7 +168,7 @@ class Problem:
             if self.requirement == SAFE_LANDING:
                 return "the landing is not safe"
             if not row["site.true_safe"]:
-                return "the chosen place is not known to be safe on the true ground"
+                return "the chosen place is not known to be safe on the true terrain"
             return f"the chosen place has p_touchdown {row['site.p_touchdown']:.3g}, less than {self.base['hazard']['sites']['min_p']:g}"
         unjudged = [requirement.words for requirement in dictionary.requirements().values() if row[f"requirements.{requirement.name}.pass"] is None]
         if unjudged and self.requirement in (ALL_REQUIREMENTS, ALL_AND_OWN):
@@ -237,7 +237,7 @@ def draws_needed(probability, failures):
 
 
 def frame_gap_bins(configs):
-    """The widest gap between two frames of a raster on flat ground at the end of the scan, in bins; None without a raster."""
+    """The widest gap between two frames of a raster on flat terrain at the end of the scan, in bins; None without a raster."""
     scan = configs["scan"]
     pattern, detector, motion = scan["scanner"].get("pattern", {}), scan["detector"], scan["trajectory"]
     if pattern.get("type") != "line_search" or not pattern.get("compensated") or motion["type"] != "constant_velocity" or "ifov_rad" not in detector:
@@ -292,15 +292,15 @@ class CandidateCheck:
                 "reason": "" if passes else self.problem.why_not(row, margins)}
 
     def _plan(self, configs):
-        """The reason why flat ground would fail, or None. What relief and errors could still change is let through."""
+        """The reason why flat terrain would fail, or None. What relief and errors could still change is let through."""
         limits, radius, edge = configs["eval"]["limits"], configs["eval"]["region_radius_m"], configs["regrid"]["resolution_m"]
         plan = json.loads(self.runner.run("scan-sim", "--plan", "--json", "--plan-radius", radius, "--plan-resolution", edge,
                                           config=configs["scan"]))["plan"]["coverage"]
         farthest = limits["distance_bins"] + math.sqrt(2)
         if plan["max_distance_bins"] > farthest:
-            return {"stage": "plan", "reason": f"a bin of flat ground is {plan['max_distance_bins']:.3g} bins from the next return",
+            return {"stage": "plan", "reason": f"a bin of flat terrain is {plan['max_distance_bins']:.3g} bins from the next return",
                     "violation": math.log(plan["max_distance_bins"] / farthest) + 0.5}
         if configs["regrid"]["method"] in NEAREST and plan["uncovered_frac"] > 2 * limits["invalid_frac"] > 0:
-            return {"stage": "plan", "reason": f"{100 * plan['uncovered_frac']:.3g} % of the bins of flat ground are empty",
+            return {"stage": "plan", "reason": f"{100 * plan['uncovered_frac']:.3g} % of the bins of flat terrain are empty",
                     "violation": math.log(plan["uncovered_frac"] / limits["invalid_frac"])}
         return None

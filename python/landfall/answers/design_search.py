@@ -15,7 +15,7 @@ from landfall.answers.design_problem import ALL_AND_OWN, ALL_REQUIREMENTS, Candi
 from landfall.errors import DataError
 
 TOGETHER = 4  # candidates that are proposed together, whatever the number of workers
-# The search's one draw, the tests and the proofs have seeds of their own, and so have the grounds, which follow them: further apart than
+# The search's one draw, the tests and the proofs have seeds of their own, and so have the terrains, which follow them: further apart than
 # the seeds of any terrains.
 RACE_SEED, PROOF_SEED, PROOF_STEP = 1_000_000_000, 1_100_000_000, 1_000_000
 MAX_DRAWS = 2000
@@ -93,7 +93,7 @@ class Design:
         return [self.problem.scan_of(self.runner, self.problem.configs(values, terrain)) for terrain in range(len(self.problem.terrains))]
 
     def part(self, scan, draws, begin, end):
-        """The file of the draws begin..end-1 of a campaign; an earlier run may have made it."""
+        """The file of the draws begin..end-1 of a run; an earlier run may have made it."""
         path = self.runner.place("part", [*scan.depends, draws, begin, end], "h5")
         if not os.path.exists(path):
             scan.make_draws(draws, path, "--draws", f"{begin}:{end}")
@@ -170,7 +170,7 @@ class Design:
         return {"seed": row["seed"], "draw": row["draw"], "numbers": len(common)}
 
     def merged(self, passes, parts):
-        """The rate of the whole campaign."""
+        """The rate of the whole run."""
         verdict = os.path.join(self.runner.scratch, "verdict.json")
         self.runner.run("monte-carlo", "merge", *parts, "-o", os.path.join(self.runner.scratch, "merged.h5"), "-O", "--verdict", verdict)
         tree = schema.read_json(verdict)
@@ -219,7 +219,7 @@ def pareto(candidates):
 
 
 def by_fronts(candidates):
-    """Those on the Pareto front, then those on the front of the others, and so on: the margins of one draw may mislead."""
+    """The candidates on the Pareto front, then those on the front of the others, and so on: the margins of one draw may mislead."""
     rest = list(candidates)
     while rest:
         front = pareto(rest)

@@ -10,14 +10,15 @@ import re
 
 import numpy as np
 
+from landfall import dictionary
 from landfall.answers import runs
 from landfall.errors import ToolError, UsageError
 from landfall.study.model import assign, plain_numbers
 
 SEED, DRAW = "scan.seed", "scan.draw"  # which random numbers a row has; all errors are functions of both
 # The outputs that monte-carlo has without percentiles ("metrics": "verdict"), several times faster, with the same values.
-VERDICT_NUMBERS = re.compile(r"coverage\..*|requirements\..*|own_requirements\..*|pass|score\..*|site\..*|landing\..*|blind\..*|accuracy\.absolute\.horizontal\.within_limit_frac|"
-                             r"accuracy\.relative\.[xyz]\.violation_count")
+DECISIVE = [number for requirement in dictionary.requirements().values() for number in requirement.value.split(" + ")]
+VERDICT_NUMBERS = re.compile("|".join([r"coverage\..*|requirements\..*|own_requirements\..*|pass|score\..*|site\..*|landing\..*|blind\..*", *map(re.escape, DECISIVE)]))
 
 
 def model(base, inputs, outputs, folder="landfall-model", workers=1, prefix=(), progress=None, traced=None):
@@ -89,7 +90,7 @@ class Model:
         return found
 
     def _drawn(self, rows):
-        """The keys of which the draws of one campaign may have different values."""
+        """The keys of which the draws of one run may have different values."""
         row = next(iter(rows.values()), {})
         if self.traced is None:
             return {key for key in row if runs.is_redrawn(key, self.base["scan"])}
@@ -97,7 +98,7 @@ class Model:
         return {key for key, value in row.items() if key not in (SEED, DRAW) and whole.varies(key, value)}
 
     def _tasks(self, rows):
-        """Rows, by their number, that differ in drawn keys only share a campaign, in parts of consecutive draws: over one traced scan, unless each
+        """Rows, by their number, that differ in drawn keys only share a run of draws, in parts of consecutive draws: over one traced scan, unless each
         draw traces its own rays. Rows that cannot go through the chain."""
         drawn, groups = self._drawn(rows), {}
         for number, row in rows.items():
@@ -179,7 +180,7 @@ class _DrawnRows(_Task):
         except ToolError as error:
             if len(samples) == 1:
                 return [{"error": str(error), "code": error.exit_code}]
-            half = len(samples) // 2  # a row that is refused ends the whole campaign
+            half = len(samples) // 2  # a row that is refused ends the whole run
             return self._rows(samples[:half], seed, draw) + self._rows(samples[half:], seed, draw + half)
 
     def end(self):

@@ -10,6 +10,7 @@ once, and the answer does not depend on what was there before.
 import contextlib
 import copy
 import fcntl
+import itertools
 import json
 import os
 import re
@@ -23,13 +24,14 @@ import time
 import weakref
 
 from landfall import command, files, scan_keys, schema, tools
-from landfall.errors import DataError, printable, ToolError, UsageError
+from landfall.errors import DataError, Error, printable, ToolError, UsageError
 from landfall.study import results, stages
 from landfall.study.model import config_path, read_config, resolved, TOOLS
 
 STAGES = tuple(stage for stage in TOOLS if stage != "draws")
 REFUSALS = (1, 2)  # exit codes of a tool that refuses its input; any other code, such as that of a killed tool, does not blame the input
 NOT_JUDGED = -1  # in the column `pass` of draws
+_in_memory = itertools.count(1)
 PART_DRAWS = 32  # of one run of monte-carlo: what is lost at most where a run is killed
 
 
@@ -62,7 +64,7 @@ def needs_chain(scan):
 
 
 def truth_of(scan):
-    """The scan that is traced for a campaign."""
+    """The scan that is traced for a run of draws."""
     echoes = scan_keys.part(scan, ("echo",)) if stages.has_receiver(scan) else {}
     return {**stages.truth_config(scan), **echoes}
 
@@ -85,7 +87,7 @@ def _close_scratch(folder, lock):
 
 def is_steady(outcome):
     """Whether an outcome, a tree with "code" if a tool failed, follows from the configuration alone: a tool that ran out of memory or
-    disk is asked again."""
+    disk is checked again."""
     return outcome.get("code", 2) == 2
 
 
@@ -93,7 +95,7 @@ def add_options(parser, what):
     """The options of a program that runs many tools."""
     parser.add_argument("file", metavar="FILE", help=what)
     parser.add_argument("-o", "--out", metavar="DIR", required=True, help="folder of the results; an interrupted run resumes from it")
-    parser.add_argument("--bin", metavar="DIR", help="where the tools are (default: beside this package, or on PATH)")
+    parser.add_argument("--bin", metavar="DIR", help="where the tools are (default: next to this package, or on PATH)")
     parser.add_argument("-j", "--workers", metavar="N", type=int, default=1, help="runs at a time, each with one thread; 1 has all threads (1)")
     parser.add_argument("--runner", metavar="COMMAND", default="", help='command that runs each tool, as "srun -Q -n1 -c1"')
 
@@ -163,10 +165,11 @@ class Silent(Progress):
 
 class Runner:
     """Runs tools in `folder`. `prefix` is a command that runs another one elsewhere, such as ["srun", "-Q", "-n1", "-c1"]: the
-    folder must then be shared. `threads` of each tool; 0: all cores."""
+    folder must then be shared. `threads` of each tool; 0: all cores, one tool at a time: then it runs in this process, if that can."""
 
     def __init__(self, folder, threads=0, prefix=()):
         self.folder, self.threads, self.prefix = os.path.abspath(folder), threads, list(prefix)
+        self.engine = None if threads or prefix else _engine()
         self.cache = os.path.join(self.folder, "cache")
         os.makedirs(self.cache, exist_ok=True)
         self.scratch = self._open_scratch()
@@ -188,6 +191,8 @@ class Runner:
 
     def run(self, tool, *arguments, config=None):
         """The text that the tool prints. Throws ToolError, or DataError if it was killed."""
+        if self.engine:
+            return self._run_here(tool, *arguments, config=config)
         with contextlib.ExitStack() as stack:
             if config is not None:
                 file = stack.enter_context(tempfile.NamedTemporaryFile("w", dir=self.scratch, prefix="config-", suffix=".json"))
@@ -201,6 +206,13 @@ class Runner:
                 if error.exit_code in REFUSALS:
                     raise ToolError(self._steady(str(error)), error.exit_code) from error
                 raise DataError(f"{error}; run the same command again to continue") from error
+
+    def _run_here(self, tool, *arguments, config):
+        words = [tool, *map(str, arguments), *([] if config is None else ["-c", "-"]), "-q", "-t", "0"]
+        code, message, _, printed = self.engine.run(words, "" if config is None else json.dumps(config), None)
+        if code:
+            raise ToolError(self._steady(f"{tool}: {message.replace('standard input', 'configuration')}"), code)
+        return printed
 
     def _steady(self, message):
         """The message without names of files that exist only during this run."""
@@ -249,6 +261,8 @@ class Runner:
 
     def _chain(self, configs, options):
         terrain = self.terrain(configs["terrain"])
+        if self.engine and "hazard" not in configs:
+            return self._chain_here(terrain, configs, options)
         with tempfile.TemporaryDirectory(dir=self.scratch, prefix="chain-") as folder:
             scan, dem, metrics, score, sites, hazards = (os.path.join(folder, name) for name in (
                 "scan.h5", "dem.h5", "metrics/m.json", "score/s.json", "sites/s.json", "hazards.h5"))
@@ -262,6 +276,23 @@ class Runner:
                 self.run("hazard-map", dem, "--terrain", terrain, "--score", score, "--sites", sites, "-o", hazards, config=configs["hazard"])
                 found |= results.read_result(folder, "score/s.json")
             return results.with_own_of_score(found)
+
+    def _chain_here(self, terrain, configs, options):
+        """The same with files in memory."""
+        scan, dem, judged = (self.engine.File(f"{next(_in_memory)} {name} of a model.h5") for name in ("scan", "dem", "eval"))
+        self.run("scan-sim", "--terrain", terrain, "-o", scan.name, config=configs["scan"])
+        self.run("regrid", scan.name, "--terrain", terrain, *options, "-o", dem.name, config=configs["regrid"])
+        self.run("dem-eval", dem.name, "-o", judged.name, "--metrics-only", config=configs["eval"])
+        return results.with_own_of_score(results.flatten(json.loads(judged.values("metrics_json"))))
+
+
+def _engine():
+    """The extension module of these tools; None where they have none."""
+    try:
+        from landfall import engine
+    except Error:
+        return None
+    return engine if engine.FOLDER == os.path.dirname(os.path.realpath(tools.find("monte-carlo"))) else None
 
 
 class Draws:
@@ -291,8 +322,8 @@ class TracedDraws(Draws):
         self.runner.run("monte-carlo", "-o", output, "-O", *arguments, config=self.config(draws))
 
     def config(self, draws):
-        """The configuration of monte-carlo. Where each draw has its own ground, the ground follows the scan's seed, so that draws with fresh
-        seeds have fresh grounds."""
+        """The configuration of monte-carlo. Where each draw has its own terrain, the ground follows the scan's seed, so that draws with fresh
+        seeds have fresh terrains."""
         configs = copy.deepcopy(self.configs)
         seed = draws.get("scan", {}).get("seed", configs["scan"]["seed"])
         if self.traced.get("terrain_seed") == "each" and "seed" in configs["terrain"]:

@@ -68,7 +68,7 @@ def profile(source: Source, start: Place, end: Place, *, limit_m: float | None =
 def compare(a: Source, b: Source, *, layer: str | None = None, dpi: int = 100) -> Figure:
     """Two DEMs side by side, and the difference `b` - `a` in metres. DataError unless their grids are equal.
 
-    `layer`: the elevations to compare, "z_est" (default), "z_true", "z_corrected" or "z_true_map".
+    `layer`: the elevations to compare, a layer of a dem.h5 that holds elevations; "z_est" by default.
     """
     return _figure("plot_compare", [a, b], dpi, layer=layer)
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Maps of bins: panels, colour bars and what is drawn on them."""
+"""Maps of bins: panels, colour bars and marks."""
 import math
 
 import matplotlib.patheffects
@@ -129,7 +129,7 @@ def draw_marks(ax, grid, flags, color, region_bins=None, fill_few=False):
 
     With `fill_few`, blocks with a set bin are filled before that, while they are less than 1 % of the map.
 
-    Returns what the legend says about it, empty if bins are drawn as they are.
+    Returns its text in the legend, empty if bins are drawn as they are.
     """
     size = block_size(ax, flags.shape)
     marks = reduction.enlarged_marks(flags, size, flags.size if region_bins is None else region_bins)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Common parts of the plot commands: options, numbers as text, and writing figures."""
+"""Common parts of the plot commands: options and writing figures."""
 import argparse
 import contextlib
 import json
@@ -31,12 +31,12 @@ def require_png(path):
 
 def parser_of(prog, description, sources, add_options=None, ending="-figure.png"):
     """The function parse(arguments) of a command that draws files: `sources` are its arguments, {name: the file in the help text};
-    add_options(parser) adds what is its own. Without --output the PNG is beside the last of the files and called after it."""
+    add_options(parser) adds its other options. Without --output the PNG is next to the last of the files and named after it."""
     def parse(arguments):
         parser = command.Parser(prog=prog, description=description)
         for name, file in sources.items():
             parser.add_argument(name, metavar=f"{file}.h5")
-        parser.add_argument("-o", "--output", metavar="PNG", help=f"output file (default: {file}{ending} beside it)")
+        parser.add_argument("-o", "--output", metavar="PNG", help=f"output file (default: {file}{ending} next to it)")
         if add_options:
             add_options(parser)
         add_output_options(parser)
@@ -97,7 +97,7 @@ def main_of_tools(prog, description, figure_of):
     def parse(arguments):
         parser = command.Parser(prog=prog, description=description)
         parser.add_argument("-o", "--output", metavar="PNG", required=True)
-        parser.add_argument("--bin", metavar="DIR", help="where the tools are (default: beside this package, or on PATH)")
+        parser.add_argument("--bin", metavar="DIR", help="where the tools are (default: next to this package, or on PATH)")
         add_output_options(parser)
         options = parser.parse_args(arguments)
         require_png(options.output)

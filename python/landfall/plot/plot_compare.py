@@ -5,13 +5,13 @@ import os
 
 import numpy as np
 
-from landfall import files, tools
+from landfall import dictionary, files, tools
 from landfall.errors import DataError
 from landfall.plot import captions, maps, plot_command, reduction, scales
 
 ZOOM_WIDTH_M = 8.0
 SIGN = "B - A"
-LAYERS = ["z_est", "z_true", "z_corrected", "z_true_map"]
+LAYERS = [layer["name"] for layer in dictionary.layers("dem") if layer.get("axis") == "z"]
 
 
 def add_options(parser):
@@ -46,7 +46,7 @@ def cut(grid, values, first, bins):
 
 
 def read_common(options):
-    """(grid of A, layer of A, layer of B in the frame of A) on the bins in common, and lines that say what was compared."""
+    """(grid of A, layer of A, layer of B in the frame of A) on the bins in common, and lines that describe the comparison."""
     (grid_a, a), (grid_b, b) = read(options.dem_a, options.layer), read(options.dem_b, options.layer)
     placed = place(options)
     if "not_compared" in placed:

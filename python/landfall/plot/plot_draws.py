@@ -49,7 +49,7 @@ class Draws:
 
 
 def light_of(draws, size):
-    """The shading of the true ground in blocks of bins; 1 where the ground varies from draw to draw."""
+    """The shading of the true terrain in blocks of bins; 1 where the terrain varies from draw to draw."""
     truth = draws.layers["z_true_map"]
     if truth is None:
         return np.ones(reduction.shrink_mean(draws.layers["in_region"].astype(float), size).shape)
@@ -58,7 +58,7 @@ def light_of(draws, size):
 
 
 def draw_shaded_probability(ax, draws, values, title, quantity):
-    """A probability, the largest value of each block; where it is 0, the shaded ground. Elsewhere slopes may darken its colour only a
+    """A probability, the largest value of each block; where it is 0, the shaded terrain. Elsewhere slopes may darken its colour only a
     little, so that it can be compared with the colour bar."""
     grid = draws.grid
     maps.frame_map(ax, grid, title)
@@ -118,14 +118,14 @@ def draw_prediction(ax, draws):
 
 
 def draw_terrain(ax, draws):
-    """The shaded ground in grey."""
+    """The shaded terrain in grey."""
     size = maps.block_size(ax, draws.layers["in_region"].shape)
     light = np.nan_to_num(light_of(draws, size), nan=1)
     maps.draw_image(ax, draws.grid, np.repeat(np.clip(0.95 * light, 0, 1)[..., None], 3, axis=-1), size, gid="ground")
 
 
 def draw_chosen(ax, draws):
-    """The best site of each draw over the shaded ground."""
+    """The best site of each draw over the shaded terrain."""
     maps.frame_map(ax, draws.grid, "chosen place of each draw")
     draw_terrain(ax, draws)
     x, y, safe = (draws.columns[f"site.{name}"] for name in ("x_m", "y_m", "true_safe"))
@@ -142,7 +142,7 @@ def draw_chosen(ax, draws):
 
 
 def edges_of(values, limit, is_whole):
-    """Edges of equally wide classes, between whole numbers for counts. Bars are wide enough to be seen beside a limit far away."""
+    """Edges of equally wide classes, between whole numbers for counts. Bars are wide enough to be seen next to a limit far away."""
     low, high = float(values.min()), float(values.max())
     minimum = max(abs(low - limit), abs(high - limit), abs(limit) / 2) / 100
     if is_whole:
@@ -154,14 +154,14 @@ def edges_of(values, limit, is_whole):
 
 
 def words_of(draws, name):
-    """(what its columns begin with, what is measured, bound, factor of its numbers, whether they are whole) of a requirement."""
+    """(the prefix of its columns, the metric, bound, factor of its numbers, whether they are whole) of a requirement."""
     path = dictionary.own_paths(draws.columns).get(name)
     if path:
         bound = "at least" if draws.columns[path + ".at_least"][0] == 1 else "at most"
         own = draws.config.get(("hazard" if path.startswith("score.") else "eval") + "/requirements")
         return path, next(each["metric"] for each in own if each["name"] == path.rpartition(".")[2]), bound, 1, False
     requirement = dictionary.requirements()[name]
-    return f"requirements.{name}", requirement.measured_in, requirement.bound, requirement.factor, requirement.factor == 1
+    return f"requirements.{name}", requirement.measured_in, requirement.bound, requirement.factor, requirement.is_whole
 
 
 def draw_distribution(ax, draws, name):
@@ -215,7 +215,7 @@ def draw(draws):
             draw_prediction(axes[1, 2], draws)
         else:
             if layers["e_map_std"] is None:
-                maps.notice(axes[1, 1], "the ground varies: no spread of the map's error")
+                maps.notice(axes[1, 1], "the terrain varies: no spread of the map's error")
             else:
                 draw_layer(axes[1, 1], draws, "e_map_std", "spread of the map's error", scales.magnitude_scale, reduction.shrink_max, "largest")
             draw_layer(axes[1, 2], draws, "e_z_mean", "mean of e_z", scales.error_scale, reduction.shrink_extreme, "largest")

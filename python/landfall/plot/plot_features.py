@@ -14,7 +14,7 @@ RESOLUTION_M = 0.05
 
 @dataclass(frozen=True)
 class Panel:
-    """One object at the centre of flat ground; its cut runs at `cut_deg` from +x."""
+    """One object at the centre of flat terrain; its cut runs at `cut_deg` from +x."""
 
     feature: dict
     half_width_m: float = 6
@@ -86,7 +86,7 @@ def figure_of(folder, options):
         axes[row, 0].set_ylabel("y, m" if row % 2 == 0 else "height, m", fontsize=9)
     for ax in axes[-1]:
         ax.set_xlabel("along the cut, m", fontsize=9)
-    figure.suptitle("The shapes on flat ground, lit from the north-west, and a cut along the dashed line (heights not to the scale of lengths)")
+    figure.suptitle("The shapes on flat terrain, lit from the north-west, and a cut along the dashed line (heights not to the scale of lengths)")
     return figure
 
 

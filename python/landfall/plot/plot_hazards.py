@@ -99,7 +99,7 @@ def draw_safety(ax, hazards, z):
 
 
 def shaded(grid, image, z, size):
-    """Colours times the light on the relief; level ground keeps its colour."""
+    """Colours times the light on the relief; level terrain keeps its colour."""
     step_m = size * grid.resolution_m
     mean = reduction.shrink_mean(z, size)
     return np.clip(image * relief.light(mean, step_m, relief.factor(mean, step_m))[..., None], 0, 1)
@@ -135,7 +135,7 @@ def draw_probability(ax, hazards):
 
 
 def draw_reach(ax, hazards):
-    """The border of the places among which sites are looked for: the circle, or where the cost ends. Returns what the legend says about it."""
+    """The border of the places among which sites are looked for: the circle, or the end of the cost. Returns its entries in the legend."""
     radius_m, cost = hazards.config.get("sites/divert_radius_m"), hazards.layers["cost"]
     has_reach = hazards.config.get("sites/reach/height_m") is not None or hazards.config.get("sites/reach") is not None
     if has_reach and cost is not None:
@@ -148,7 +148,7 @@ def draw_reach(ax, hazards):
 
 
 def draw_sites(ax, hazards):
-    """Numbers at the landing sites. Returns what the legend says about them."""
+    """Numbers at the landing sites. Returns their entries in the legend."""
     sites, handles = hazards.sites, []
     count = len(sites.get("rank", ()))
     for row in range(count):
@@ -212,7 +212,7 @@ def set_percent_axes(ax, alarms, missed):
 
 
 def label_limits(ax, alarms, missed, limits):
-    """The limit beside each point, one label for points at one place and none for points that are near to a labelled one."""
+    """The limit next to each point, one label for points at one place and none for points that are near to a labelled one."""
     places = ax.transAxes.inverted().transform(ax.transData.transform(np.column_stack((alarms, missed))))
     labelled = []
     for at, x, y in zip(places, alarms, missed):
@@ -239,7 +239,7 @@ def draw_reliability(ax, hazards):
     ax.plot([0, 1], [0, 1], color="black", linewidth=1, label="perfectly calibrated")
     ax.plot(middle, share, color=maps.BLUE, marker="o", linewidth=1, gid="reliability", label="found; number of places")
     for x, y, places in zip(middle, share, count):
-        # Beside a low point, where the curve leaves room; a label of the last ones would not fit there.
+        # Next to a low point, where the curve leaves room; a label of the last ones would not fit there.
         offset, ha, va = ((0, 7), "center", "bottom") if y > x else ((7, -2), "left", "center") if x < 0.8 else ((0, -7), "center", "top")
         ax.annotate(f"{places:,.0f}", (x, y), offset, textcoords="offset points", ha=ha, va=va, fontsize=maps.NOTE_PT,
                     bbox={"facecolor": "white", "edgecolor": "none", "alpha": 0.8, "pad": 0.6})

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Draws the landings of a draws.h5 that monte-carlo made with landing: the touchdowns with the lidar and without, safe and not, the
-distance that the lander diverted, and slope and roughness on the true ground against their limits.
+distance that the lander diverted, and slope and roughness on the true terrain against their limits.
 """
 
 import numpy as np
@@ -29,7 +29,7 @@ def draw_touchdowns(ax, draws, arm):
     x, y, slope, safe = (draws.columns[f"{arm}.{name}"] for name in ("x_m", "y_m", "slope_deg", "safe"))
     safe, over_terrain = safe == 1, ~np.isnan(slope)
     for shown, color, marker, label in ((safe, maps.BLUE, "o", "safe"), (~safe & over_terrain, maps.VERMILION, "X", "not safe"),
-                                        (~over_terrain, "black", "1", "over no ground")):
+                                        (~over_terrain, "black", "1", "over no terrain")):
         if shown.any():
             ax.scatter(x[shown], y[shown], s=28, color=color, marker=marker, alpha=0.6, linewidths=0 if marker != "1" else 1,
                        label=f"{label}: {np.count_nonzero(shown)}", gid=f"{arm}-{label.replace(' ', '-')}")
@@ -97,7 +97,7 @@ def draw_margin(ax, draws, column, key, unit):
             ax.step(values, np.arange(1, values.size + 1) / values.size, where="post", color=color, label=label, gid=arm)
     if limit is not None:
         ax.axvline(limit, color="black", linestyle="--", label=f"limit: at most {limit:g}", gid="limit")
-    ax.set(title=column.split("_", maxsplit=1)[0] + " on the true ground", xlabel=unit, ylabel="share of landings at most this", ylim=(0, 1.02))
+    ax.set(title=column.split("_", maxsplit=1)[0] + " on the true terrain", xlabel=unit, ylabel="share of landings at most this", ylim=(0, 1.02))
     ax.legend(fontsize=maps.NOTE_PT, loc="lower right")
 
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Draws where each scan pattern aims: a small scan of flat ground for each, from 500 m at -23 m/s (docs/user/lidar)."""
+"""Draws where each scan pattern aims: a small scan of flat terrain for each, from 500 m at -23 m/s (docs/user/lidar)."""
 import os
 from dataclasses import dataclass
 
@@ -93,7 +93,10 @@ def draw_panel(ax, panel, x, y):
 def figure_of(folder, options):
     write_star(os.path.join(folder, "star.csv"))
     plot_command.run_tool("terrain-gen", folder, "terrain", TERRAIN, options)
-    figure, axes = plt.subplots(2, 5, figsize=(15, 7.0), layout="constrained")
+    columns = -(-len(PANELS) // 2)
+    figure, axes = plt.subplots(2, columns, figsize=(3 * columns, 7.0), layout="constrained")
+    for ax in axes.flat[len(PANELS):]:
+        ax.remove()
     for ax, panel in zip(axes.flat, PANELS):
         draw_panel(ax, panel, *scan(panel, folder, options))
     for ax in axes[-1]:

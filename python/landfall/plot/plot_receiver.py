@@ -29,7 +29,7 @@ RECEIVERS = [
 
 
 def configuration(slope_deg, kind, keys):
-    """A lidar at RANGE_M from level ground, which its boresight meets at this angle from the normal."""
+    """A lidar at RANGE_M from level terrain, which its boresight meets at this angle from the normal."""
     slope = np.radians(slope_deg)
     quiet = {} if kind == "geiger" else {"photon_noise": False}
     return {"detector": {"rows": 8, "columns": 8, "ifov_rad": PITCH_RAD, "subpixels": SUBPIXELS},
@@ -66,7 +66,7 @@ def draw_waveforms(ax):
     at = np.linspace(-0.3, 0.3, 1201)
     steps = (np.arange(SUBPIXELS) + 0.5) / SUBPIXELS - 0.5
     pixel_m = PITCH_RAD * RANGE_M
-    surfaces = [("level ground", np.zeros(1), "0.2", "-"), ("slope of 70°", pixel_m * np.tan(np.radians(70)) * steps, "0.45", "--"),
+    surfaces = [("level terrain", np.zeros(1), "0.2", "-"), ("slope of 70°", pixel_m * np.tan(np.radians(70)) * steps, "0.45", "--"),
                 ("half on a step of 12 cm", np.where(steps < 0, -0.12, 0.0), "0.6", ":")]
     for label, ranges, colour, style in surfaces:
         ax.plot(100 * at, SIGNAL_PE * waveform(ranges, at), color=colour, linestyle=style, label=label)

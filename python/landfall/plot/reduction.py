@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 # Decisions: D275
-"""Reduces a map of bins to what a panel can show.
+"""Reduces a map of bins to the pixels of a panel.
 
 A panel has fewer pixels than a map has bins. Values are reduced block by block to the extreme of each block, so that no
 defect vanishes. Marked bins are enlarged only while they are few (as in reports); otherwise a block shows their share.

@@ -29,7 +29,7 @@ def factor(z, step_m):
 
 
 def light(z, step_m, heights):
-    """The factor by which colours are multiplied, 1 on level ground; `heights` multiplies the elevations."""
+    """The factor by which colours are multiplied, 1 on level terrain; `heights` multiplies the elevations."""
     east, north = (heights * slope for slope in slopes(z, step_m))
     shade = np.maximum(0, (east - north + math.sqrt(2)) / np.sqrt(1 + east**2 + north**2) / math.sqrt(2))
     return np.clip(0.25 + 0.75 * shade, 0, 1.25)

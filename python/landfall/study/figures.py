@@ -13,7 +13,7 @@ from landfall.plot.scales import color_map
 from landfall.study.names import digits_of, number, titled, with_unit
 from landfall.study.table import BLIND_LANDING, error_sign, is_probability, metric_label, SAFE_LANDING
 
-# Okabe and Ito's colours, which colour-blind readers tell apart; markers tell the series apart in print.
+# Okabe and Ito's colours, which colour-blind readers can distinguish; markers distinguish the series in print.
 COLORS = ["#0072B2", "#D55E00", "#009E73", "#CC79A7", "#56B4E9", "#E69F00", "#000000", "#999933"]
 MARKERS = "osD^vP*X"
 LIMIT_COLOR = "#7F0000"
@@ -73,8 +73,8 @@ def estimate_name(results, quantile):
 
 
 def interval_name(metrics):
-    """The interval of probabilities that campaigns estimate; else empty."""
-    return "probabilities: share of a campaign's draws, 95 % interval (Wilson)" if any(map(is_probability, metrics)) else ""
+    """The interval of probabilities that runs of draws estimate; else empty."""
+    return "probabilities: share of the draws, 95 % interval (Wilson)" if any(map(is_probability, metrics)) else ""
 
 
 # A metric against an axis

@@ -38,7 +38,7 @@ class Axis:
     unit: str
     log: bool
     points: tuple
-    role: str = "axis"  # or "repeat", or "drawn" for what a repeat draws
+    role: str = "axis"  # or "repeat", or "drawn" for the values that a repeat draws
 
     def keys(self):
         """The keys that its points set, in order, each once."""
@@ -62,7 +62,7 @@ class Study:
     plot: dict
     files: tuple = field(default=())  # all that it was read from
     description: str = ""
-    traces: bool = False  # the draws of its campaigns trace their own rays
+    traces: bool = False  # the draws of its runs trace their own rays
 
     def axes(self):
         return [axis for dimension in self.dimensions for axis in dimension]
@@ -85,7 +85,7 @@ def unit_of(name):
 
 
 def without_unit(name, unit):
-    """The name without the unit that it ends in, for texts that give the unit beside it: range_sigma_m -> range_sigma."""
+    """The name without the unit that it ends in, for texts that give the unit separately: range_sigma_m -> range_sigma."""
     return name.rsplit("_", 1)[0] if unit not in ("", "1") and "_" in name and name.rsplit("_", 1)[1] in UNITS else name
 
 
@@ -223,7 +223,7 @@ def resolved(stage, config, where="", words=()):
 
 
 def configuration(study, stage, indices, repeated=True):
-    """A stage's configuration at a point of the study; unless `repeated`, without what a repeat sets."""
+    """A stage's configuration at a point of the study; unless `repeated`, without the keys that a repeat sets."""
     config = copy.deepcopy(study.base[stage])
     for dimension, index in zip(study.dimensions, indices):
         for axis in dimension:

@@ -85,7 +85,7 @@ def verdict(word):
 
 
 def cell(value, text=None):
-    """A number; data-value is what is sorted by."""
+    """A number; data-value is the sort key."""
     if value is None:
         return '<td class="number">–</td>'
     return f'<td class="number" data-value="{escaped(value)}">{escaped(number(value) if text is None else text)}</td>'
@@ -119,7 +119,7 @@ def verdicts(tree):
 
 
 def failed(tree):
-    """The failures, by log, with its end; and what was not run."""
+    """The failures, by log, with its end; and the stages that were not run."""
     text = ""
     for log, end, tail, cases in tree["failures"]["logs"]:
         text += (f"<p>{verdict('error')} {case_list(tree, cases)}: {escaped(end)}, {escaped(log)}</p>\n"
@@ -218,7 +218,7 @@ def estimate_cell(estimate):
 
 # Cases: lib/app/report/web/study.js fills this
 
-CASES = """<noscript><p>This table needs JavaScript; results.csv beside this page holds the same numbers.</p></noscript>
+CASES = """<noscript><p>This table needs JavaScript; results.csv next to this page holds the same numbers.</p></noscript>
 <div class="controls" id="filters"></div>
 <details id="columns" class="screen-only"><summary>Columns</summary><div class="choices"></div></details>
 <p class="note"><output id="case-count"></output></p>

@@ -4,8 +4,8 @@
 Writes into a folder: METRIC.png for each metric (the median of the repeats, or another percentile, with a bootstrap 95 %
 interval), METRIC-map.png where two axes are numbers, overview.png (the metrics side by side against an axis of numbers),
 requirements.png (pass rates with Wilson 95 % intervals), shares.png (how much of each limit is used), hazards.png (scores and
-best sites, of a study with hazard maps), campaigns.png (draws that meet each requirement, of a study with campaigns), landings.png (safe
-landings with the lidar and without, of campaigns that land), crossing.png (where one metric exceeds a level, against another metric, if the study asks for it), and the numbers behind them, pass_rates.csv,
+best sites, of a study with hazard maps), campaigns.png (draws that meet each requirement, of a study with runs of draws), landings.png (safe
+landings with the lidar and without, of draws that land), crossing.png (where one metric exceeds a level, against another metric, if the study asks for it), and the numbers behind them, pass_rates.csv,
 percentiles.csv and crossings.csv.
 """
 import argparse
@@ -27,7 +27,7 @@ def parse(arguments):
     parser = command.Parser(prog="plot_study.py", description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("results", metavar="RESULTS.h5")
     parser.add_argument("-o", "--output", metavar="DIR", required=True)
-    parser.add_argument("--metrics", metavar="A,B", help="columns of the results; default: the study's, or five of the requirements, those of hazards and of campaigns")
+    parser.add_argument("--metrics", metavar="A,B", help="columns of the results; default: the study's, or five of the requirements, those of hazards and of draws")
     parser.add_argument("--x", metavar="AXIS", help="axis to the right; default: the study's, or the first that is a number")
     parser.add_argument("--percentile", type=percentile, default=50, help="of the repeats, 0..100, default 50")
     plot_command.add_output_options(parser)

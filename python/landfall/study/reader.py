@@ -39,7 +39,7 @@ class _Reader:
         study = Study(self.path, name, tree.get("title", name), self.base(tree), tuple(dimensions),
                       tree.get("options", {}), tree.get("plot", {}), tuple(self.files), tree.get("description", ""), tree.get("trace_draws", False))
         if study.traces and "draws" not in study.base:
-            self.fail("/trace_draws", "needs a campaign: give \"draws\" in \"base\"")
+            self.fail("/trace_draws", "needs draws: give \"draws\" in \"base\"")
         self.check_columns(study)
         self.check_keys(study)
         if study.case_count() > MAX_CASES:

@@ -2,7 +2,7 @@
 # A study's report shows the numbers of its figures: rates and quantiles with their intervals are read from
 # `pass_rates.csv` and `percentiles.csv`, so that page and figures cannot differ. The description of how a case is made
 # comes from the rules of `study.mk`, which the run itself used.
-"""Writes a study's report: one HTML file that needs nothing beside it, with the table of its cases, their configurations
+"""Writes a study's report: one self-contained HTML file, with the table of its cases, their configurations
 and the figures of plot_study.py.
 
 FOLDER is a study's, with results.h5 (make -f Makefile.studies study).
@@ -113,7 +113,7 @@ def assumptions(study):
 
 
 def axes(study):
-    """Name, label, unit, role and values in order of each axis, of a repeat and of what it draws too; digits that tell the values apart."""
+    """Name, label, unit, role and values in order of each axis, of a repeat and of its drawn values; enough digits to distinguish the values."""
     made = []
     for index, axis in enumerate(study.axes):
         values = list({json.dumps(row[index]): row[index] for row in study.rows}.values())
@@ -132,7 +132,7 @@ def case_names(study, verdicts):
 
 
 def columns(study, shown, verdicts, seconds, metrics):
-    """Those of the cases' table: what a case is, its verdict, then all of results.csv; `first` are shown unless asked otherwise."""
+    """The columns of the cases' table: the case, its verdict, then all of results.csv; `first` are shown by default."""
     made = [_column("case", "case", "", "case", list(shown), True),
             _column("verdict", "verdict", "", "verdict", [verdicts[case] for case in shown], True)]
     for index, axis in enumerate(axes(study)):
@@ -325,7 +325,7 @@ def failures(study, chains, verdicts):
 
 
 def reports(study, shown):
-    """{case: name} of dem-eval's reports that lie beside the layers."""
+    """{case: name} of dem-eval's reports that lie next to the layers."""
     found = {}
     for case in shown:
         name = "eval/" + os.path.basename(study.files_of(case)[0])[:-5] + ".html"

@@ -22,7 +22,7 @@ CASES = {"type": "object", "required": ["title", "axes", "cases", "plot", "limit
     "title": {"type": "string"}, "description": {"type": "string"}, "name": {"type": "string"}, "plot": {"type": "object"}, "limits": {"type": "object"},
     "axes": {"type": "array", "items": {"type": "object", "required": ["name", "unit"], "properties": AXIS}},
     "cases": {"type": "array", "minItems": 1, "items": {"type": "array", "items": {"type": ["string", "number", "boolean"]}}}}}
-# The columns of a rate of a campaign.
+# The columns of a rate of a run of draws.
 INTERVAL = ("wilson_low", "wilson_high", "exact_lower_bound")
 
 
@@ -43,7 +43,7 @@ def read_cases(folder):
 
 
 def results_of(cases, row):
-    """The files of a case's results, by its row of cases.json: metrics, and of a study that has them a score and the verdict of a campaign."""
+    """The files of a case's results, by its row of cases.json: metrics, and of a study that has them a score and the verdict of a run of draws."""
     return row[len(cases["axes"]):]
 
 
@@ -64,7 +64,7 @@ def flatten(tree, prefix=""):
 
 def read_result(folder, name):
     """The numbers of one file of results: those of a score begin with score., those of the best of its sites with site., those of a
-    campaign with draws. The score of a map on which no place could be judged has the text score.remark."""
+    run of draws. The score of a map on which no place could be judged has the text score.remark."""
     if session.kind_of(name) == "verdict":
         return draws_numbers(_read_json(folder, name))
     if session.kind_of(name) != "score":
@@ -113,7 +113,7 @@ def shares_of(counts):
 
 
 def margins_of(roc):
-    """The score of a map that is judged by a lower roughness limit than the true ground, from the ROC's 21 limits."""
+    """The score of a map that is judged by a lower roughness limit than the true terrain, from the ROC's 21 limits."""
     return {f"margin_{margin}_percent": {key: roc[key][(100 - margin) // 10] for key in ("missed_hazard_frac", "false_alarm_frac")}
             for margin in MARGINS}
 
@@ -157,7 +157,7 @@ def unit_of_metric(name):
     parts = name.split(".")
     if parts[0] == "requirements":
         known = dictionary.requirements().get(parts[1])
-        return "1" if parts[-1] == "pass" else "" if known is None else "bins" if known.unit == "bins" else "1"
+        return "1" if parts[-1] == "pass" else "" if known is None else known.stored_unit
     return model.unit_of("_" + parts[-1]) or "1"
 
 

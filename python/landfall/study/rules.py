@@ -7,6 +7,7 @@ reads it, and removed after it; one that several stages read stays in shared/ un
 import json
 from dataclasses import dataclass, field, replace
 
+from landfall import dictionary
 from landfall.command import write_text
 from landfall.scan_keys import scan_schema
 from landfall.schema import default_at
@@ -14,7 +15,7 @@ from landfall.study import names, session, stages
 
 KEEPABLE = ("scan", "dem", "eval", "hazard", "draws")
 MAX_SHARED = 16
-BYTES_PER_RAY = 40  # of a truth: 38.5 with 648,000 rays on rocky ground (2026-11-26)
+BYTES_PER_RAY = 40  # of a truth: 38.5 with 648,000 rays on rocky terrain (2026-11-26)
 
 
 @dataclass(frozen=True)
@@ -216,12 +217,8 @@ class Fragment:
         """Only the layers that dem-eval reads, uncompressed: for a DEM that is not kept."""
         if "eval" in self.layout.keep:
             return []
-        layers = ["z_est", "count", "x_true", "y_true", "z_true"]
-        options = self.options.get("regrid", [])
-        if "--corrected" in options:
-            layers.append("z_corrected")
-        if "--uncertainty" in options:
-            layers += ["z_true_map", "z_sigma_abs", "z_sigma_rel"]
+        options = ["", *self.options.get("regrid", [])]
+        layers = [layer["name"] for layer in dictionary.layers("dem") if layer.get("judged_with") in options]
         return ["--compression 0", "--layers", ",".join(layers)]
 
     def judge(self, recipe, stage, dem):
@@ -296,7 +293,7 @@ def cases_text(study, graph, layout, limits):
     return json.dumps(head, indent=1, ensure_ascii=False)[:-2] + ',\n "cases": [\n  ' + ",\n  ".join(rows) + "\n ]\n}\n"
 
 
-# Disk space, told before any file is made
+# Disk space, reported before any file is made
 
 
 def rays_of(scan):
@@ -312,7 +309,7 @@ def size_text(size):
 
 
 def disk_text(graph, keep):
-    """The files that stay on the disk beside terrains and results, in one line."""
+    """The files that stay on the disk, other than terrains and results, in one line."""
     parts = []
     if graph.truth:
         rays = sum(rays_of(json.loads(graph.configs["scan", stage.config_id])) for stage in graph.truth.values())

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""How far a study is: what is missing in its folder, and the counts of the present call of make."""
+"""The progress of a study: the missing files of its folder, and the counts of the present call of make."""
 import collections
 import contextlib
 import fcntl
@@ -92,7 +92,7 @@ def age_of(folder, name):
 
 
 def missing_targets(folder):
-    """Names of what is still to be made: results that are absent or older than the tools, and what they lack."""
+    """Names of the files still to be made: results that are absent or older than the tools, and their missing inputs."""
     tools = age(os.path.join(folder, "tools.txt"))
     missing, known = {}, {}
     for result, _, *needs in read_targets(folder):

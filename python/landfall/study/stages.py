@@ -12,11 +12,11 @@
 
     terrain -> (truth ->) scan -> dem -> metrics
                                       -> score, sites
-    terrain -> truth -> verdict of a campaign
-    verdict of a campaign whose draws trace
+    terrain -> truth -> verdict of a run of draws
+    verdict of a run whose draws trace
 
-Scans that differ in errors only share a truth, the same scan traced without errors: `scan-sim --ranges-from truth`. A campaign draws
-the errors of the truth. A scan with a receiver is traced for itself: it needs the waveforms.
+Scans that differ in errors only share a truth, the same scan traced without errors: `scan-sim --ranges-from truth`. A run of draws adds
+errors to the truth. A scan with a receiver is traced for itself: it needs the waveforms.
 """
 import hashlib
 import json
@@ -30,7 +30,7 @@ from landfall.study import model
 UPSTREAM = {name: stage.get("upstream") for name, stage in dictionary.stages().items()}
 # Stages whose files are a case's results, in the order of its files.
 RESULTS = ("eval", "hazard", "draws")
-# The part of a campaign's configuration that it has from the case; of one whose draws trace.
+# The part of a run's configuration that it has from the case; of one whose draws trace.
 OF_CASE = ("scan", "regrid", "eval")
 OF_TRACED_CASE = ("terrain", *OF_CASE)
 
@@ -110,19 +110,19 @@ def errors_config(scan):
 
 
 def configuration(study, name, indices):
-    """The configuration of a stage at a point of the study. A campaign draws what repeats would, and is not repeated itself."""
+    """The configuration of a stage at a point of the study. Draws vary what repeats would, and are not repeated."""
     config = model.configuration(study, name, indices)
     if name != "draws":
         return config
     for stage in of_case(study):
         if stage in config:
-            raise UsageError(f"{study.path}: draws.{stage}: a campaign has the {stage} of its case; set {stage} itself")
+            raise UsageError(f"{study.path}: draws.{stage}: draws have the {stage} of their case; set {stage} itself")
     given = {stage: model.configuration(study, stage, indices, repeated=False) for stage in of_case(study)}
     return {**config, **given, "scan": given["scan"] if study.traces else errors_config(given["scan"])}
 
 
 def of_case(study):
-    """The stages whose configurations a campaign has from its case."""
+    """The stages whose configurations a run of draws has from its case."""
     return OF_TRACED_CASE if study.traces else OF_CASE
 
 
@@ -144,7 +144,7 @@ class _Builder:
         self.share_truths()
 
     def dimensions_of(self, stage):
-        """Which dimensions set keys of the stage, or of what a campaign has from its case."""
+        """Which dimensions set keys of the stage, or of what a run of draws has from its case."""
         stages = {stage, *(of_case(self.study) if stage == "draws" else ())}
         return [any(model.stage_of(key) in stages for axis in dimension for key in axis.keys())
                 for dimension in self.study.dimensions]
@@ -161,14 +161,14 @@ class _Builder:
         if mine not in self.known[name]:
             config = configuration(self.study, name, indices)
             if name == "scan" and has_receiver(config) and "draws" in self.study.base and not self.study.traces:
-                raise UsageError(f"{self.study.path}: scan.receiver: a campaign of a study draws from true ranges, without a receiver; use "
+                raise UsageError(f"{self.study.path}: scan.receiver: the draws of a study use true ranges, without a receiver; use "
                                  "scan-sim --keep-echoes and monte-carlo, or \"trace_draws\": true")
             # The whole configuration of a scan with a receiver, so that it shares its truth with no other.
             truth = canonical(config if has_receiver(config) else truth_config(config)) if name == "scan" else None
             self.known[name][mine] = (self.add_config(name, config), tuple(self.checked_files(config)), truth)
         config_id, files, _ = self.known[name][mine]
         options = " ".join(self.study.options.get(name, []))
-        # A campaign does not depend on the errors of a scan that has the same truth.
+        # A run of draws does not depend on the errors of a scan that has the same truth.
         source = "" if upstream is None else self.truth_of(upstream) if name == "draws" else upstream.id
         identity = short_hash(name, config_id, options, source)
         stages = getattr(self.graph, name)
@@ -195,7 +195,7 @@ class _Builder:
         return files
 
     def share_truths(self):
-        """A truth for every two or more scans that differ in errors only, and for a campaign; a single one is traced with its errors."""
+        """A truth for every two or more scans that differ in errors only, and for a run of draws; a single one is traced with its errors."""
         groups = {}
         for scan in self.graph.scan.values():
             groups.setdefault((scan.upstream.id, scan.truth), []).append(scan)

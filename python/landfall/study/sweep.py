@@ -46,7 +46,7 @@ def parse(arguments):
     plan.add_argument("--out", metavar="DIR", required=True, help="the study's folder")
     plan.add_argument("--bin", metavar="DIR", required=True, help="where the tools are")
     plan.add_argument("--keep", metavar="LIST", default="", help="files to keep: all, or a list of scan, dem, eval, hazard, draws")
-    plan.add_argument("--no-check", action="store_true", help="do not ask the tools whether they take the values")
+    plan.add_argument("--no-check", action="store_true", help="do not check the values with the tools")
     for name, text in (("list", "print the cases"), ("show", "print how one case is made")):
         command = commands.add_parser(name, help=text)
         command.add_argument("study", metavar="STUDY.json")
@@ -89,7 +89,7 @@ def plan(options):
     print(f"{printable(study.name)}: {counted(len(graph.cases), 'case')}: {counted(len(graph.terrain), 'terrain')}, "
           f"{counted(len(graph.truth), 'truth')}, {counted(len(graph.scan), 'scan')}, {counted(len(graph.regrid), 'DEM')}, "
           f"{counted(len(graph.eval), 'evaluation')}" + (f", {counted(len(graph.hazard), 'hazard map')}" if graph.hazard else "") +
-          (f", {counted(len(graph.draws), 'campaign')}" if graph.draws else "") +
+          (f", {counted(len(graph.draws), 'monte-carlo run')}" if graph.draws else "") +
           f"; {written} files written")
     print(rules.disk_text(graph, layout.keep))
 
@@ -146,7 +146,7 @@ def common_limits(folder, graph):
 def check_with_tools(study, folder):
     """Asks the tools whether they take the base, and each axis' values with the others at their first ones.
 
-    Of numbers only the first and the last are asked for. A value that a tool refuses only together with others
+    Only the first and the last of numbers are checked. A value that a tool refuses only together with others
     fails when its stage is run.
     """
     first = [0] * len(study.dimensions)

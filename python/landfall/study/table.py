@@ -16,7 +16,7 @@ REQUIREMENTS = dictionary.requirements()
 LENGTH_LIMITS = {metric.rpartition(".")[0]: r.worst_limit for r in REQUIREMENTS.values() for metric in r.worst if metric.startswith("accuracy.")}
 VALUES_OF = {r.value: name for name, r in REQUIREMENTS.items() if r.value}
 
-# Ends the metrics that are a campaign's estimate of a probability: draws.REQUIREMENT.passed_frac.
+# Ends the metrics that are a run's estimate of a probability: draws.REQUIREMENT.passed_frac.
 PASSED = ".passed_frac"
 SAFE_LANDING, BLIND_LANDING = "draws.landing.safe.passed_frac", "draws.landing.blind.passed_frac"
 
@@ -32,15 +32,15 @@ SIZES = ("max_m", "p95_m", "le90_m")
 
 
 def metric_label(metric, unit):
-    """The name of a metric in a figure or a report, without the unit, which it gives beside it."""
+    """The name of a metric in a figure or a report, without the unit, which it gives separately."""
     own = dictionary.OWN_NUMBER.fullmatch(metric)
     if own:
-        return f"own requirement {own[2]}, {metric.rpartition('.')[2]}"
+        return f"custom requirement {own[2]}, {metric.rpartition('.')[2]}"
     return METRIC_NAMES.get(metric) or model.without_unit(metric, unit)
 
 
 def is_probability(metric):
-    """Whether a campaign estimates it."""
+    """Whether a run of draws estimates it."""
     return metric.startswith("draws.") and metric.endswith(PASSED)
 
 
@@ -111,7 +111,7 @@ class Results:
         return values[np.isfinite(values)]
 
     def estimate(self, point, metric, quantile):
-        """(quantile over the repeats, low, high); NaN where nothing is known. Of a campaign, which repeats share, the share that passed."""
+        """(quantile over the repeats, low, high); NaN where nothing is known. Of a run of draws, which repeats share, the share that passed."""
         values = self.values(point, metric)
         if values.size == 0:
             return math.nan, math.nan, math.nan
@@ -135,7 +135,7 @@ class Results:
         return (passed, len(values), *wilson(passed, len(values)))
 
     def draws_rate(self, point, name):
-        """(passed, draws, low, high) of a campaign: of its first one, where the repeats of a point have several. NaN where not known."""
+        """(passed, draws, low, high) of a run of draws: of its first one, where the repeats of a point have several. NaN where not known."""
         columns = (self.columns.get(f"draws.{name}.{key}") for key in ("passed", "draws", "wilson_low", "wilson_high"))
         return tuple(column[point.rows[0]] if column else math.nan for column in columns)
 
@@ -229,7 +229,7 @@ def _column(dataset):
     return dataset.asstr()[()].tolist() if dataset.dtype.kind == "O" else dataset[()].tolist()
 
 
-# 95 % confidence intervals of what a study repeats
+# 95 % confidence intervals over the repeats of a study
 
 
 def wilson(passed, count):

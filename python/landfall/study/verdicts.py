@@ -40,7 +40,7 @@ def shares_figure(results, quantile):
 
 
 def draws_figure(results):
-    """How many draws of each point's campaign meet each requirement; None for a study without campaigns."""
+    """How many draws of each point's run meet each requirement; None for a study without runs of draws."""
     names = [column.removeprefix("draws.").removesuffix(PASSED) for column in results.columns if is_probability(column)]
     if not names:
         return None

@@ -88,7 +88,7 @@ double step_count(const Json& resolved) {
          trajectory.at("control_period_s").get<double>();
 }
 
-/// The first and the last pulse over flat ground.
+/// The first and the last pulse over flat terrain.
 void simulate(ScanModel model) {
   const FlatTerrain ground;
   const Simulation simulation(std::move(model), &ground, &ground);

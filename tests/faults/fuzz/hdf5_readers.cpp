@@ -15,6 +15,7 @@
 #include "chain/lidar/trajectory/table_trajectory.h"
 #include "landfall_files.h"
 #include "store/config/uncertainty_config.h"
+#include "store/files/draws_verdict.h"
 #include "store/files/evaluation_file.h"
 #include "store/files/file_description.h"
 #include "store/files/hazard_file.h"

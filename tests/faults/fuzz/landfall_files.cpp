@@ -24,6 +24,7 @@
 #include "store/config/terrain_config.h"
 #include "store/files/dem_file.h"
 #include "store/files/draws_file.h"
+#include "store/files/draws_verdict.h"
 #include "store/files/evaluation_file.h"
 #include "store/files/hazard_file.h"
 #include "store/files/mesh_terrain_file.h"

@@ -5,7 +5,7 @@
 import {htmlElement, legendEntry, LINE, svgElement, swatchEntry, TEXT_COLOR} from "./elements.js";
 import {ticks} from "./numbers.js";
 
-const MAX_WORDS = 12;  // beside an axis
+const MAX_WORDS = 12;  // next to an axis
 const CHART = {width: 430, height: 300, left: 58, right: 16, top: 14, bottom: 46};
 
 export class Axis {
@@ -115,7 +115,7 @@ export class Chart {
     return this;
   }
 
-  /** [[x, y, text]] beside points, except beside those that are near to one with a label. */
+  /** [[x, y, text]] next to points, except those near a labelled one. */
   labels(points) {
     const labelled = [];
     for (const [x, y, text] of points) {

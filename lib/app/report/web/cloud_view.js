@@ -63,7 +63,7 @@ out vec3 shade;
 void main() {
   bool inside = all(greaterThanEqual(place, low)) && all(lessThanEqual(place, high));
   gl_Position = inside ? projection * vec4(place, 1.0) : vec4(2.0, 2.0, 2.0, 1.0);
-  // Of points that cover each other, any may be in front, not the highest: its error would be the largest.
+  // Any of the points that cover each other may be in front. The highest would have the largest error.
   uint mixed = uint(gl_VertexID) * 2654435761u;
   mixed = (mixed ^ (mixed >> 15)) * 2246822519u;
   float nearer = max(0.5 * gl_Position.w, gl_Position.w - loose * float(mixed >> 16) / 65536.0);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 
-// The legend of a map's colours: what they show and in which unit, the limit, and where they end.
+// The legend of a map's colours: quantity, unit, limit and ends.
 
 import {htmlElement, svgElement, swatchEntry, TEXT_COLOR} from "./elements.js";
 import {lengthUnit, metresAs, ticks} from "./numbers.js";

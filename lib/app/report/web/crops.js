@@ -71,7 +71,7 @@ export async function fillWorst(section) {
           `${counted(metrics.accuracy.footprint_bins, "bin")} across. Limits: relative x and y ${limit(limits.relative_m[0])}, ` +
           `relative z ${limit(limits.relative_m[2])}, absolute horizontal ${limit(limits.horizontal_m)} for ` +
           `${100 * limits.horizontal_share} % of the footprints. \u2717 marks values over their limit. The commands name the files of this ` +
-          "evaluation dem.h5 and scan.h5; docs/user/symptoms.md tells what patterns of errors mean."),
+          "evaluation dem.h5 and scan.h5; docs/user/symptoms.md explains patterns of errors."),
       worstTable(worst, limits));
   const crops = htmlElement("div", {class: "crops"});
   section.append(crops);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 
-// Fills the sections of the report on a campaign of draws.
+// Fills the sections of the report on a run of draws.
 
 import {axisOf, Chart} from "./chart.js";
 import {valuesBar} from "./cursor.js";
@@ -25,8 +25,11 @@ function shownNote() {
   return shownDraws === report.draw_count ? "" : ` Shown are the first ${shownDraws.toLocaleString("en")} draws.`;
 }
 
+/** [text, factor] of a unit; one that has no entry is shown by its name. */
+function shownUnit(unit) { return UNITS[unit] ?? [unit, 1]; }
+
 function unitText(unit, value) {
-  const [text, factor] = UNITS[unit];
+  const [text, factor] = shownUnit(unit);
   return factor === 1 ? value.toLocaleString("en") : `${Number((factor * value).toPrecision(4))} ${text}`;
 }
 
@@ -57,7 +60,7 @@ function shownBy({unit, measured, values, limits, at_least, deciding}) {
     const limit = 100 * deciding.limit;
     return {values: deciding.values, label: `${what} (cm)`, factor: 100, limit, limitText: `limit: at most ${Number(limit.toPrecision(4))} cm`};
   }
-  const [text, factor] = UNITS[unit];
+  const [text, factor] = shownUnit(unit);
   return {values, label: `${measured}${unit === "footprints" || text === "" ? "" : ` (${text})`}`, factor, limit: limits[0] * factor,
           limitText: `limit: at ${at_least ? "least" : "most"} ${unitText(unit, limits[0])}`};
 }
@@ -248,7 +251,7 @@ function touchdownChart([arm, title], reach) {
 
 function landingTable(failed) {
   const {x_m, y_m, slope_deg, roughness_m} = report.landings.landing;
-  const number = (value) => value === null ? ["no ground"] : [shortNumber(value), value];
+  const number = (value) => value === null ? ["no terrain"] : [shortNumber(value), value];
   const columns = [["draw", true], ["x (m)", true], ["y (m)", true], ["slope (\u00b0)", true], ["roughness (m)", true], ["blind", false]];
   const rows = failed.slice(0, MAX_FAILURES).map((i) => [[String(drawNumber(i)), drawNumber(i)], number(x_m[i]), number(y_m[i]), number(slope_deg[i]),
     number(roughness_m[i]), [report.landings.blind.safe[i] === 1 ? "safe" : "not safe"]]);
@@ -262,7 +265,7 @@ function fillLandings(section) {
   }
   const all = ARMS.flatMap(([arm]) => [...report.landings[arm].x_m, ...report.landings[arm].y_m]);
   const reach = 1.05 * Math.max(1, ...all.map(Math.abs));
-  section.append(htmlElement("p", {class: "note"}, `Each draw lands at its best site, and without a lidar at the origin, judged on the true ground.${shownNote()}`),
+  section.append(htmlElement("p", {class: "note"}, `Each draw lands at its best site, and without a lidar at the origin, judged on the true terrain.${shownNote()}`),
                  htmlElement("div", {class: "figures"}, ...ARMS.map((arm) => touchdownChart(arm, reach))));
   const failed = report.landings.landing.safe.map((safe, i) => safe === 1 ? -1 : i).filter((i) => i >= 0);
   section.append(htmlElement("h3", {}, "Landings that are not safe"), htmlElement("p", {}, failed.length === 0 ? "All landings with the lidar are safe." :
@@ -279,7 +282,7 @@ function fillFailures(section) {
       `${failed.length > MAX_FAILURES ? ` The table has the first ${MAX_FAILURES}.` : ""}${shownNote()}`));
   if (failed.length > 0) section.append(htmlElement("div", {class: "tall"}, failureTable(failed)));
   if (report.stages === null) {
-    section.append(htmlElement("p", {class: "note"}, "The commands of the chain stand in the report of a campaign over one scan."));
+    section.append(htmlElement("p", {class: "note"}, "The report of a run over one scan shows the commands of the chain."));
     return;
   }
   const configurations = Object.entries(report.stages).map(([stage, config]) => `cat > ${stage}.json <<'END'\n${JSON.stringify(config)}\nEND`);
@@ -293,7 +296,7 @@ function fillFailures(section) {
   show();
   section.append(htmlElement("h3", {}, "The same draw by the chain"),
                  htmlElement("p", {class: "note"}, report.traces ? "The metrics are the same, bit for bit." :
-                     "scan.h5 and terrain.h5 are the inputs of this campaign; the metrics are the same, bit for bit."),
+                     "scan.h5 and terrain.h5 are the inputs of this run; the metrics are the same, bit for bit."),
                  htmlElement("details", {}, htmlElement("summary", {}, "once: the configurations of the tools"),
                              htmlElement("pre", {id: "configurations"}, configurations.join("\n"))),
                  htmlElement("div", {class: "controls screen-only"}, htmlElement("label", {}, "draw", input)), commands);
@@ -305,21 +308,22 @@ function mapsNote() {
   const {factor} = report.grid;
   return gridText() +
       `${factor === 1 ? "" : `, stored in blocks of ${factor} x ${factor} bins`}. Blocks show their largest probability and error, and their mean spread; where a ` +
-      "probability is 0 the shaded ground is seen. North (y) is up; grey: no value; outlined: the region. Colours of errors end at the 99.5 % quantile.";
+      "probability is 0 the shaded terrain is seen. North (y) is up; grey: no value; outlined: the region. Colours of errors end at the 99.5 % quantile.";
 }
 
 async function fillMaps(section) {
   if (report.layers.length === 0) {
-    section.append(htmlElement("p", {}, "This campaign was made without maps."));
+    section.append(htmlElement("p", {}, "This run was made without maps."));
     return;
   }
-  const {groups, all, named} = await loadGroups();
+  const {groups, all} = await loadGroups();
   const region = await rasterOf(layerNamed("in_region"), report.grid);
-  const observed = named("e_map_std"), predicted = named("z_sigma_abs");
-  if (predicted) observed.peers = predicted.peers = [observed, predicted];
+  const relief = all.find(({layer}) => layer.style === "elevation") ?? null;
+  for (const raster of all.filter(({layer}) => layer.style === "magnitude"))
+    raster.peers = all.filter(({layer}) => layer.quantity === raster.layer.quantity);  // they have one scale
   section.append(htmlElement("p", {class: "note"}, mapsNote()), valuesBar(all));
   for (const [title, rasters] of groups) {
-    appendFigures(section, title, rasters.map((raster) => new MapPanel(raster, {region, relief: named("z_true_map")}).element));
+    appendFigures(section, title, rasters.map((raster) => new MapPanel(raster, {region, relief}).element));
   }
 }
 

@@ -168,10 +168,10 @@ function fillScore(section) {
                  score.filled_truth_bins === 0 ? "" : `${counted(score.filled_truth_bins, "bin")} of the truth, in filled holes, ` +
                      `${score.filled_truth_bins === 1 ? "is a mean" : "are means"} of the surroundings.`];
   const charts = [rocChart(score.roc), calibrationChart(score.reliability)].filter((chart) => chart !== null);
-  if (charts.length > 0 && score.roc) notes.push("The limits of the true ground stay; a point on an axis of the first diagram has 0 there.");
+  if (charts.length > 0 && score.roc) notes.push("The limits of the true terrain stay; a point on an axis of the first diagram has 0 there.");
   section.append(htmlElement("p", {class: "note"}, notes.filter((text) => text !== "").join(" ")));
   section.append(charts.length > 0 ? htmlElement("div", {class: "figures"}, ...charts) :
-      htmlElement("p", {}, "No diagram: the true ground has no hazard, or no safe place."));
+      htmlElement("p", {}, "No diagram: the true terrain has no hazard, or no safe place."));
 }
 
 startPage(() => fillScore(document.getElementById("score")), async () => {

@@ -151,7 +151,7 @@ export class MapPanel {
     return colors;
   }
 
-  /** `colorsOf(value, light)`: the colour of a block in the light of the ground, 1 where no ground is given. */
+  /** `colorsOf(value, light)`: the colour of a block in the light of the ground, 1 where no terrain is given. */
   colorsInLight(blocks, colorsOf) {
     const colors = new Float32Array(3 * blocks.values.length);
     const {relief} = this.options;
@@ -212,7 +212,7 @@ export class MapPanel {
     }
   }
 
-  /** Says what is drawn, and how it is reduced from the DEM. */
+  /** The note on the quantity drawn, and on its reduction from the DEM. */
   tell(stride, averaged, enlarged) {
     const bins = stride * this.raster.factor;
     const marks = this.raster.layer.style === "classes" ? "wrong places on top" :
@@ -284,7 +284,7 @@ export class MapPanel {
     this.svg.append(svgElement("text", {x: x + half + 5, y: y + half, class: "haloed"}, text));
   }
 
-  /** Draws a circle for each point, with its number beside it where no other circle or number is. The first points
+  /** Draws a circle for each point, with its number next to it where no other circle or number is. The first points
    * are placed first; a point without room gets no number. */
   drawPoints() {
     const places = (this.options.points ?? []).map(({x_m, y_m, text}) => ({x: this.x(x_m), y: this.y(y_m), text}));

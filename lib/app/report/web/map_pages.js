@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 
-// What pages with maps share: groups of maps with a heading each, and the coordinates of places.
+// Shared parts of pages with maps: groups of maps with a heading each, and the coordinates of places.
 
 import {panels} from "./cursor.js";
 import {choiceElement, htmlElement} from "./elements.js";

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 
-// What 3-D views share (WebGL 2): a canvas that is turned, moved and zoomed by mouse, touch and keys.
+// The base of 3-D views (WebGL 2): a canvas that is turned, moved and zoomed by mouse, touch and keys.
 
 import {htmlElement} from "./elements.js";
 import {parseColor} from "./scales.js";
@@ -92,7 +92,7 @@ export class OrbitView {
     this.draw();
   }
 
-  /** Moves what is seen by pixels of the page to the right and down. */
+  /** Moves the view by pixels of the page to the right and down. */
   move(right_px, down_px) {
     const {clientWidth, clientHeight} = this.canvas;
     const scale = this.distance / pixelsAtUnitDistance(clientWidth, clientHeight);

@@ -43,7 +43,7 @@ export function reliefFactor(slopes) {
   return rms > 0 ? Math.min(MAX_RELIEF, Math.max(MIN_RELIEF, RMS_SLOPE / rms)) : 1;
 }
 
-/** The factor by which the colour of a block is multiplied: 1 on level ground. */
+/** The factor by which the colour of a block is multiplied: 1 on level terrain. */
 export function lightOf(slopes, index, factor) {
   const east = factor * slopes[2 * index], north = factor * slopes[2 * index + 1];
   const shade = Math.max(0, (east - north + Math.SQRT2) / Math.sqrt(1 + east * east + north * north) / Math.SQRT2);

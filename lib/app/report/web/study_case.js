@@ -7,7 +7,7 @@ import {report} from "./report_data.js";
 import {caseCount, caseName, changed, columnOf, numberText, state, valueAt, valuesOfCase, verdictMark} from "./study_rows.js";
 import {bringIntoView, focusCase} from "./study_table.js";
 
-/** A stage's configuration in a case: the first one with what the case changes. */
+/** A stage's configuration in a case: the first one with the changes of the case. */
 function configuration(kind, row) {
   const {base, changes} = report.configs[kind];
   const tree = {"": structuredClone(base)};
@@ -24,7 +24,7 @@ function configuration(kind, row) {
 /** A study file of the case alone. */
 function caseStudy(row) {
   const base = Object.fromEntries(Object.keys(report.configs).map((kind) => [kind, configuration(kind, row)]));
-  // A campaign has these from its case.
+  // A run of draws has these from its case.
   for (const kind of base.draws ? ["scan", "regrid", "eval"] : []) delete base.draws[kind];
   const options = report.options.length ? {options: {regrid: report.options}} : {};
   return {title: [report.title, valuesOfCase(row)].filter(Boolean).join(": "), base, ...options};

@@ -29,7 +29,7 @@ export function numberText(value) {
   return String(Number(value.toPrecision(4)));
 }
 
-/** A value of an axis, with as many digits as tell it from the others. */
+/** A value of an axis, with enough digits to differ from the others. */
 function axisText(value, digits) {
   const size = Math.abs(value);
   if (!(size >= 1000 && size < 1e7)) return String(Number(value.toPrecision(digits)));

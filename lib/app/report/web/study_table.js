@@ -7,7 +7,7 @@ import {report} from "./report_data.js";
 import {isNumeric, state, textOf, titleOf, update, valueAt, valuesOf, verdictMark} from "./study_rows.js";
 
 const ROW_HEIGHT = 31;
-const ROWS_BESIDE = 20;  // built above and below what is seen
+const ROWS_BESIDE = 20;  // built above and below the visible rows
 const MAX_PRINTED = 300;
 
 const caseWindow = document.getElementById("case-window");

@@ -61,7 +61,7 @@ class WindowJudge {
     std::int64_t row, col, rows, cols;  ///< of the tile
   };
   struct Place {
-    std::int64_t row, col;  ///< in the tile or beside it
+    std::int64_t row, col;  ///< in the tile or next to it
   };
   struct Value {
     Place place;

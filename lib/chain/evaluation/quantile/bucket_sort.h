@@ -18,7 +18,7 @@ struct TailBin {
 
 /// Sorts bins by descending value; values are finite. They are distributed over as many buckets of equal
 /// width as there are bins, which takes half the time of a plain sort for noise-like errors. A crowded bucket
-/// is distributed again: errors may cluster at several scales, for example rounding on flat ground and the
+/// is distributed again: errors may cluster at several scales, for example rounding on flat terrain and the
 /// cell size on a slope.
 class BucketSort {
  public:

@@ -24,7 +24,7 @@ struct PointingErrorParameters {
   double pulse_interval_s = 0;     ///< positive with a jitter_time
 };
 
-/// The true direction and time of the lidar, as opposed to those that the lander believes.
+/// The true direction and time of the lidar, as opposed to the estimated ones.
 ///
 /// On the true side, the whole lidar, exit points included, turns about its origin:
 ///   R_body_lidar_true = R_body_lidar R_lidar_true,   R_lidar_true = R_misalignment R(rpy = (j_x, j_y, 0)),
@@ -32,7 +32,7 @@ struct PointingErrorParameters {
 /// processes with E j(t) j(t + d) = sigma^2 exp(-d / tau) (PulseProcess). The estimate uses the nominal
 /// mount. A beam along +z_L thereby moves by -j_x along y_L and by +j_y along x_L (to first order).
 ///
-/// On the estimated side, a pulse at t is combined with the pose that the lander believes for t + e, e = bias
+/// On the estimated side, a pulse at t is combined with the estimated pose at t + e, e = bias
 /// + N(0, sigma) per pulse.
 ///
 /// Mirror clock: at the pulse at t the true mechanism is where its pattern or its motor puts it at t + e, e =

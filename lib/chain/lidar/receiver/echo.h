@@ -18,7 +18,7 @@ struct Echo {
   double signal_pe = 0;  ///< N = sum_j e_j; 0: no echo
   double peak = 0;       ///< maximum of w over N, in (0, 1]; 1: the echo is not stretched
   /// leading_edge: sigma of a Gaussian edge through the maximum and the point where w crosses the threshold.
-  /// Where the sub-rays span more than one sigma it is at most 1.5 times that of the crossing of exp(-1/2) of
+  /// If the sub-rays span more than one sigma, it is at most 1.5 times that of the crossing of exp(-1/2) of
   /// the maximum, which replaces it below the threshold; a shorter echo below it has the sigma of the
   /// maximum's curvature. Else 0
   double edge_m = 0;

@@ -22,7 +22,7 @@ struct EchoTiming {
   double fraction = 0;      ///< of constant_fraction, in (0, 1)
 };
 
-/// Reduces each echo to what a receiver must know of it; `echoes` has the size of `rays`. The crossings and
+/// Reduces each echo to the numbers that a receiver needs; `echoes` has the size of `rays`. The crossings and
 /// the maximum are found within 1e-9 sigma_m. An echo whose sub-rays span up to one sigma has a single
 /// maximum, found by Newton's method in SIMD lanes; a longer one is searched in steps of sigma/16, which pass
 /// over a crossing by less than 0.05 % of the level. The bits depend neither on the instruction set nor on

@@ -100,7 +100,7 @@ class Receiver {
   [[nodiscard]] ReceiverType type() const { return parameters_.type; }
   /// False: pixels report the ranges of their detector.
   [[nodiscard]] bool uses_waveforms() const { return parameters_.type != ReceiverType::none; }
-  /// True: the reception follows from the echoes that keep_echoes() keeps. False: it needs whole waveforms.
+  /// True: the detections follow from the echoes that keep_echoes() keeps. False: it needs whole waveforms.
   [[nodiscard]] bool accepts_kept_echoes() const {
     return parameters_.type != ReceiverType::geiger && parameters_.returns != ReportedReturns::all;
   }
@@ -121,15 +121,15 @@ class Receiver {
   /// The echoes from which receive() follows; accepts_kept_echoes() must hold. `kept`: of each pixel the
   /// first one, or that which `last` or `strongest` chooses, without signal where a pixel has none. The
   /// echoes behind the first ones are appended to `later`, in the order of pixel and number, if the receiver
-  /// hears them.
+  /// accepts them.
   void keep_echoes(std::int64_t pulse, const Waveforms& waveforms, std::span<Echo> kept,
                    std::vector<LaterEcho>& later) const;
 
-  /// The reception of kept echoes, one for each pixel; accepts_kept_echoes() must hold. `later`: those of
+  /// The detections of kept echoes, one for each pixel; accepts_kept_echoes() must hold. `later`: those of
   /// this pulse.
   void receive(std::int64_t pulse, std::span<const Echo> kept, std::span<const LaterEcho> later,
                std::span<Detection> out) const;
-  /// The reception of whole waveforms: max_returns() for each pixel, those detected first.
+  /// The detections of whole waveforms: max_returns() for each pixel, those detected first.
   void receive(std::int64_t pulse, const Waveforms& waveforms, std::span<Detection> out) const;
 
  private:

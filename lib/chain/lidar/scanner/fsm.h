@@ -44,7 +44,7 @@ struct FsmParameters {
 /// from the commanded ones by step_left() times the tilts before the jump minus the commanded ones. The
 /// encoder measures this difference. With a largest acceleration, the pulses until both tilts have caught up
 /// with the aim are blanked too. The encoder measures neither its own errors (noise, harmonics) nor tof_lag:
-/// state() is then the mirror at the echo, while the lander believes the mirror at the pulse.
+/// state() is then the mirror at the echo, while the lander assumes the mirror at the pulse.
 class Fsm : public Scanner {
  public:
   /// Throws UsageError, naming the key and the bound, for a parameter out of range.

@@ -44,7 +44,7 @@ struct PolygonParameters {
 /// Pyramidal error: the normal of facet f, 0 at theta = 0 of the first turn and then in the order in which
 /// they take over, is tilted towards the drum's axis by eps_f. For a boresight that meets the middle of a
 /// facet at its normal, m = R(v, theta) R(u, eps) z, and M(m) M(z) = R(v, theta) R(u, 2 eps) R(v, theta): the
-/// line of facet f is 2 eps cos(theta) beside the nominal one, in the sense of psi. mirror_normal is m.
+/// line of facet f is 2 eps cos(theta) from the nominal one, in the sense of psi. mirror_normal is m.
 class PolygonScanner : public Scanner {
  public:
   /// Throws UsageError, naming the key and the bound, for a parameter out of range; 2 pi duty_frac/facets +

@@ -21,7 +21,7 @@ struct RisleyParameters {
   RisleyOptics optics{};
   /// A rotation, which ignores the aim; or a branch: the boresight follows the aim.
   std::variant<RisleyRotation, RisleyBranch> drive{};
-  /// One sigma of each prism's angle about the commanded one, which the lander believes; >= 0.
+  /// One sigma of each prism's angle about the commanded one, which the lander assumes; >= 0.
   double encoder_sigma_rad = 0;
   RandomSeed seed = {};
 };

@@ -26,13 +26,13 @@ struct PulseContext {
   /// The direction in which the pattern aims the boresight; empty without a pattern or an aim.
   std::optional<Direction<LidarFrame>> aim{};
   /// Time since the last jump of the aim, to a new line or step, and the aim before it; infinite and empty
-  /// without a jump. Only for scanners that ask for it.
+  /// without a jump. Only for scanners that need it.
   double since_jump_s = std::numeric_limits<double>::infinity();
   std::optional<Direction<LidarFrame>> aim_before_jump{};
-  /// Only for scanners that ask for it; empty without a jump.
+  /// Only for scanners that need it; empty without a jump.
   std::optional<JumpAims> jump_aims{};
   /// The aim when the echo from the aimed point returns, 2 r/c after the pulse; the aim moves linearly
-  /// between two pulses. Only for scanners that ask for it.
+  /// between two pulses. Only for scanners that need it.
   std::optional<Direction<LidarFrame>> aim_at_echo{};
 };
 
@@ -75,9 +75,9 @@ class Scanner {
   [[nodiscard]] virtual ScannerState state(const PulseContext& pulse) const = 0;
   [[nodiscard]] virtual ContextNeeds needs() const { return {}; }
 
-  /// False where the state that the lander believes may differ from the true one, e.g. by encoder noise.
+  /// False if the estimated state may differ from the true one, for example by encoder noise.
   [[nodiscard]] virtual bool is_known() const { return true; }
-  /// The state that the lander believes and computes its points from; `truth` is the result of state().
+  /// The state from which the lander computes its points; `truth` is the result of state().
   [[nodiscard]] virtual ScannerState estimated_state(const PulseContext&, const ScannerState& truth) const {
     return truth;
   }

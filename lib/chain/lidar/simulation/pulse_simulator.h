@@ -45,7 +45,7 @@ struct PulseInput {
   double t_s = 0;         ///< as written to the pulse table
   double interval_s = 0;  ///< to the next pulse; 0: the aim is taken as constant
   Pose truth{};
-  Pose estimate{};  ///< what the lander believes
+  Pose estimate{};  ///< the estimated pose
   Pose nominal{};   ///< the pose that the pattern aims from
 };
 
@@ -82,7 +82,7 @@ struct TracedPulse {
 struct ReceivedPulse {
   std::vector<double> ranges_m;  ///< true ones of the pixels; NaN for a miss
   Waveforms waveforms;
-  std::vector<Echo> echoes;  ///< one for each pixel; empty unless the receiver hears kept echoes
+  std::vector<Echo> echoes;  ///< one for each pixel; empty unless the receiver accepts kept echoes
   std::vector<LaterEcho> later_echoes;
   // While waveforms are built, of the samples that hit:
   std::vector<double> signals_pe;  ///< of all samples; NaN for a miss
@@ -165,7 +165,7 @@ class PulseSimulator {
                 PulseWorkspace& workspace) const;
 
   /// simulate() without tracing: the true ranges come from an earlier run, one per pixel, NaN for a miss, and
-  /// so do the echoes if the receiver sees waveforms; it must then hear kept echoes.
+  /// so do the echoes if the receiver uses waveforms; it must then accept kept echoes.
   void replay(const PulseInput& pulse, const TrueRanges& truth, std::size_t slot, PulseBatch& batch,
               PulseWorkspace& workspace) const;
   /// The part of replay() before any error is drawn: fills the aimed and the received pulse and, where the

@@ -103,7 +103,7 @@ class Simulation {
 
   /// PulseSimulator::prepare_replay() for a pulse of the scan.
   void prepare_replay(std::int64_t pulse, const TrueRanges& truth, PulseWorkspace& workspace) const;
-  /// T_dem_lidar at the pulse, and as the lander believes it.
+  /// T_dem_lidar at the pulse, true and estimated.
   [[nodiscard]] Transform<DemFrame, LidarFrame> true_lidar(std::int64_t pulse) const;
   [[nodiscard]] Transform<DemFrame, LidarFrame> estimated_lidar(std::int64_t pulse) const;
   /// The true minus the estimated position of the lander at the pulse, as the pulse table has them.

@@ -65,7 +65,7 @@ void require_real(const Eigen::Matrix3d& inertia) {
   require(moments[0] > 0, {"", "inertia_kgm2's smallest principal moment"}, moments[0], "positive");
   require(moments[2] <= (moments[0] + moments[1]) * (1 + 1e-12),
           {"", "inertia_kgm2's largest principal moment"}, moments[2],
-          "at most the sum of the other two, as a real body's is");
+          "at most the sum of the other two, as in any rigid body");
 }
 
 }  // namespace

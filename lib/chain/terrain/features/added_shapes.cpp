@@ -40,11 +40,11 @@ void Fracture::validate(const std::string& owner) const {
   require_not_negative({owner, "depth_m"}, depth_m);
   require_not_negative({owner, "width_m"}, width_m);
   require((width_m > 0) == (depth_m > 0), {owner, "width_m"}, width_m,
-          depth_m > 0 ? "positive, which a trough needs" : "0, where depth_m is 0");
+          depth_m > 0 ? "positive (a trough needs a width)" : "0, where depth_m is 0");
   require_finite({owner, "throw_m"}, throw_m);
   require(depth_m > 0 || throw_m != 0, {owner, "depth_m"}, depth_m, "positive, where throw_m is 0 too");
   require_not_negative({owner, "fade_m"}, fade_m);
-  require(fade_m > 0 || throw_m == 0, {owner, "fade_m"}, fade_m, "positive, which a cliff needs");
+  require(fade_m > 0 || throw_m == 0, {owner, "fade_m"}, fade_m, "positive (a cliff fades out over it)");
   require(wall_slope_rad > 0 && wall_slope_rad <= std::numbers::pi / 2, {owner, "wall_slope_rad"},
           wall_slope_rad, "in (0, pi/2]");
   require(taper_m >= 0 && taper_m <= length_m / 2, {owner, "taper_m"}, taper_m, "in [0, length_m / 2]");

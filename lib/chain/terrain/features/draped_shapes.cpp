@@ -21,9 +21,8 @@ void PenitenteField::validate(const std::string& owner) const {
     require(std::isfinite(width_m) && width_m > 0, {owner, "width_m"}, width_m, kBound);
   } else {
     require_positive({owner, "diameter_m"}, diameter_m);
-    require(length_m == 0, {owner, "length_m"}, length_m,
-            "allowed beside diameter_m, which describes a disc");
-    require(width_m == 0, {owner, "width_m"}, width_m, "allowed beside diameter_m, which describes a disc");
+    require(length_m == 0, {owner, "length_m"}, length_m, "allowed with diameter_m, which describes a disc");
+    require(width_m == 0, {owner, "width_m"}, width_m, "allowed with diameter_m, which describes a disc");
   }
   require_positive({owner, "amplitude_m"}, amplitude_m);
   require_positive({owner, "wavelength_m"}, wavelength_m);

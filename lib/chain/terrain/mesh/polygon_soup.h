@@ -18,7 +18,7 @@ struct PolygonSoup {
   std::vector<Eigen::Vector3d> points;
   std::vector<std::uint32_t> corners;     ///< numbers of points, polygon after polygon
   std::vector<std::size_t> polygon_ends;  ///< where each polygon's corners end
-  std::vector<std::string> unread;        ///< what the file holds beside its shape, for a warning
+  std::vector<std::string> unread;        ///< other contents of the file, for a warning
 
   [[nodiscard]] std::span<const std::uint32_t> polygon(std::size_t i) const {
     const std::size_t begin = i == 0 ? 0 : polygon_ends[i - 1];
@@ -35,7 +35,7 @@ struct MeshPlacement {
   bool y_up = false;
 };
 
-/// A mesh made from a soup, and what was omitted from it. vertices + welded + unreferenced is the file's
+/// A mesh made from a soup, and the omitted parts. vertices + welded + unreferenced is the file's
 /// number of points.
 struct CleanMesh {
   IndexedTriangles mesh;
@@ -46,8 +46,8 @@ struct CleanMesh {
 };
 
 /// Places the points, welds those that then have exactly the same coordinates (the first one stays), divides
-/// polygons into triangles (polygon_triangles.h), and omits what is degenerate or unused. The order is kept:
-/// equal soups give equal meshes.
+/// polygons into triangles (polygon_triangles.h), and omits degenerate and unused elements. The order is
+/// kept: equal soups give equal meshes.
 ///
 /// Throws FormatError, beginning with `name`, where a polygon names a missing point or has more than
 /// kMaxPolygonCorners, where a placed point is not finite or farther out than kLargestCoordinate_m, or if no

@@ -52,7 +52,7 @@ double plane_elevation(const Corners& t, const Eigen::Vector2d& point) {
   return static_cast<double>(corner.z() + rise);
 }
 
-/// The highest point of a triangle above a point; minus infinity beside the triangle.
+/// The highest point of a triangle above a point; minus infinity outside the triangle.
 double highest_of(const Corners& t, const Eigen::Vector2d& point) {
   const auto side = [&](std::size_t i) { return orient2d(t[i].head<2>(), t[(i + 1) % 3].head<2>(), point); };
   const auto [minimum, maximum] = std::minmax({side(0), side(1), side(2)});

@@ -46,7 +46,7 @@ struct DemSource {
   std::string driver;  ///< GDAL's short name
   RasterSize size;     ///< of the whole raster, not of the window that was read
   int band = 1;
-  /// The statements that the raster lacked, or made in two ways, and what was taken instead; sentences
+  /// The statements that the raster lacked or contradicted, and the assumptions instead; sentences
   /// without its name.
   std::vector<std::string> assumed = {};
   friend bool operator==(const DemSource&, const DemSource&) = default;
@@ -66,7 +66,7 @@ using DemLoader = std::function<DemRaster(const DemBase& dem, const GridSpec& si
 
 /// The elevation at `pixel`; NaN in holes and outside the samples. Inside means within the hull of the pixel
 /// centres or, for `nearest`, of the pixels' outer edges; 1e-6 pixel beyond counts as on the border. Within
-/// 1e-6 pixel of a pixel's centre the result is that sample alone, so that a hole beside it does not matter.
+/// 1e-6 pixel of a pixel's centre the result is that sample alone, so that a hole next to it does not matter.
 ///
 /// - nearest: the pixel that holds the point, the greater one on an edge.
 /// - bilinear: reproduces a + b x + c y + d x y. NaN where a sample of non-zero weight is NaN.

@@ -73,7 +73,7 @@ FractalSpectrum::FractalSpectrum(const WaveDomain& domain, const WaveBand& band,
   set_slope();
 }
 
-/// The waves that a node's samples cannot tell from (kx, ky), from 0 to pi. Far ones are an integral.
+/// The aliases, at a node's samples, of the wave (kx, ky), from 0 to pi. Far ones are an integral.
 void FractalSpectrum::tabulate_aliases() {
   const double rest =
       over_directions((2 * kAliases + 1) * kPi,

@@ -19,7 +19,7 @@ inline constexpr const char* kNotWhole =
 
 /// Checks a file before libhdf5 reads it, which crashes on some damaged metadata. If the file has a seal
 /// (file_seal.h), all its metadata are compared with their hash when the guard is made. MetadataCheck checks
-/// the root group then, and each other object when it is asked for. Make a guard before HDF5 opens the file.
+/// the root group then, and each other object when it is opened. Make a guard before HDF5 opens the file.
 class MetadataGuard {
  public:
   /// Throws FormatError, naming the file, if it is damaged. Accepts a file that is not HDF5.

@@ -12,7 +12,7 @@ namespace landfall::h5 {
 /// Thrown inside the checks of this folder where the bytes of a file contradict its format.
 struct Damaged {};
 
-/// HDF5's address of what is not stored.
+/// HDF5's address of data that are not stored.
 inline constexpr std::uint64_t kNoAddress = ~std::uint64_t{0};
 
 /// The bytes of a file, read without HDF5.

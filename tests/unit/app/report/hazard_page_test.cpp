@@ -17,7 +17,7 @@ using testing::Not;
 
 const PhaseRunner kAtOnce = [](const std::string& /*name*/, const auto& part) { part({}); };
 
-/// Level ground of 41 x 41 bins with a rock at (0.5, 0.5) m, and a truth that has another one at (-1, -1) m.
+/// Level terrain of 41 x 41 bins with a rock at (0.5, 0.5) m, and a truth that has another one at (-1, -1) m.
 struct Case {
   Case() {
     parameters.lander = {.leg_radius_m = 0.3, .pad_diameter_m = 0.1, .body_radius_m = 0.3};

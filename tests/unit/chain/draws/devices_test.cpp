@@ -105,7 +105,7 @@ TriangulatedGrid rough_terrain() {
   return TriangulatedGrid(std::move(nodes));
 }
 
-/// A campaign with and without a device.
+/// A run of draws with and without a device.
 class DeviceJudging : public ::testing::Test {
  protected:
   void SetUp() override {

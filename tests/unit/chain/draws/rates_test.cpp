@@ -145,7 +145,7 @@ TEST(PassRate, NoDrawExcludesNoProbability) {
   EXPECT_EQ(exact_lower_bound({0, 0}), 0);
 }
 
-// Counts of a long campaign keep their precision.
+// Counts of many draws keep their precision.
 TEST(PassRate, ManyDraws) {
   const std::int64_t n = 1'000'000'000;
   EXPECT_NEAR(exact_lower_bound({n, n}), 1 - 2.995732273553991 / 1e9, 1e-15);

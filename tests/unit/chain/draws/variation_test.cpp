@@ -22,7 +22,7 @@ namespace {
 const std::string kVelocity = "scan.navigation_error.velocity_mps.";
 const std::string kKey = kVelocity + "0";
 
-/// The values of one key in the draws of a campaign.
+/// The values of one key in the draws of a run.
 template <class Kind>
 std::vector<double> values(const Kind& kind, const std::string& key, std::size_t draws,
                            std::uint64_t seed = 1) {

@@ -62,7 +62,7 @@ TEST(Contact, APostUnderAPad) {
   EXPECT_NEAR(at_origin(lander, post).slope_deg, std::atan(std::hypot(0.1, 0.1) / 0.85) / kDegree, 1e-9);
 }
 
-// A post under the body, where no pad of any yaw reaches it, stands out of level ground by its height.
+// A post under the body, where no pad of any yaw reaches it, stands out of level terrain by its height.
 TEST(Contact, APostUnderTheBody) {
   for (const int legs : {3, 4}) {
     Lander lander;
@@ -128,7 +128,7 @@ TEST(Contact, EqualsBruteForceOnRandomMaps) {
   }
 }
 
-// Bodies of many tiles, smooth and rough ground, spikes: which planes and bins decide is found by bounds.
+// Bodies of many tiles, smooth and rough terrain, spikes: which planes and bins decide is found by bounds.
 TEST(Contact, EqualsBruteForceUnderWideBodies) {
   for (std::uint64_t seed = 1; seed <= 6; ++seed) {
     const RandomField field(seed, RandomStream::range_noise);
@@ -194,7 +194,7 @@ TEST(Contact, EqualsBruteForceWithFewPlanes) {
           {.legs = legs, .leg_radius_m = 0.2, .pad_diameter_m = 0.1, .body_radius_m = 0.1 * body_bins});
 }
 
-// Level ground with a post, which stands under the body of the places nearby and under no pad.
+// Level terrain with a post, which stands under the body of the places nearby and under no pad.
 TEST(Contact, EachBinUnderTheBodyCounts) {
   const BinIndex post{26, 29};
   Grid<double> z(GridSpec{0.1, 0, 0, 53, 58});

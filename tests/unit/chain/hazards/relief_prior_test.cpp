@@ -57,7 +57,7 @@ TEST(ReliefOf, EqualReliefIsFound) {
   }
 }
 
-// A few rocks on level ground: what is seen of each is kept, between them all is noise.
+// A few rocks on level terrain: what is seen of each is kept, between them all is noise.
 TEST(ReliefOf, AFewRocks) {
   const GridSpec spec = GridSpec::centered(5, 0.05);
   Grid<float> rocks(spec);
@@ -116,7 +116,7 @@ BinMask all_bins(const Grid<double>& z) { return BinMask(z.spec(), 1); }
 
 double rolling(double x, double y) { return 0.2 * std::sin(x) * std::cos(1.3 * y) + 0.1 * x; }
 
-/// Half an ellipsoid 0.8 m wide and 0.3 m high, on rolling ground.
+/// Half an ellipsoid 0.8 m wide and 0.3 m high, on rolling terrain.
 double rock(double x, double y) {
   const double r = std::hypot(x - 1, y + 1) / 0.4;
   return rolling(x, y) + (r < 1 ? 0.3 * std::sqrt(1 - r * r) : 0);

@@ -66,7 +66,7 @@ Judged judge(const Grid<double>& z, SigmaParts sigma, const HazardLimits& limits
 }
 
 /// Pooled over sites: in every tenth of probability the truly safe share is the mean probability. A bin is
-/// the mean of four returns; bench/bench_probability.py has more kinds of ground, larger sites and the tools.
+/// the mean of four returns; bench/bench_probability.py has more kinds of terrain, and larger sites.
 TEST(SafeProbability, IsCalibratedOnRocks) {
   const GridSpec spec = GridSpec::centered(8, 0.05);
   const GridSpec fine{0.025, 2 * spec.first_row - 1, 2 * spec.first_col - 1, 2 * spec.rows + 1,
@@ -252,7 +252,7 @@ TEST(SafeProbability, AgreesWithASecondReadingWhereOnePlaneOrOneBinDecides) {
   }
 }
 
-// The measures of a place exactly 8 sigma from a limit do not decide: those of the grounds do.
+// The measures of a place exactly 8 sigma from a limit do not decide: those of the terrains do.
 TEST(SafeProbability, APlaceAtEightSigmaIsOpen) {
   const GridSpec spec{0.1, -5, -5, 11, 11};
   const BinMask region(spec, 1);
@@ -275,7 +275,7 @@ TEST(SafeProbability, APlaceAtEightSigmaIsOpen) {
   }
 }
 
-// Without noise a place beside its limit leaves no doubt but that of a hazard that no ground shows.
+// Without noise a place beside its limit leaves no doubt but that of a hazard that no terrain shows.
 TEST(SafeProbability, WithoutNoiseTheMapDecides) {
   const GridSpec spec{0.1, -5, -5, 11, 11};
   const BinMask region(spec, 1);
@@ -326,7 +326,7 @@ TEST(SafeProbability, IsThePredictiveDistributionOfOneMoreGround) {
       [&](const Grid<double>& map, const BinMask& places) {
         masks.push_back(places);
         PlaceMeasures found{Grid<double>(map.spec(), slopes.at(call++)), Grid<double>(map.spec(), -5)};
-        found.slope_deg.at({0, 0}) = 50;  // clear after three grounds
+        found.slope_deg.at({0, 0}) = 50;  // clear after three terrains
         return found;
       });
   ASSERT_EQ(call, slopes.size());

@@ -115,7 +115,7 @@ TEST(TerrainPosterior, APointIsNotTheMeanOfItsBin) {
   EXPECT_LT(rms(TerrainPosterior(means, noise_of(spec, 1e-5).noise_m, 1).draw(0), truth), 2e-4);
 }
 
-// Also without noise the ground departs from what the means tell, on rough ground.
+// Also without noise the ground departs from what the means tell, on rough terrain.
 TEST(TerrainPosterior, ReliefWithinBinsFollowsFromReliefBetweenThem) {
   const GridSpec spec = GridSpec::centered(3, 0.05);
   const auto spread = [&](const Grid<double>& z) {

@@ -14,10 +14,10 @@
 #include <vector>
 
 #include "base/core/error.h"
-#include "gdal_rasters.h"
-#include "formats/gdal/gdal_loader.h"
 #include "chain/terrain/relief/structure_function.h"
 #include "chain/terrain/relief/terrain_generator.h"
+#include "formats/gdal/gdal_loader.h"
+#include "gdal_rasters.h"
 
 namespace landfall {
 namespace {
@@ -55,7 +55,7 @@ struct Ground {
   [[nodiscard]] MapPoint site_center() const { return center.value_or(middle); }
 };
 
-std::vector<Ground> grounds() {
+std::vector<Ground> terrains() {
   const MapPoint utm{500000, 4000000};
   return {
       {"big_endian_int16.tif", kUtm, utm, 1, 300, -500, 0, 8, 0.5, {}, {}},
@@ -156,7 +156,7 @@ TEST_P(Testdata, LoadsWithItsElevations) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Rasters, Testdata, ::testing::ValuesIn(grounds()), [](const auto& tested) {
+INSTANTIATE_TEST_SUITE_P(Rasters, Testdata, ::testing::ValuesIn(terrains()), [](const auto& tested) {
   std::string name = tested.param.file;
   std::ranges::replace(name, '.', '_');
   return name;

@@ -343,7 +343,7 @@ TEST_F(MeshFileTest, NamesOtherElementsOfAPly) {
   for (const char* const name : {"edge", "range_grid", "point"}) {
     std::string text = ascii_ply();
     text.replace(text.find("camera"), 6, name);
-    EXPECT_THAT(refusal("t.ply", text), HasSubstr("has 1 elements '" + std::string(name) + "'"));
+    EXPECT_THAT(refusal("t.ply", text), HasSubstr("has element '" + std::string(name) + "' (count 1)"));
     text.replace(text.find(" 1\n", text.find(name)), 3, " 0\n");
     text.erase(text.find("2.5\n"), 4);
     expect_tetrahedron(read_mesh_file(write("t.ply", text)).soup);

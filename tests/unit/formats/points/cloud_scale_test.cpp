@@ -31,10 +31,10 @@ TEST(CloudAxes, LeaveOtherFilesAlone) {
   batch.columns[0] = {1};
   batch.columns[1] = {2};
   batch.columns[2] = {3};
-  turn({}, batch);
+  rotate({}, batch);
   EXPECT_THAT(batch.columns[1], ElementsAre(2));
   CloudInfo info = info_of();
-  turn({}, info);
+  rotate({}, info);
   EXPECT_THAT(info.box->low, ElementsAre(0, -5, 7));
 }
 
@@ -43,12 +43,12 @@ TEST(CloudAxes, TurnYUp) {
   batch.columns[0] = {1, 4};
   batch.columns[1] = {2, 5};
   batch.columns[2] = {3, -6};
-  turn({.y_up = true}, batch);
+  rotate({.y_up = true}, batch);
   EXPECT_THAT(batch.columns[0], ElementsAre(1, 4));
   EXPECT_THAT(batch.columns[1], ElementsAre(-3, 6));
   EXPECT_THAT(batch.columns[2], ElementsAre(2, 5));
   CloudInfo info = info_of();
-  turn({.y_up = true}, info);
+  rotate({.y_up = true}, info);
   EXPECT_THAT(info.box->low, ElementsAre(0, -9, -5));
   EXPECT_THAT(info.box->high, ElementsAre(1, -7, 6));
   EXPECT_THAT(info.steps->scale, ElementsAre(1, 3, 2));
@@ -59,15 +59,15 @@ TEST(CloudAxes, SwapLatitudeAndLongitude) {
   batch.columns[0] = {39};
   batch.columns[1] = {-83};
   batch.columns[2] = {1};
-  turn({.latitude_first = true}, batch);
+  rotate({.latitude_first = true}, batch);
   EXPECT_THAT(batch.columns[0], ElementsAre(-83));
   EXPECT_THAT(batch.columns[1], ElementsAre(39));
   CloudInfo info = info_of();
-  turn({.latitude_first = true}, info);
+  rotate({.latitude_first = true}, info);
   EXPECT_THAT(info.box->high, ElementsAre(6, 1, 9));
   EXPECT_THAT(info.steps->offset, ElementsAre(20, 10, 30));
   CloudInfo none;
-  turn({.latitude_first = true, .y_up = true}, none);
+  rotate({.latitude_first = true, .y_up = true}, none);
   EXPECT_FALSE(none.box);
 }
 

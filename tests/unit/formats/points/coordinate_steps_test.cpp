@@ -35,7 +35,7 @@ std::string verdict(const std::vector<Place>& places, const std::array<bool, 3>&
 
 double rounded(double value, double step) { return std::round(value / step) * step; }
 
-/// Points at random on rolling ground, `spacing` metres apart, after `round` has changed each.
+/// Points at random on rolling terrain, `spacing` metres apart, after `round` has changed each.
 std::vector<Place> ground(std::size_t count, double spacing, const std::function<void(Place&)>& round) {
   std::mt19937_64 random(7);
   const double width = spacing * std::sqrt(static_cast<double>(count));

@@ -130,20 +130,20 @@ TEST(ErrorConfig, PointingErrorsAreRead) {
       "mirror_time_bias_s": 0.8, "mirror_time_sigma_s": 0.9}})")
           .lidar.pointing_error;
   const PointingError expected({{0.1, 0.2, 0.3}, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9}, 5);
-  EXPECT_EQ(read.turn(3), expected.turn(3));
+  EXPECT_EQ(read.rotation(3), expected.rotation(3));
   EXPECT_EQ(read.time_stamp_error_s(3), expected.time_stamp_error_s(3));
   const PointingError scalar =
       typed_scan(R"({"seed": 5, "pointing_error": {"jitter_sigma_rad": 0.4}})").lidar.pointing_error;
-  EXPECT_EQ(scalar.turn(3), PointingError({{}, 0.4, 0.4, 0, 0}, 5).turn(3));
+  EXPECT_EQ(scalar.rotation(3), PointingError({{}, 0.4, 0.4, 0, 0}, 5).rotation(3));
   const PointingError slow = typed_scan(R"({"seed": 5, "laser": {"pulse_rate_hz": 1000},
       "pointing_error": {"jitter_sigma_rad": 0.4, "jitter_time_s": 0.01}})")
                                  .lidar.pointing_error;
-  EXPECT_EQ(slow.turn(3), PointingError({.jitter_sigma_x_rad = 0.4,
-                                         .jitter_sigma_y_rad = 0.4,
-                                         .jitter_time_s = 0.01,
-                                         .pulse_interval_s = 1e-3},
-                                        5)
-                              .turn(3));
+  EXPECT_EQ(slow.rotation(3), PointingError({.jitter_sigma_x_rad = 0.4,
+                                             .jitter_sigma_y_rad = 0.4,
+                                             .jitter_time_s = 0.01,
+                                             .pulse_interval_s = 1e-3},
+                                            5)
+                                  .rotation(3));
   EXPECT_FALSE(typed_scan("{}").lidar.pointing_error.turns_beams());
 }
 

@@ -338,7 +338,7 @@ class OverAMound : public testing::Test {
 TEST_F(OverAMound, RefusesALidarAtOrBelowTheGround) {
   EXPECT_NO_THROW(fire({0, 0, 8.001}));
   EXPECT_THROW(fire({0, 0, 8}), FormatError);
-  EXPECT_NO_THROW(fire({10.001, 0, -5})) << "off the grid there is no ground";
+  EXPECT_NO_THROW(fire({10.001, 0, -5})) << "off the grid there is no terrain";
   EXPECT_THAT(refusal<FormatError>([&] {
                 fire({5, 0, 3.5});
               }),

@@ -29,7 +29,7 @@ const Pose kPoseAt500m{{}, {{0, 0, 500}}};
 constexpr double kReference_pe = 400;  ///< at 500 m
 constexpr double kPitch_rad = 1e-4;
 
-/// Level ground at 0, and a step of this height where x > 0.
+/// Level terrain at 0, and a step of this height where x > 0.
 class Step final : public TerrainSurface, public RayEngine {
  public:
   explicit Step(double height_m) : height_m_(height_m) {}

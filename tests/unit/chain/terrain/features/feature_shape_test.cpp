@@ -276,7 +276,7 @@ TEST(Fracture, Validates) {
   EXPECT_EQ(shape_refusal(Fracture{}), "accepted");
   EXPECT_THAT(shape_refusal(Fracture{0, 1, 1, 0, 0, 1, 0, 0}), HasSubstr("length_m"));
   EXPECT_THAT(shape_refusal(Fracture{9, 0, 1, 0, 0, 1, 0, 0}),
-              HasSubstr("width_m: 0 is not positive, which a trough"));
+              HasSubstr("width_m: 0 is not positive (a trough"));
   EXPECT_THAT(shape_refusal(Fracture{9, 1, 0, 1, 1, 1, 0, 0}),
               HasSubstr("width_m: 1 is not 0, where depth_m is 0"));
   EXPECT_THAT(shape_refusal(Fracture{9, 0, 0, 0, 0, 1, 0, 0}), HasSubstr("depth_m: 0 is not positive"));
@@ -339,9 +339,9 @@ TEST(PenitenteField, Validates) {
   EXPECT_EQ(with([](auto& f) { f.length_m = f.width_m = 0, f.diameter_m = 30; }), "accepted");
   EXPECT_THAT(with([](auto& f) { f.length_m = 0; }), HasSubstr("length_m: 0 is not finite and positive"));
   EXPECT_THAT(with([](auto& f) { f.diameter_m = 30; }),
-              HasSubstr("length_m: 50 is not allowed beside diameter_m"));
+              HasSubstr("length_m: 50 is not allowed with diameter_m"));
   EXPECT_THAT(with([](auto& f) { f.diameter_m = 30, f.length_m = 0; }),
-              HasSubstr("width_m: 50 is not allowed beside diameter_m"));
+              HasSubstr("width_m: 50 is not allowed with diameter_m"));
   EXPECT_THAT(with([](auto& f) { f.amplitude_m = 0; }), HasSubstr("amplitude_m"));
   EXPECT_THAT(with([](auto& f) { f.wavelength_m = kNan; }), HasSubstr("wavelength_m"));
   EXPECT_THAT(with([](auto& f) { f.exponent = 0; }), HasSubstr("exponent"));

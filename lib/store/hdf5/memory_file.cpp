@@ -1,0 +1,244 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Decisions: D465
+#include "store/hdf5/memory_file.h"
+
+#include <algorithm>
+#include <cstring>
+#include <mutex>
+#include <numeric>
+#include <utility>
+
+#include "base/core/error.h"
+#include "base/core/parallel.h"
+#include "store/hdf5/chunk_codec.h"
+
+namespace landfall::h5 {
+namespace {
+
+/// The files of this process by name. `any` spares all others the search.
+struct Register {
+  std::mutex lock;
+  std::map<std::string, MemoryFile*> files;
+  std::atomic<bool> any = false;
+};
+
+Register& known_files() {
+  static Register files;
+  return files;
+}
+
+std::string name_text(hid_t object, ssize_t (*get)(hid_t, char*, std::size_t)) {
+  const ssize_t length = get(object, nullptr, 0);
+  std::string text(static_cast<std::size_t>(std::max<ssize_t>(length, 0)), '\0');
+  if (length > 0) get(object, text.data(), text.size() + 1);
+  return text;
+}
+
+std::vector<hsize_t> extent_of(hid_t dataset) {
+  const Handle space(H5Dget_space(dataset), H5Sclose);
+  std::vector<hsize_t> shape(static_cast<std::size_t>(std::max(H5Sget_simple_extent_ndims(space.get()), 0)));
+  H5Sget_simple_extent_dims(space.get(), shape.data(), nullptr);
+  return shape;
+}
+
+std::vector<hsize_t> memory_chunk_of(hid_t dataset) {
+  const Handle properties(H5Dget_create_plist(dataset), H5Pclose);
+  std::vector<hsize_t> chunk(H5S_MAX_RANK, 0);
+  const int rank = H5Pget_chunk(properties.get(), H5S_MAX_RANK, chunk.data());
+  chunk.resize(static_cast<std::size_t>(std::max(rank, 0)));
+  return chunk;
+}
+
+std::size_t element_count(std::span<const hsize_t> numbers) {
+  return std::accumulate(numbers.begin(), numbers.end(), std::size_t{1}, std::multiplies<>());
+}
+
+Type type_of(hid_t dataset) {
+  const Handle type(H5Dget_type(dataset), H5Tclose);
+  using enum Type;
+  for (const Type candidate : {float64, float32, int64, int32, int8})
+    if (H5Tequal(type.get(), native(candidate)) > 0) return candidate;
+  throw std::logic_error("a dataset in memory of a type that no tool writes");
+}
+
+/// A chunk and its array as rows of bytes: a dataset of one dimension is one row.
+struct Rows {
+  std::size_t chunk_row = 0, array_row = 0;  ///< bytes
+  std::size_t count = 0, copied = 0;         ///< rows, and bytes of each
+  std::size_t begin = 0;                     ///< of the first row in the array
+};
+
+Rows rows_of(const MemoryArray& array, std::span<const hsize_t> chunk, std::span<const hsize_t> offset) {
+  const std::size_t size = size_of(array.type);
+  const auto left = [&](std::size_t d) { return std::min(chunk[d], array.shape[d] - offset[d]); };
+  const std::size_t last = array.shape.size() - 1;
+  const bool is_plane = last == 1;
+  return {.chunk_row = chunk[last] * size,
+          .array_row = array.shape[last] * size,
+          .count = is_plane ? left(0) : 1,
+          .copied = left(last) * size,
+          .begin = ((is_plane ? offset[0] * array.shape[1] : 0) + offset[last]) * size};
+}
+
+/// The chunk of an array in plain form, with zeros beyond the array.
+void take_chunk(const MemoryArray& array, std::span<const hsize_t> chunk, std::span<const hsize_t> offset,
+                std::vector<std::byte>& bytes) {
+  bytes.assign(element_count(chunk) * size_of(array.type), std::byte{0});
+  const Rows rows = rows_of(array, chunk, offset);
+  for (std::size_t r = 0; r < rows.count; ++r)
+    std::memcpy(bytes.data() + r * rows.chunk_row, array.values.data() + rows.begin + r * rows.array_row,
+                rows.copied);
+}
+
+/// The first elements of all chunks, in order.
+std::vector<std::vector<hsize_t>> offsets_of(std::span<const hsize_t> shape, std::span<const hsize_t> chunk) {
+  std::vector<std::vector<hsize_t>> offsets = {{}};
+  for (std::size_t d = 0; d < shape.size(); ++d) {
+    std::vector<std::vector<hsize_t>> longer;
+    for (const std::vector<hsize_t>& offset : offsets)
+      for (hsize_t at = 0; at < shape[d]; at += chunk[d]) {
+        longer.push_back(offset);
+        longer.back().push_back(at);
+      }
+    offsets = std::move(longer);
+  }
+  return offsets;
+}
+
+int level_of(hid_t dataset) {
+  const Handle properties(H5Dget_create_plist(dataset), H5Pclose);
+  unsigned level = 0;
+  unsigned flags = 0;
+  std::size_t count = 1;
+  H5Pget_filter_by_id2(properties.get(), H5Z_FILTER_DEFLATE, &flags, &count, &level, 0, nullptr, nullptr);
+  return static_cast<int>(level);
+}
+
+void save_array(hid_t file, const std::string& path, const MemoryArray& array) {
+  const Handle dataset = open_dataset(file, path);
+  const std::vector<hsize_t> chunk = memory_chunk_of(dataset.get());
+  const auto offsets = offsets_of(array.shape, chunk);
+  struct Slot {
+    ChunkEncoder encoder;
+    std::vector<std::byte> plain{};
+    std::span<const std::byte> stored{};
+  };
+  std::vector<Slot> slots(4 * thread_count(),
+                          Slot{ChunkEncoder(size_of(array.type), level_of(dataset.get()))});
+  produce_in_parallel(
+      offsets.size(), slots.size(),
+      [&](std::size_t i, std::size_t number) {
+        Slot& slot = slots[number];
+        take_chunk(array, chunk, offsets[i], slot.plain);
+        slot.stored = slot.encoder.encode(slot.plain);
+      },
+      [&](std::size_t i, std::size_t number) {
+        const std::lock_guard lock(library_lock());
+        if (!write_chunk(dataset.get(), offsets[i], slots[number].stored))
+          throw IoError("writing " + path + " failed: " + failure_reason());
+      });
+}
+
+}  // namespace
+
+MemoryFile::MemoryFile(std::string name) : name_(std::move(name)) {
+  Register& known = known_files();
+  const std::lock_guard lock(known.lock);
+  if (std::filesystem::exists(name_) || !known.files.emplace(name_, this).second)
+    throw UsageError(name_ + " exists; a file in memory needs another name");
+  known.any = true;
+}
+
+MemoryFile::~MemoryFile() {
+  Register& known = known_files();
+  const std::lock_guard lock(known.lock);
+  known.files.erase(name_);
+  known.any = !known.files.empty();
+}
+
+MemoryFile* MemoryFile::find(const std::filesystem::path& name) {
+  Register& known = known_files();
+  if (!known.any) return nullptr;
+  const std::lock_guard lock(known.lock);
+  const auto found = known.files.find(name.string());
+  return found == known.files.end() ? nullptr : found->second;
+}
+
+MemoryFile* MemoryFile::of(hid_t object) {
+  return known_files().any ? find(name_text(object, H5Fget_name)) : nullptr;
+}
+
+Handle MemoryFile::create(hid_t creation_properties) {
+  constexpr std::size_t kStep = std::size_t{1} << 20U;
+  arrays_.clear();
+  file_.reset();
+  const Handle access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
+  H5Pset_fapl_core(access.get(), kStep, false);
+  file_ = Handle(H5Fcreate(name_.c_str(), H5F_ACC_TRUNC, creation_properties, access.get()), H5Fclose);
+  if (!file_) throw IoError(name_ + " cannot be made: " + failure_reason());
+  return open();
+}
+
+Handle MemoryFile::open() const {
+  Handle again(file_ ? H5Freopen(file_.get()) : H5I_INVALID_HID, H5Fclose);
+  if (!again) throw FormatError(name_ + ": has no content");
+  return again;
+}
+
+std::shared_ptr<const MemoryArray> MemoryFile::array(const std::string& path) const {
+  const auto found = arrays_.find(path);
+  return found == arrays_.end() ? nullptr : found->second;
+}
+
+void MemoryFile::put_chunk(hid_t dataset, std::span<const hsize_t> offset, std::span<const std::byte> bytes) {
+  std::shared_ptr<MemoryArray>& array = arrays_[name_text(dataset, H5Iget_name)];
+  if (!array) array = std::make_shared<MemoryArray>(MemoryArray{.type = type_of(dataset)});
+  array->shape = extent_of(dataset);
+  array->values.resize(element_count(array->shape) * size_of(array->type));
+  const Rows rows = rows_of(*array, memory_chunk_of(dataset), offset);
+  for (std::size_t r = 0; r < rows.count; ++r)
+    std::memcpy(array->values.data() + rows.begin + r * rows.array_row, bytes.data() + r * rows.chunk_row,
+                rows.copied);
+}
+
+std::shared_ptr<const MemoryArray> array_in_memory(hid_t dataset) {
+  const MemoryFile* const file = MemoryFile::of(dataset);
+  return file == nullptr ? nullptr : file->array(name_text(dataset, H5Iget_name));
+}
+
+bool gather(const MemoryArray& array, hid_t type, hid_t selection, void* values) {
+  const auto rank = static_cast<int>(array.shape.size());
+  const Handle all(H5Screate_simple(rank, array.shape.data(), nullptr), H5Sclose);
+  const hid_t space = selection == H5S_ALL ? all.get() : selection;
+  const auto count = static_cast<std::size_t>(std::max<hssize_t>(H5Sget_select_npoints(space), 0));
+  if (count == 0) return true;
+  const hid_t stored = native(array.type);
+  const std::size_t wanted_size = count * H5Tget_size(type);
+  const std::size_t stored_size = count * size_of(array.type);
+  std::vector<std::byte, LargeAllocator<std::byte>> larger(stored_size > wanted_size ? stored_size : 0);
+  void* const target = larger.empty() ? values : larger.data();
+  if (H5Dgather(space, array.values.data(), stored, stored_size, target, nullptr, nullptr) < 0 ||
+      H5Tconvert(stored, type, count, target, nullptr, H5P_DEFAULT) < 0)
+    return false;
+  if (!larger.empty()) std::memcpy(values, larger.data(), wanted_size);
+  return true;
+}
+
+std::string MemoryFile::image() const {
+  const Handle file = open();
+  H5Fflush(file.get(), H5F_SCOPE_GLOBAL);
+  std::string bytes(static_cast<std::size_t>(std::max<ssize_t>(H5Fget_file_image(file.get(), nullptr, 0), 0)),
+                    '\0');
+  if (H5Fget_file_image(file.get(), bytes.data(), bytes.size()) < 0)
+    throw IoError(name_ + " cannot be copied: " + failure_reason());
+  return bytes;
+}
+
+void MemoryFile::save_arrays(const std::filesystem::path& path) const {
+  Handle saved(H5Fopen(path.c_str(), H5F_ACC_RDWR, H5P_DEFAULT), H5Fclose);
+  if (!saved) throw IoError(path.string() + " cannot be written: " + failure_reason());
+  for (const auto& [name, array] : arrays_) save_array(saved.get(), name, *array);
+  if (const auto failure = close_file(saved)) throw IoError(path.string() + ": closing failed: " + *failure);
+}
+
+}  // namespace landfall::h5

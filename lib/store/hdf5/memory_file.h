@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <atomic>
+#include <cstddef>
+#include <filesystem>
+#include <map>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "base/memory/large_memory.h"
+#include "store/hdf5/h5.h"
+
+namespace landfall::h5 {
+
+/// The values of a dataset in memory: one block, in the order of the last index.
+struct MemoryArray {
+  Type type = Type::float64;
+  std::vector<hsize_t> shape{};
+  std::vector<std::byte, LargeAllocator<std::byte>> values{};
+};
+
+/// A file that exists in this process only, while the object lives, so that tools pass results to each other
+/// without a disk. create_file() makes it and open_file() opens it by its name, which no file on the disk may
+/// have. HDF5 holds its attributes, texts and axes; the values of chunked datasets are MemoryArrays, in plain
+/// form: the chunks of write_chunk() and create_dataset()'s filters apply only to save_arrays().
+class MemoryFile {
+ public:
+  /// Throws UsageError if the name is that of another MemoryFile or of a file on the disk.
+  explicit MemoryFile(std::string name);
+  ~MemoryFile();
+  MemoryFile(const MemoryFile&) = delete;
+  MemoryFile& operator=(const MemoryFile&) = delete;
+
+  /// The file of this name; null if there is none.
+  [[nodiscard]] static MemoryFile* find(const std::filesystem::path& name);
+  /// The file that holds the object; null if that is on a disk.
+  [[nodiscard]] static MemoryFile* of(hid_t object);
+
+  [[nodiscard]] const std::string& name() const { return name_; }
+  /// Makes the file, empty, and returns an identifier for its writer. Throws IoError.
+  Handle create(hid_t creation_properties);
+  /// Another identifier of the file. Throws FormatError if it was not created.
+  [[nodiscard]] Handle open() const;
+
+  /// The values of the dataset at a path such as "/points/x_est"; null if it has none here: HDF5 then holds
+  /// its values. Whoever keeps them may outlive the file.
+  [[nodiscard]] std::shared_ptr<const MemoryArray> array(const std::string& path) const;
+  /// Takes a chunk in plain form, with which write_chunk() was called; its part beyond the dataset's extent
+  /// is left out.
+  void put_chunk(hid_t dataset, std::span<const hsize_t> offset, std::span<const std::byte> bytes);
+  /// The bytes of a file on a disk with all but the values of arrays. Throws IoError.
+  [[nodiscard]] std::string image() const;
+  /// Writes the values of the arrays to the file at `path`, which holds image(), with its chunks filtered as
+  /// their datasets say. Throws IoError.
+  void save_arrays(const std::filesystem::path& path) const;
+
+ private:
+  std::string name_;
+  Handle file_{};
+  std::map<std::string, std::shared_ptr<MemoryArray>> arrays_;
+};
+
+/// The values of a dataset of a MemoryFile that has them as an array; else null.
+[[nodiscard]] std::shared_ptr<const MemoryArray> array_in_memory(hid_t dataset);
+/// As read_values(); false if HDF5 fails.
+[[nodiscard]] bool gather(const MemoryArray& array, hid_t type, hid_t selection, void* values);
+
+}  // namespace landfall::h5
