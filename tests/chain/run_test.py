@@ -37,8 +37,6 @@ class Landfall(ToolTest):
     def test_errors_are_those_of_the_tool(self):
         self.assertEqual(run("landfall", "scan-sim").stderr, run("scan-sim").stderr)
         self.assertEqual(run("landfall", "scan-sim").returncode, 2)
-        self.refuse(2, "landfall", "scan-smi", words=["'scan-smi' is not a command", "did you mean scan-sim?"])
-        self.refuse(2, "landfall", words=["a command is required"])
         self.assertTrue(run("landfall", "--version").stdout.startswith("landfall landfall "))
 
     def test_completion(self):
@@ -61,7 +59,6 @@ class Landfall(ToolTest):
     def test_study_status_from_another_folder(self):
         result = run("landfall", "study", "status", "noise", cwd=self.folder)
         self.assertEqual(result.returncode, 0, result.stderr)
-        self.refuse(2, "landfall", "study", "nowhere.json", words=["nowhere.json: no such file"])
 
     def test_a_study_that_fails_shows_its_own_message_alone(self):
         tiny = {"base": {"terrain": {"grid": {"half_width_m": 6, "resolution_m": 0.1}}, "scan": SCAN, "regrid": REGRID, "eval": {"region_radius_m": 4}}}

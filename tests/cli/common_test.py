@@ -133,11 +133,9 @@ class Information(ToolTest):
                 self.check_message(name, result.stderr, ["standard output"])
 
 class Usage(ToolTest):
-    def test_unknown_flag_and_surplus_argument(self):
+    def test_unknown_flag(self):
         for name in TOOLS:
             self.refuse(2, name, "--no-such-flag", words=["--no-such-flag"])
-        self.refuse(2, "terrain-gen", "surplus", words=["surplus"])
-        self.refuse(2, "dem-eval", "a.h5", "b.h5", words=["b.h5"])
 
     def test_arguments_must_be_utf_8(self):
         foreign = os.fsdecode(b"a\xf8")
@@ -154,11 +152,6 @@ class Usage(ToolTest):
                 self.refuse(2, name, option, value, words=[value])
 
     def test_missing_arguments(self):
-        output = self.path("out.h5")
-        self.refuse(2, "terrain-gen", words=["-o"])
-        self.refuse(2, "scan-sim", "-o", output, words=["--terrain"])
-        self.refuse(2, "regrid", "-o", output, words=["scan"])
-        self.refuse(2, "dem-eval", "-o", output, words=["DEM"])
         for name in TOOLS:
             self.refuse(2, name, "-o", words=["--output"])
 
@@ -176,28 +169,6 @@ class Usage(ToolTest):
                     self.assertEqual(result.stderr.replace(" (see --help)", ""), wanted)
         for name, argument in [("regrid", "scans"), ("dem-eval", "dem"), ("hazard-map", "map"), ("monte-carlo", "scan")]:
             self.assertEqual(self.refuse(2, name, "").stderr, f"{name}: the argument {argument} needs a file\n")
-        result = self.refuse(2, "terrain-gen", "--from", "a.tif", "--center", "")
-        self.assertEqual(result.stderr, "terrain-gen: --center needs X,Y\n")
-        self.refuse(2, "regrid", "scan.h5", "--layers", "", words=["--layers needs NAME,..."])
-        self.refuse(2, "regrid", "scan.h5", "--set", "", words=["--set needs KEY=JSON"])
-
-    def test_messages_for_wrong_command_lines(self):
-        for arguments, message in [
-                (["--outptu", "x"], "unknown option --outptu; did you mean --output?"),
-                (["surplus"], "'surplus' is one argument too many"),
-                (["-o"], "--output needs a file"),
-                (["-t", "x"], "--threads: x is not in [0, 4096]"),
-                (["-t", "5000"], "--threads: 5000 is not in [0, 4096]"),
-                (["--band", "1"], "--band needs --from"),
-                (["--from", "a", "--center", "1,2", "--center-pixel", "1,2"],
-                 "--center and --center-pixel are mutually exclusive"),
-                (["-o", "a", "-o", "b"], "--output is given 2 times; give it once"),
-                (["--json=maybe"], "--json does not take a value")]:
-            result = self.refuse(2, "terrain-gen", *arguments)
-            self.assertEqual(result.stderr, f"terrain-gen: {message} (see --help)\n")
-        self.refuse(2, "scan-sim", "--engine", "magic",
-                    words=["--engine: magic is not one of auto, heightfield, cgal"])
-        self.refuse(2, "scan-sim", "--plan", "--plan-radius", "x", words=["--plan-radius: 'x' is not a number"])
 
     def test_without_an_output_no_input_is_opened(self):
         for name in TOOLS:
@@ -231,10 +202,6 @@ class Output(ChainTest):
             others = [] if first == "-o" else ["--metrics-only"]
             self.refuse(2, "dem-eval", self.chain.dem, *others, first, "one", second, "./one", cwd=self.folder,
                         words=[f"{first} and {second} name the same file, ./one"])
-        self.refuse(2, "dem-eval", self.chain.dem, "-o", "e.h5", "--report", "./x.png", "--view", "x.png", cwd=self.folder,
-                    words=["--view and --report name the same file"])
-        self.refuse(2, "regrid", self.chain.scan, "-o", "x.png", "--view", "./x.png", "-O", cwd=self.folder,
-                    words=["regrid writes HDF5"])
         self.assertEqual(self.entries(), [])
 
     def test_only_a_regular_file_is_replaced(self):

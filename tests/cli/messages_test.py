@@ -186,10 +186,6 @@ class Evaluation(ChainTest):
         self.succeed("dem-eval", *self.chain.inputs("dem-eval"), "--report", self.path("r.html"))
         self.assertIn("r.html", self.entries())
 
-    def test_without_anything_to_write(self):
-        self.refuse(2, "dem-eval", *self.chain.inputs("dem-eval"), words=["nothing to write; give -o, --metrics, --report"])
-        self.refuse(2, "hazard-map", *self.chain.inputs("hazard-map"), words=["nothing to write; give -o, --sites, --score, --report"])
-
     def test_hazards_without_a_map_are_those_of_a_map(self):
         alone, beside = self.path("alone.json"), self.path("beside.json")
         self.succeed("hazard-map", *self.chain.inputs("hazard-map"), "--sites", alone)

@@ -19,6 +19,9 @@ PYTHON = "/usr/bin/python3"
 sys.path.insert(0, os.path.join(ROOT, "python"))
 sys.dont_write_bytecode = True
 
+# pylint: disable=wrong-import-position
+from landfall.study import reader, stages
+
 # 400 pulses of 8 x 8 pixels from 50 m on a 12 m square with a cone.
 BASE = {
     "terrain": {"grid": {"half_width_m": 6, "resolution_m": 0.1},
@@ -98,6 +101,24 @@ class StudyTest(unittest.TestCase):
         """Plans a study and returns its folder."""
         self.sweep("plan", self.write(tree, name), "--out", self.out(study_name=name), "--bin", BIN, *options)
         return self.out(study_name=name)
+
+    def by_hand(self, path, number):
+        """Runs a case with the commands that `show` prints, and returns the folder of its files."""
+        folder = self.path(f"by-hand-{number}")
+        os.mkdir(folder)
+        subprocess.run(["bash", "-c", self.sweep("show", path, number).stdout], cwd=folder, check=True,
+                       env={**os.environ, "PATH": BIN + ":" + os.environ["PATH"]})
+        return folder
+
+    def graph(self, tree):
+        return stages.build(reader.read_study(self.write(tree)))
+
+    KINDS = ("terrain", "truth", "scan", "regrid", "eval")
+
+    def counts(self, tree):
+        """How many stages of each of KINDS a study has."""
+        graph = self.graph(tree)
+        return [len(getattr(graph, kind)) for kind in self.KINDS]
 
     def files(self, *names, **where):
         """The names in a folder of the study."""

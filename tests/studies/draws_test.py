@@ -29,12 +29,7 @@ def draws_study(*axes, draws=None, **keys):
 
 
 class Plans(StudyTest):
-    def graph(self, tree):
-        return stages.build(reader.read_study(self.write(tree)))
-
-    def counts(self, tree):
-        graph = self.graph(tree)
-        return [len(of_kind) for of_kind in (graph.terrain, graph.truth, graph.scan, graph.regrid, graph.eval, graph.draws)]
+    KINDS = (*StudyTest.KINDS, "draws")
 
     def configs(self, tree):
         graph = self.graph(tree)
@@ -149,10 +144,7 @@ class Results(StudyTest):
         self.assertEqual(self.files("shared") + self.files("scratch") + self.files("draws"), [])
         cases = json.loads(read(self.out("cases.json")))["cases"]
         for number in (0, 5):
-            folder = self.path(f"by-hand-{number}")
-            os.mkdir(folder)
-            subprocess.run(["bash", "-c", self.sweep("show", path, number).stdout], cwd=folder, check=True,
-                           env={**os.environ, "PATH": BIN + ":" + os.environ["PATH"]})
+            folder = self.by_hand(path, number)
             self.assertEqual(read(self.out(cases[number][-1])), read(os.path.join(folder, "verdict.json")))
             self.assertEqual(read(self.out(cases[number][-2])), read(os.path.join(folder, "metrics.json")))
         self.check_chain(folder)
@@ -275,7 +267,7 @@ class Traced(StudyTest):
         """All stages of the case, also what moves beams and makes the ground; no truth, whatever the errors."""
         tree = self.traced(self.HEIGHTS, SPREADS)
         tree["base"]["scan"] = {**BASE["scan"], "pointing_error": {"jitter_sigma_rad": 1e-4}}
-        graph = stages.build(reader.read_study(self.write(tree)))
+        graph = self.graph(tree)
         self.assertEqual([len(graph.truth), len(graph.terrain), len(graph.draws)], [0, 2, 4])
         configs = [json.loads(graph.configs["draws", stage.config_id]) for stage in graph.draws.values()]
         self.assertEqual([config["terrain"]["features"][0]["height_m"] for config in configs], [0.1, 0.1, 1.5, 1.5])
@@ -283,7 +275,7 @@ class Traced(StudyTest):
         self.assertEqual([config["vary"][VELOCITY]["sigma"] for config in configs], [0.1, 2] * 2)
         for changes, message in (({"draws": {**DRAWS, "terrain": {}}}, r"draws\.terrain: draws have the terrain of their case"),):
             with self.assertRaisesRegex(UsageError, message):
-                stages.build(reader.read_study(self.write(self.traced(**changes))))
+                self.graph(self.traced(**changes))
         with self.assertRaisesRegex(UsageError, r"/trace_draws: needs draws"):
             reader.read_study(self.write(study(trace_draws=True)))
 
@@ -291,9 +283,7 @@ class Traced(StudyTest):
         path = self.write(self.traced(self.HEIGHTS))
         self.make("study", "-j2")
         cases = json.loads(read(self.out("cases.json")))["cases"]
-        folder = self.path("by-hand")
-        os.mkdir(folder)
-        subprocess.run(["bash", "-c", self.sweep("show", path, 1).stdout], cwd=folder, check=True, env={**os.environ, "PATH": BIN + ":" + os.environ["PATH"]})
+        folder = self.by_hand(path, 1)
         verdict = read(self.out(cases[1][-1]))
         self.assertEqual(verdict, read(os.path.join(folder, "verdict.json")))
         landing, row = json.loads(verdict)["landing"], self.rows()[1]

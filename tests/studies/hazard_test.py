@@ -4,7 +4,6 @@
 import json
 import os
 import re
-import subprocess
 import unittest
 
 import h5py
@@ -27,12 +26,7 @@ def hazard_study(*axes, hazard=None, **keys):
 
 
 class Plans(StudyTest):
-    def graph(self, tree):
-        return stages.build(reader.read_study(self.write(tree)))
-
-    def counts(self, tree):
-        graph = self.graph(tree)
-        return [len(of_kind) for of_kind in (graph.terrain, graph.truth, graph.scan, graph.regrid, graph.eval, graph.hazard)]
+    KINDS = (*StudyTest.KINDS, "hazard")
 
     def test_cases_share_all_but_the_hazard_map(self):
         self.assertEqual(self.counts(hazard_study(CLEARANCES)), [1, 0, 1, 1, 1, 2])
@@ -94,10 +88,7 @@ class Results(StudyTest):
         self.assertEqual(self.files("shared") + self.files("scratch") + self.files("hazard"), [])
         cases = json.loads(read(self.out("cases.json")))["cases"]
         for number in (0, 3):
-            folder = self.path(f"by-hand-{number}")
-            os.mkdir(folder)
-            subprocess.run(["bash", "-c", self.sweep("show", path, number).stdout], cwd=folder, check=True,
-                           env={**os.environ, "PATH": BIN + ":" + os.environ["PATH"]})
+            folder = self.by_hand(path, number)
             metrics, score = cases[number][-2:]
             for stored, made in ((metrics, "metrics"), (score, "score"), ("sites/" + os.path.basename(score), "sites")):
                 self.assertEqual(read(self.out(stored)), read(os.path.join(folder, made + ".json")), (number, made))

@@ -4,12 +4,11 @@
 import json
 import os
 import re
-import subprocess
 import unittest
 
 import h5py
 import numpy as np
-from case import BIN, LIMITS, RESOLUTIONS, SIGMAS, StudyTest, read, study
+from case import LIMITS, RESOLUTIONS, SIGMAS, StudyTest, read, study
 
 GRID = (SIGMAS, RESOLUTIONS, LIMITS)
 
@@ -48,10 +47,7 @@ class Builds(StudyTest):
         cases = json.loads(read(self.out("cases.json")))["cases"]
         self.assertEqual(len(cases), 24)
         for number in (0, 13, 23):
-            script = self.sweep("show", path, number).stdout
-            folder = self.path(f"by-hand-{number}")
-            os.mkdir(folder)
-            subprocess.run(["bash", "-c", script], cwd=folder, check=True, env={**os.environ, "PATH": BIN + ":" + os.environ["PATH"]})
+            folder = self.by_hand(path, number)
             self.assertEqual(read(self.out(cases[number][-1])), read(os.path.join(folder, "metrics.json")), number)
 
     def test_many_shared_scans_and_kept_files_give_the_same_results(self):

@@ -10,17 +10,10 @@ import unittest
 from case import BASE, BIN, LIMITS, RESOLUTIONS, SIGMAS, StudyTest, read, study
 
 # pylint: disable=wrong-import-order
-from landfall.study import reader, rules, stages
+from landfall.study import rules
 
 
 class Stages(StudyTest):
-    def graph(self, tree):
-        return stages.build(reader.read_study(self.write(tree)))
-
-    def counts(self, tree):
-        graph = self.graph(tree)
-        return [len(of_kind) for of_kind in (graph.terrain, graph.truth, graph.scan, graph.regrid, graph.eval)]
-
     def test_each_stage_once(self):
         self.assertEqual(self.counts(study(SIGMAS, RESOLUTIONS, LIMITS)), [1, 1, 3, 6, 12])
         self.assertEqual(self.counts(study(LIMITS, RESOLUTIONS)), [1, 0, 1, 2, 4])

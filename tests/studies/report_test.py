@@ -13,7 +13,7 @@ import sys
 import unittest
 
 import h5py
-from case import BASE, BIN, RESOLUTIONS, ROOT, SIGMAS, StudyTest, read, study
+from case import BASE, RESOLUTIONS, ROOT, SIGMAS, StudyTest, read, study
 
 sys.path.insert(0, os.path.join(ROOT, "tests", "harness"))
 # pylint: disable=wrong-import-order

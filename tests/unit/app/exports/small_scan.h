@@ -4,7 +4,6 @@
 #include <array>
 #include <filesystem>
 #include <limits>
-#include <string>
 #include <vector>
 
 #include "store/files/landfall_file.h"

@@ -10,6 +10,7 @@
 #include <stdexcept>
 
 #include "constants.h"
+#include "refusal.h"
 
 namespace landfall::lidar {
 namespace {
@@ -24,13 +25,8 @@ double plane(const Ray& ray) { return -ray.origin_m[2] / ray.direction[2]; }
 Instrument instrument(const std::string& config) { return {config, plane}; }
 
 template <class Work>
-std::string refusal(const Work& work) {
-  try {
-    work();
-  } catch (const std::runtime_error& error) {
-    return error.what();
-  }
-  return "accepted";
+std::string lidar_refusal(const Work& work) {
+  return refusal<std::runtime_error>([&] { work(); });
 }
 
 const Pose kAt10m{.position_m = {1, 2, 10}};
@@ -104,7 +100,7 @@ TEST(Instrument, AnUncompensatedPatternNeedsItsNominalPose) {
       "pattern": {"type": "line_search", "rows": 1, "columns": 2, "half_width_m": 1, "compensated": false,
                   "at_end": "stop"}}})");
   EXPECT_EQ(lidar.pulse_limit(), 2);
-  EXPECT_THAT(refusal([&] { static_cast<void>(lidar.step({.truth = kAt10m})); }), HasSubstr("pulse/nominal"));
+  EXPECT_THAT(lidar_refusal([&] { return lidar.step({.truth = kAt10m}); }), HasSubstr("pulse/nominal"));
   const Pose start{.position_m = {0, 0, 20}};
   // Aimed at (-1, 0) from 20 m, seen from 10 m: half as far.
   EXPECT_NEAR(lidar.step({.truth = {.position_m = {0, 0, 10}}, .nominal = start}).pixels[0].true_m[0], -0.5,
@@ -119,8 +115,8 @@ TEST(Instrument, TablesComeFromTheHost) {
     return {{"row", {0}}, {"column", {0}}, {"u", {0.5}}, {"v", {0}}};
   };
   EXPECT_NEAR(Instrument(config, plane, "c", read).step({.truth = kAt10m}).pixels[0].true_m[0], 6, 1e-14);
-  EXPECT_THAT(refusal([&] { Instrument(config, plane, "c"); }), HasSubstr("reads no tables"));
-  EXPECT_THAT(refusal([&] {
+  EXPECT_THAT(lidar_refusal([&] { Instrument(config, plane, "c"); }), HasSubstr("reads no tables"));
+  EXPECT_THAT(lidar_refusal([&] {
                 Instrument(config, plane, "c", [](const std::string&) {
                   return std::map<std::string, std::vector<double>>{{"row", {0}}};
                 });
@@ -129,16 +125,14 @@ TEST(Instrument, TablesComeFromTheHost) {
 }
 
 TEST(Instrument, RefusesWhatIsWrongByName) {
-  EXPECT_THAT(refusal([] { Instrument("{", plane, "my.json"); }), HasSubstr("my.json: not valid JSON"));
-  EXPECT_THAT(refusal([] { Instrument("[]", plane, "my.json"); }), HasSubstr("my.json: "));
-  EXPECT_THAT(refusal([] { Instrument(R"({"detector": {"rows": 0}})", plane, "my.json"); }),
+  EXPECT_THAT(lidar_refusal([] { Instrument("{", plane, "my.json"); }), HasSubstr("my.json: not valid JSON"));
+  EXPECT_THAT(lidar_refusal([] { Instrument("[]", plane, "my.json"); }), HasSubstr("my.json: "));
+  EXPECT_THAT(lidar_refusal([] { Instrument(R"({"detector": {"rows": 0}})", plane, "my.json"); }),
               HasSubstr("my.json: /detector/rows: 0"));
-  EXPECT_THAT(refusal([] { Instrument("{}", Intersect()); }), HasSubstr("intersect"));
-  EXPECT_THAT(refusal([] { Instrument("{}", IntersectAll()); }), HasSubstr("intersect"));
+  EXPECT_THAT(lidar_refusal([] { Instrument("{}", Intersect()); }), HasSubstr("intersect"));
+  EXPECT_THAT(lidar_refusal([] { Instrument("{}", IntersectAll()); }), HasSubstr("intersect"));
   const Instrument lidar = instrument(kFlash);
-  const auto refused = [&](const Pulse& pulse) {
-    return refusal([&] { static_cast<void>(lidar.step(pulse)); });
-  };
+  const auto refused = [&](const Pulse& pulse) { return lidar_refusal([&] { return lidar.step(pulse); }); };
   EXPECT_THAT(refused({.number = -1}), HasSubstr("pulse/number: -1"));
   EXPECT_THAT(refused({.number = std::int64_t{1} << 31}), HasSubstr("pulse/number"));
   EXPECT_THAT(refused({.since_start_s = kNan}), HasSubstr("pulse/since_start_s"));
@@ -157,7 +151,7 @@ TEST(Instrument, RefusesErrorsThatAreTheHosts) {
       {R"({"receiver": {"type": "peak"}, "link": {"reference_pe": 100, "reference_range_m": 10}})",
        "/receiver/type"}};
   for (const auto& entry : key_of)
-    EXPECT_THAT(refusal([&] { Instrument(entry.first, plane, "c"); }), HasSubstr(entry.second));
+    EXPECT_THAT(lidar_refusal([&] { Instrument(entry.first, plane, "c"); }), HasSubstr(entry.second));
 }
 
 TEST(Instrument, HasTheClockOfAReceiver) {

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "base/core/error.h"
+#include "bins.h"
 #include "refusal.h"
 #include "store/files/mesh_terrain_file.h"
 #include "temporary_folder.h"
@@ -28,9 +29,8 @@ GeneratedTerrain slope() {
   GeneratedTerrain terrain;
   terrain.crs_wkt = kCrs;
   terrain.nodes = Grid<double>({0.5, -3, -4, 7, 9});
-  for (std::int64_t row = 0; row < 7; ++row)
-    for (std::int64_t col = 0; col < 9; ++col)
-      terrain.nodes.at({row, col}) = 1 + 0.125 * static_cast<double>(col - 4);
+  for (const auto [row, col] : Bins({0, 0}, {7, 9}))
+    terrain.nodes.at({row, col}) = 1 + 0.125 * static_cast<double>(col - 4);
   return terrain;
 }
 

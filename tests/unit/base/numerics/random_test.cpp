@@ -1,12 +1,19 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "base/numerics/random.h"
-
 #include <gtest/gtest.h>
+#include <hwy/targets.h>
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <cstdint>
+#include <limits>
+#include <numbers>
+#include <random>
 #include <vector>
+
+#include "base/numerics/box_muller.h"
+#include "base/numerics/poisson.h"
+#include "base/numerics/random.h"
 
 namespace landfall {
 namespace {
@@ -91,6 +98,136 @@ TEST(RandomField, NormalMoments) {
   EXPECT_NEAR(sum / kCount, 0, 5 / root);
   EXPECT_NEAR(squares / kCount, 1, 5 * std::sqrt(2.0) / root);
   EXPECT_NEAR(static_cast<double>(within_one_sigma) / kCount, 0.682689, 5 * 0.466 / root);
+}
+
+struct Uniforms {
+  std::vector<double> u, v;
+};
+
+/// Multiples of 2^-53, with the ends of [0, 1) and the borders of the quadrants in front.
+Uniforms uniforms(std::size_t count) {
+  std::mt19937_64 random(4);
+  Uniforms result;
+  for (const double v : {0.0, 0.125, 0.25, 0.375, 0.5, 0.625, 0.75, 0.875, 1 - 0x1p-53, 0x1p-53})
+    for (const double u : {0.0, 0x1p-53, 1 - 0x1p-53, 0.5, 1 - std::numbers::sqrt2 / 2}) {
+      result.u.push_back(u);
+      result.v.push_back(v);
+    }
+  while (result.u.size() < count) {
+    result.u.push_back(static_cast<double>(random() >> 11U) * 0x1p-53);
+    result.v.push_back(static_cast<double>(random() >> 11U) * 0x1p-53);
+  }
+  return result;
+}
+
+/// In long double, from the library's functions; the angle within an eighth of a turn, so that its cosine
+/// keeps all digits near zero.
+long double reference(double u, double v) {
+  const double quarter = std::floor(4 * v + 0.5);
+  const long double t = 2 * std::numbers::pi_v<long double> * static_cast<long double>(v - quarter / 4);
+  const long double radius = std::sqrt(-2 * std::log(1 - static_cast<long double>(u)));
+  if (quarter == 1) return radius * -std::sin(t);
+  if (quarter == 2) return radius * -std::cos(t);
+  if (quarter == 3) return radius * std::sin(t);
+  return radius * std::cos(t);
+}
+
+double ulp(double value) {
+  return std::nextafter(std::abs(value), std::numeric_limits<double>::infinity()) - std::abs(value);
+}
+
+TEST(BoxMuller, IsWithinTwoAndAHalfUlp) {
+  const Uniforms in = uniforms(2000000);
+  std::vector<double> out(in.u.size());
+  box_muller(in.u, in.v, out);
+  double worst = 0;
+  for (std::size_t i = 0; i < out.size(); ++i) {
+    const long double exact = reference(in.u[i], in.v[i]);
+    const auto error = static_cast<double>(std::abs(static_cast<long double>(out[i]) - exact));
+    const double relative = error / ulp(static_cast<double>(exact));
+    ASSERT_LE(relative, 2.5) << in.u[i] << ' ' << in.v[i];
+    worst = std::max(worst, relative);
+  }
+  RecordProperty("worst_ulp", std::to_string(worst));
+}
+
+TEST(BoxMuller, EveryInstructionSetGivesTheSameBits) {
+  const Uniforms in = uniforms(100003);
+  hwy::SetSupportedTargetsForTest(0);
+  std::vector<double> expected(in.u.size());
+  box_muller(in.u, in.v, expected);
+  int targets = 0;
+  for (std::int64_t rest = hwy::SupportedTargets(); rest != 0; rest &= rest - 1) {
+    const std::int64_t target = rest & -rest;
+    hwy::SetSupportedTargetsForTest(target);
+    std::vector<double> out(in.u.size());
+    box_muller(in.u, in.v, out);
+    for (std::size_t i = 0; i < out.size(); ++i)
+      ASSERT_EQ(std::bit_cast<std::uint64_t>(out[i]), std::bit_cast<std::uint64_t>(expected[i]))
+          << hwy::TargetName(target) << ' ' << i;
+    ++targets;
+  }
+  hwy::SetSupportedTargetsForTest(0);
+  EXPECT_GE(targets, 1);
+}
+
+/// P(count <= n) for n = 0, 1, ..., until nothing is left.
+std::vector<double> distribution(double mean) {
+  std::vector<double> sums;
+  double sum = 0;
+  for (int n = 0; sum < 1 - 1e-15 && n < 10000; ++n) {
+    sum += std::exp(n * std::log(mean) - mean - std::lgamma(n + 1.0));
+    sums.push_back(sum);
+  }
+  return sums;
+}
+
+/// The standard normal value with this probability below it.
+double normal_quantile(double p) {
+  double low = -9;
+  double high = 9;
+  for (int i = 0; i < 60; ++i) {
+    const double middle = (low + high) / 2;
+    (0.5 * std::erfc(-middle / std::numbers::sqrt2) < p ? low : high) = middle;
+  }
+  return low;
+}
+
+TEST(Poisson, InvertsTheDistribution) {
+  for (const double mean : {0.01, 0.5, 3.0, 9.7, 15.9, 16.0, 40.0, 1000.0}) {
+    const std::vector<double> sums = distribution(mean);
+    constexpr int kDraws = 20000;
+    int different = 0;
+    for (int i = 0; i < kDraws; ++i) {
+      const double u = (i + 0.5) / kDraws;
+      std::size_t exact = 0;
+      while (exact < sums.size() && sums[exact] <= u) ++exact;
+      different += poisson_count(mean, {normal_quantile(u), u}) != static_cast<double>(exact) ? 1 : 0;
+    }
+    EXPECT_LE(different, mean < kLargePoissonMean ? 0 : kDraws / 2000) << mean;
+  }
+}
+
+TEST(Poisson, NoMeanGivesNoCount) {
+  EXPECT_EQ(poisson_count(0, {3, 0.999999}), 0);
+  EXPECT_EQ(poisson_count(0, {3, 0}), 0);
+}
+
+TEST(Poisson, DrawsHaveTheMeanAndTheVariance) {
+  const RandomField field(3, RandomStream::range_noise);
+  for (const double mean : {0.3, 7.0, 16.0, 250.0}) {
+    constexpr int kDraws = 200000;
+    double sum = 0;
+    double squares = 0;
+    for (int i = 0; i < kDraws; ++i) {
+      const double n = poisson_count(mean, {field.normal(1, static_cast<std::uint64_t>(i)),
+                                            field.uniform(2, static_cast<std::uint64_t>(i))});
+      sum += n - mean;
+      squares += (n - mean) * (n - mean);
+    }
+    EXPECT_NEAR(sum / kDraws, 0, 4 * std::sqrt(mean / kDraws)) << mean;
+    EXPECT_NEAR(squares / kDraws / mean, 1, 4 * std::sqrt((2 + 1 / mean) / kDraws)) << mean;
+  }
 }
 
 }  // namespace

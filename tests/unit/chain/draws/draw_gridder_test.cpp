@@ -4,7 +4,6 @@
 
 #include <gtest/gtest.h>
 
-#include <algorithm>
 #include <bit>
 #include <cmath>
 #include <cstdint>
@@ -12,6 +11,7 @@
 #include <utility>
 #include <vector>
 
+#include "bins.h"
 #include "chain/draws/predicted_sigma.h"
 #include "chain/gridding/moment_accumulator.h"
 #include "chain/gridding/pose_track.h"
@@ -69,20 +69,18 @@ class DrawGridding : public ::testing::Test {
     };
     std::int64_t wrong = 0, empty = 0, off = 0;
     std::vector<BinValues> values(1);
-    for (std::int64_t row = 0; row < grid_.rows; ++row)
-      for (std::int64_t col = 0; col < grid_.cols; ++col) {
-        const BinIndex bin{row, col};
-        bins->values(bin, values);
-        const BinValues& v = values.front();
-        const double z_true = true_elevation(v, grid_, bin, elevation, truth_at);
-        wrong += same(dem.layers.z_est.at(bin), v.z_est) && same(dem.layers.truth->x.at(bin), v.x_true) &&
-                         same(dem.layers.truth->y.at(bin), v.y_true) &&
-                         same(dem.layers.truth->z.at(bin), z_true) && dem.count.at(bin) == v.count
-                     ? 0
-                     : 1;
-        empty += v.count == 0 ? 1 : 0;
-        off += v.count > 0 && std::isnan(z_true) ? 1 : 0;
-      }
+    for (const BinIndex bin : bins_of(grid_)) {
+      bins->values(bin, values);
+      const BinValues& v = values.front();
+      const double z_true = true_elevation(v, grid_, bin, elevation, truth_at);
+      wrong += same(dem.layers.z_est.at(bin), v.z_est) && same(dem.layers.truth->x.at(bin), v.x_true) &&
+                       same(dem.layers.truth->y.at(bin), v.y_true) &&
+                       same(dem.layers.truth->z.at(bin), z_true) && dem.count.at(bin) == v.count
+                   ? 0
+                   : 1;
+      empty += v.count == 0 ? 1 : 0;
+      off += v.count > 0 && std::isnan(z_true) ? 1 : 0;
+    }
     EXPECT_EQ(wrong, 0);
     EXPECT_GT(empty, 0);
     EXPECT_GT(off, 0);
@@ -137,15 +135,14 @@ TEST_F(SigmaPrediction, IsTheUncertaintyOfTheReturns) {
   const UncertaintyMap map(bins, moments, slopes, poses, parameters);
   std::vector<BinValues> values(1);
   std::int64_t wrong = 0, known = 0;
-  for (std::int64_t row = 0; row < grid_.rows; ++row)
-    for (std::int64_t col = 0; col < grid_.cols; ++col) {
-      bins.values({row, col}, values);
-      const auto expected =
-          static_cast<float>(values.front().count > 0 ? map.sigmas({row, col}).z_abs : BinSigmas::kUnknown);
-      const float got = predicted.at({row, col});
-      wrong += got == expected || (std::isnan(got) && std::isnan(expected)) ? 0 : 1;
-      known += got > 0 ? 1 : 0;
-    }
+  for (const auto [row, col] : bins_of(grid_)) {
+    bins.values({row, col}, values);
+    const auto expected =
+        static_cast<float>(values.front().count > 0 ? map.sigmas({row, col}).z_abs : BinSigmas::kUnknown);
+    const float got = predicted.at({row, col});
+    wrong += got == expected || (std::isnan(got) && std::isnan(expected)) ? 0 : 1;
+    known += got > 0 ? 1 : 0;
+  }
   EXPECT_EQ(wrong, 0);
   EXPECT_GT(known, 1000);
 }

@@ -220,7 +220,7 @@ TEST(SprtParameters, LieBetweenTheirBounds) {
 }
 
 TEST(SprtParameters, AreCheckedByTheTest) {
-  EXPECT_EQ(refusal([] { static_cast<void>(Sprt({.p0 = 0.9, .p1 = 0.95})); }), "p1: 0.95 is not in (0, p0)");
+  EXPECT_EQ(refusal([] { return Sprt({.p0 = 0.9, .p1 = 0.95}); }), "p1: 0.95 is not in (0, p0)");
 }
 
 }  // namespace

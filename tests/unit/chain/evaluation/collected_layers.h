@@ -5,6 +5,7 @@
 #include <utility>
 #include <vector>
 
+#include "bins.h"
 #include "chain/evaluation/evaluate.h"
 
 namespace landfall::testing_layers {
@@ -35,6 +36,18 @@ inline Collected collected(DemLayers dem, const EvaluationParameters& parameters
   result.metrics = std::move(evaluation.metrics);
   result.holes = std::move(evaluation.holes);
   return result;
+}
+
+/// A perfect flat DEM.
+inline DemLayers perfect_dem(const GridSpec& spec) {
+  return {Grid<double>(spec, 7),
+          TrueLayers{grid_of(spec, [](double x, double) { return x; }),
+                     grid_of(spec, [](double, double y) { return y; }), Grid<double>(spec, 7)}};
+}
+
+/// The same of 1 m bins, 2 half + 1 on a side.
+inline DemLayers perfect_dem(std::int64_t half) {
+  return perfect_dem(GridSpec::centered(static_cast<double>(half), 1));
 }
 
 }  // namespace landfall::testing_layers

@@ -15,9 +15,11 @@
 #include "base/core/error.h"
 #include "base/core/parallel.h"
 #include "base/numerics/random.h"
+#include "bins.h"
 #include "collected_layers.h"
 #include "constants.h"
 #include "judged.h"
+#include "refusal.h"
 
 namespace landfall {
 namespace {
@@ -25,24 +27,11 @@ namespace {
 using testing_layers::Collected;
 using testing_layers::collected;
 using testing_layers::Layers;
-
-/// A perfect DEM of 1 m bins, 2 half + 1 on a side.
-DemLayers perfect(std::int64_t half) {
-  const GridSpec spec = GridSpec::centered(static_cast<double>(half), 1);
-  DemLayers dem{Grid<double>(spec, 7),
-                TrueLayers{Grid<double>(spec), Grid<double>(spec), Grid<double>(spec, 7)}};
-  for (std::int64_t row = 0; row < spec.rows; ++row) {
-    for (std::int64_t col = 0; col < spec.cols; ++col) {
-      dem.truth->x.at({row, col}) = spec.x(col);
-      dem.truth->y.at({row, col}) = spec.y(row);
-    }
-  }
-  return dem;
-}
+using testing_layers::perfect_dem;
 
 /// A DEM with noise of some centimetres and 5 % empty bins.
 DemLayers noisy(std::int64_t half) {
-  DemLayers dem = perfect(half);
+  DemLayers dem = perfect_dem(half);
   const RandomField noise(3, RandomStream::range_noise);
   const RandomField empty(3, RandomStream::dropout);
   for (std::size_t i = 0; i < dem.z_est.spec().size(); ++i) {
@@ -82,7 +71,7 @@ bool same_bits(const AxisLayers& a, const AxisLayers& b) {
 }
 
 TEST(Evaluate, PerfectDemPasses) {
-  const Collected evaluation = collected(perfect(5), small());
+  const Collected evaluation = collected(perfect_dem(5), small());
   EXPECT_EQ(evaluation.metrics.pass, true);
   EXPECT_EQ(evaluation.metrics.region, (RegionMetrics{RegionShape::circle, 4.0, {}, 45, 0.0, 0.0}));
   ASSERT_TRUE(evaluation.metrics.accuracy);
@@ -96,7 +85,7 @@ TEST(Evaluate, PerfectDemPasses) {
 // One bin of e_z = 2.5 in footprints of 25: mean 0.1, deviations 24 of 0.1 and one of 2.4; h = 23.76, so
 // rel = 0.1 + 0.76 * 2.3 = 1.848, in the 25 footprints around it.
 TEST(Evaluate, OneWrongElevation) {
-  DemLayers dem = perfect(5);
+  DemLayers dem = perfect_dem(5);
   dem.truth->z.at({5, 5}) += 2.5;
   const Collected evaluation = collected(dem, small());
   EXPECT_EQ(evaluation.metrics.requirements["relative_elevation"], (Judged{25.0, 0, false}));
@@ -115,7 +104,7 @@ TEST(Evaluate, OneWrongElevation) {
 }
 
 TEST(Evaluate, AxesHaveTheirOwnFlags) {
-  DemLayers dem = perfect(5);
+  DemLayers dem = perfect_dem(5);
   dem.truth->x.at({5, 5}) -= 2.5;
   dem.truth->y.at({5, 7}) += 2.5;
   const Collected evaluation = collected(dem, small());
@@ -128,7 +117,7 @@ TEST(Evaluate, AxesHaveTheirOwnFlags) {
 }
 
 TEST(Evaluate, AbsoluteHorizontalIsTheHypotenuse) {
-  DemLayers dem = perfect(5);
+  DemLayers dem = perfect_dem(5);
   for (double& x : dem.truth->x.values()) x += 3;
   for (double& y : dem.truth->y.values()) y -= 4;
   EvaluationParameters parameters = small();
@@ -146,7 +135,7 @@ TEST(Evaluate, AbsoluteHorizontalIsTheHypotenuse) {
 
 // As floats, 0.05 is above 0.05 and a little more than 0.05 is equal to it.
 TEST(Evaluate, ViolationsAreJudgedInDouble) {
-  DemLayers dem = perfect(5);
+  DemLayers dem = perfect_dem(5);
   dem.truth->z.at({5, 5}) += 0.0865;
   EvaluationParameters parameters = small();
   const double largest = evaluate(dem, parameters).metrics.accuracy->relative.z.max_m.value();
@@ -160,9 +149,8 @@ TEST(Evaluate, ViolationsAreJudgedInDouble) {
 }
 
 TEST(Evaluate, HolesAndDistancesAreFlagged) {
-  DemLayers dem = perfect(5);
-  for (std::int64_t row = 3; row <= 7; ++row)
-    for (std::int64_t col = 3; col <= 7; ++col) dem.z_est.at({row, col}) = kNan;
+  DemLayers dem = perfect_dem(5);
+  for (const BinIndex bin : Bins({3, 3}, {8, 8})) dem.z_est.at(bin) = kNan;
   EvaluationParameters parameters = small();
   parameters.limits.hole_size = 24;
   const Collected evaluation = collected(dem, parameters);
@@ -185,7 +173,7 @@ TEST(Evaluate, HolesAndDistancesAreFlagged) {
 }
 
 TEST(Evaluate, LayersOutsideTheRegion) {
-  DemLayers dem = perfect(5);
+  DemLayers dem = perfect_dem(5);
   dem.z_est.at({0, 0}) = kNan;
   const Layers layers = collected(dem, small()).layers;
   EXPECT_EQ(layers.coverage.in_region.at({0, 0}), 0);
@@ -201,7 +189,7 @@ TEST(Evaluate, LayersOutsideTheRegion) {
 // The region touches the DEM's border (R/s = 6 bins, 5 on each side of the origin): footprints there are
 // clipped to three fifths. e_z = 0.6 on one bin of 15.
 TEST(Evaluate, FootprintClippedAtTheDemBorder) {
-  DemLayers dem = perfect(5);
+  DemLayers dem = perfect_dem(5);
   dem.truth->z.at({0, 5}) += 0.6;
   EvaluationParameters parameters = small();
   parameters.region_radius_m = 6;
@@ -211,7 +199,7 @@ TEST(Evaluate, FootprintClippedAtTheDemBorder) {
 }
 
 TEST(Evaluate, StatisticsAreOfTheRegionsBins) {
-  DemLayers dem = perfect(5);
+  DemLayers dem = perfect_dem(5);
   for (double& z : dem.truth->z.values()) z += 0.25;
   for (double& x : dem.truth->x.values()) x += 3;
   for (double& y : dem.truth->y.values()) y += 4;
@@ -228,11 +216,11 @@ TEST(Evaluate, StatisticsAreOfTheRegionsBins) {
 }
 
 TEST(Evaluate, CorrectedElevationIsMeasuredAndNotJudged) {
-  DemLayers dem = perfect(5);
+  DemLayers dem = perfect_dem(5);
   dem.z_corrected = dem.z_est;
   dem.z_corrected->at({5, 5}) -= 2.5;
   const Evaluation evaluation = evaluate(dem, small());
-  const Evaluation without = evaluate(perfect(5), small());
+  const Evaluation without = evaluate(perfect_dem(5), small());
   EXPECT_EQ(evaluation.metrics.requirements, without.metrics.requirements);
   EXPECT_EQ(evaluation.metrics.statistics.z, without.metrics.statistics.z);
   EXPECT_NEAR(evaluation.metrics.statistics.z_corrected->mean_m.value(), 2.5 / 45, 1e-15);
@@ -258,13 +246,13 @@ TEST(Evaluate, EachSinkGetsTheLayers) {
 
 TEST(Evaluate, TellsWhichBinsItJudged) {
   Layers layers;
-  EXPECT_TRUE(same_bits(evaluate(perfect(5), small(), {&layers}).region, layers.coverage.in_region));
-  EXPECT_TRUE(same_bits(evaluate(perfect(5), small()).region, layers.coverage.in_region));
+  EXPECT_TRUE(same_bits(evaluate(perfect_dem(5), small(), {&layers}).region, layers.coverage.in_region));
+  EXPECT_TRUE(same_bits(evaluate(perfect_dem(5), small()).region, layers.coverage.in_region));
 }
 
 /// Without a sink the coverage is computed by itself, and no layer is made.
 TEST(Evaluate, GivesTheSameWithoutASink) {
-  DemLayers dem = perfect(5);
+  DemLayers dem = perfect_dem(5);
   for (const BinIndex bin : {BinIndex{5, 5}, BinIndex{5, 6}, BinIndex{7, 3}})
     dem.z_est.at(bin) = std::numeric_limits<double>::quiet_NaN();
   dem.z_est.at({6, 4}) += 1;
@@ -280,7 +268,7 @@ TEST(Evaluate, GivesTheSameWithoutASink) {
 }
 
 TEST(Evaluate, WithoutTruthOnlyCoverageIsJudged) {
-  DemLayers dem = perfect(5);
+  DemLayers dem = perfect_dem(5);
   dem.truth.reset();
   const Collected evaluation = collected(dem, small());
   EXPECT_EQ(evaluation.metrics.pass, std::nullopt);
@@ -348,7 +336,7 @@ TEST(Evaluate, RelativeErrorsOfFewBinsAreNotJudged) {
 }
 
 TEST(Evaluate, TooFewBinsAndNoTruePositions) {
-  DemLayers dem = perfect(20);
+  DemLayers dem = perfect_dem(20);
   dem.truth->x = dem.truth->y = {};
   EvaluationParameters parameters = small();
   parameters.footprint_m = 1;
@@ -359,12 +347,11 @@ TEST(Evaluate, TooFewBinsAndNoTruePositions) {
 }
 
 TEST(Evaluate, AssumptionsAreOfTheRegionsBinsWithReturns) {
-  DemLayers dem = perfect(5);
+  DemLayers dem = perfect_dem(5);
   dem.truth_spacing_m = 0.5;
   EXPECT_EQ(evaluate(dem, small()).metrics.assumptions, (AssumptionMetrics{5, 0.5}));
   dem.count.emplace(dem.z_est.spec(), 9);
-  for (std::int64_t row = 2; row <= 8; ++row)
-    for (std::int64_t col = 2; col <= 8; ++col) dem.count->at({row, col}) = 0;
+  for (const BinIndex bin : Bins({2, 2}, {9, 9})) dem.count->at(bin) = 0;
   EXPECT_EQ(evaluate(dem, small()).metrics.assumptions, (AssumptionMetrics{5, 0.5}));
   dem.count->at({5, 5}) = 1;
   dem.count->at({5, 6}) = 4;
@@ -378,7 +365,7 @@ TEST(Evaluate, AssumptionsAreOfTheRegionsBinsWithReturns) {
 }
 
 TEST(Evaluate, DemWithoutAValidBinFails) {
-  DemLayers dem = perfect(5);
+  DemLayers dem = perfect_dem(5);
   for (Grid<double>* layer : {&dem.z_est, &dem.truth->x, &dem.truth->y, &dem.truth->z})
     std::ranges::fill(layer->values(), kNan);
   const Collected evaluation = collected(dem, small());
@@ -428,7 +415,7 @@ TEST(Evaluate, SameAtAnyThreadCountAndWithoutLayers) {
 TEST(Evaluate, ProgressRisesToOne) {
   std::vector<double> fractions;
   // 41 rows: each axis is told of more than once.
-  static_cast<void>(evaluate(perfect(20), small(), {}, [&](double f) { fractions.push_back(f); }));
+  static_cast<void>(evaluate(perfect_dem(20), small(), {}, [&](double f) { fractions.push_back(f); }));
   EXPECT_GE(fractions.size(), 7U);
   EXPECT_TRUE(std::ranges::is_sorted(fractions));
   EXPECT_GE(fractions.front(), 0);
@@ -443,9 +430,9 @@ TEST(Evaluate, ProgressIsSharedOutEvenly) {
     return fractions;
   };
   // A map of one row of tiles: each axis is told once, when it is done.
-  EXPECT_THAT(ends(perfect(5)), testing::ElementsAre(testing::DoubleEq(0.33), testing::DoubleEq(0.66),
-                                                     testing::DoubleEq(0.99), 1.0));
-  DemLayers corrected = perfect(5);
+  EXPECT_THAT(ends(perfect_dem(5)), testing::ElementsAre(testing::DoubleEq(0.33), testing::DoubleEq(0.66),
+                                                         testing::DoubleEq(0.99), 1.0));
+  DemLayers corrected = perfect_dem(5);
   corrected.z_corrected = corrected.z_est;
   EXPECT_THAT(ends(corrected), testing::ElementsAre(testing::DoubleEq(0.2475), testing::DoubleEq(0.495),
                                                     testing::DoubleEq(0.7425), testing::DoubleEq(0.99), 1.0));
@@ -454,23 +441,18 @@ TEST(Evaluate, ProgressIsSharedOutEvenly) {
 TEST(Evaluate, RefusesWhatDoesNotFit) {
   EvaluationParameters parameters = small();
   parameters.region_radius_m = 6.5;
-  EXPECT_THROW(static_cast<void>(evaluate(perfect(5), parameters)), UsageError);
+  EXPECT_THROW(static_cast<void>(evaluate(perfect_dem(5), parameters)), UsageError);
   parameters = small();
   parameters.quantile = 2;
-  EXPECT_THROW(static_cast<void>(evaluate(perfect(5), parameters)), UsageError);
+  EXPECT_THROW(static_cast<void>(evaluate(perfect_dem(5), parameters)), UsageError);
 }
 
-std::string refusal(const DemLayers& dem, const EvaluationParameters& parameters = small()) {
-  try {
-    static_cast<void>(evaluate(dem, parameters));
-  } catch (const FormatError& error) {
-    return error.what();
-  }
-  return "accepted";
+std::string evaluate_refusal(const DemLayers& dem, const EvaluationParameters& parameters = small()) {
+  return refusal<FormatError>([&] { return evaluate(dem, parameters); });
 }
 
 TEST(Evaluate, RegionsOfOtherShapes) {
-  DemLayers dem = perfect(5);
+  DemLayers dem = perfect_dem(5);
   dem.z_est.at({0, 0}) = kNan;
   EvaluationParameters parameters = small();
   parameters.region_shape = RegionShape::square;
@@ -479,11 +461,11 @@ TEST(Evaluate, RegionsOfOtherShapes) {
   EXPECT_EQ(square.region, (RegionMetrics{RegionShape::square, {}, 5.0, 121}));
   EXPECT_EQ(square.coverage.invalid_count, 1);
   parameters.region_shape = RegionShape::mask;
-  EXPECT_EQ(refusal(dem, parameters), "region/path: its grid differs from that of z_est");
+  EXPECT_EQ(evaluate_refusal(dem, parameters), "region/path: its grid differs from that of z_est");
   dem.region_mask = BinMask(GridSpec::centered(4, 1), 1);
-  EXPECT_EQ(refusal(dem, parameters), "region/path: its grid differs from that of z_est");
+  EXPECT_EQ(evaluate_refusal(dem, parameters), "region/path: its grid differs from that of z_est");
   dem.region_mask = BinMask(dem.z_est.spec());
-  EXPECT_EQ(refusal(dem, parameters), "region/path: no bin of the mask is set");
+  EXPECT_EQ(evaluate_refusal(dem, parameters), "region/path: no bin of the mask is set");
   dem.region_mask->at({0, 0}) = dem.region_mask->at({10, 3}) = 1;
   const Metrics mask = evaluate(dem, parameters).metrics;
   EXPECT_EQ(mask.region, (RegionMetrics{RegionShape::mask, {}, {}, 2}));
@@ -493,7 +475,7 @@ TEST(Evaluate, RegionsOfOtherShapes) {
 }
 
 TEST(Evaluate, DiscsLeaveTheirCornersOut) {
-  DemLayers dem = perfect(5);
+  DemLayers dem = perfect_dem(5);
   dem.truth->z.at({5, 5}) += 0.9;
   EvaluationParameters parameters = small();
   parameters.footprint_m = 4;  // the bin, its eight neighbours and four bins two away
@@ -505,39 +487,39 @@ TEST(Evaluate, DiscsLeaveTheirCornersOut) {
 }
 
 TEST(Evaluate, RefusesInfiniteValues) {
-  DemLayers dem = perfect(5);
+  DemLayers dem = perfect_dem(5);
   dem.truth->y.at({2, 3}) = -std::numeric_limits<double>::infinity();
-  EXPECT_EQ(refusal(dem), "y_true: the value in row 2, column 3 is infinite");
+  EXPECT_EQ(evaluate_refusal(dem), "y_true: the value in row 2, column 3 is infinite");
   dem.truth.reset();
   dem.z_est.at({0, 1}) = std::numeric_limits<double>::infinity();
-  EXPECT_EQ(refusal(dem), "z_est: the value in row 0, column 1 is infinite");
-  dem = perfect(5);
+  EXPECT_EQ(evaluate_refusal(dem), "z_est: the value in row 0, column 1 is infinite");
+  dem = perfect_dem(5);
   dem.truth->x.at({10, 10}) = dem.truth->x.at({10, 9}) = std::numeric_limits<double>::infinity();
-  EXPECT_EQ(refusal(dem), "x_true: the value in row 10, column 9 is infinite");
-  dem = perfect(5);
+  EXPECT_EQ(evaluate_refusal(dem), "x_true: the value in row 10, column 9 is infinite");
+  dem = perfect_dem(5);
   dem.z_corrected = dem.z_est;
   dem.z_corrected->at({0, 0}) = std::numeric_limits<double>::infinity();
-  EXPECT_EQ(refusal(dem), "z_corrected: the value in row 0, column 0 is infinite");
+  EXPECT_EQ(evaluate_refusal(dem), "z_corrected: the value in row 0, column 0 is infinite");
 }
 
 // Layers are looked through in pieces of 2^18 values; the first infinite value of all is named.
 TEST(Evaluate, RefusesInfiniteValuesInAnyPiece) {
   DemLayers dem{Grid<double>(GridSpec::centered(260, 1), 7), std::nullopt};  // 521 x 521 bins
   dem.z_est.at({520, 520}) = std::numeric_limits<double>::infinity();
-  EXPECT_EQ(refusal(dem), "z_est: the value in row 520, column 520 is infinite");
+  EXPECT_EQ(evaluate_refusal(dem), "z_est: the value in row 520, column 520 is infinite");
   dem.z_est.at({504, 3}) = -std::numeric_limits<double>::infinity();
-  EXPECT_EQ(refusal(dem), "z_est: the value in row 504, column 3 is infinite");
+  EXPECT_EQ(evaluate_refusal(dem), "z_est: the value in row 504, column 3 is infinite");
   dem.z_est.at({100, 7}) = std::numeric_limits<double>::infinity();
-  EXPECT_EQ(refusal(dem), "z_est: the value in row 100, column 7 is infinite");
+  EXPECT_EQ(evaluate_refusal(dem), "z_est: the value in row 100, column 7 is infinite");
 }
 
 TEST(Evaluate, RefusesLayersOfDifferentGrids) {
-  DemLayers dem = perfect(5);
+  DemLayers dem = perfect_dem(5);
   dem.truth->z = Grid<double>(GridSpec::centered(4, 1));
-  EXPECT_EQ(refusal(dem), "z_true: its grid differs from that of z_est");
-  dem = perfect(5);
+  EXPECT_EQ(evaluate_refusal(dem), "z_true: its grid differs from that of z_est");
+  dem = perfect_dem(5);
   dem.truth->y = Grid<double>(GridSpec::centered(4, 1));
-  EXPECT_EQ(refusal(dem), "y_true: its grid differs from that of z_est");
+  EXPECT_EQ(evaluate_refusal(dem), "y_true: its grid differs from that of z_est");
 }
 
 }  // namespace

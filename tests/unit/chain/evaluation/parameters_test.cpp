@@ -9,19 +9,15 @@
 
 #include "base/core/error.h"
 #include "constants.h"
+#include "refusal.h"
 
 namespace landfall {
 namespace {
 
-std::string refusal(const std::function<void(EvaluationParameters&)>& change) {
+std::string parameters_refusal(const std::function<void(EvaluationParameters&)>& change) {
   EvaluationParameters parameters;
   change(parameters);
-  try {
-    check(parameters);
-  } catch (const UsageError& error) {
-    return error.what();
-  }
-  return "accepted";
+  return refusal([&] { check(parameters); });
 }
 
 TEST(EvaluationParameters, DefaultsAreTable1) {
@@ -36,37 +32,40 @@ TEST(EvaluationParameters, DefaultsAreTable1) {
 
 TEST(EvaluationParameters, LengthsAreFiniteAndPositive) {
   for (const double bad : {0.0, -1.0, kNan, kInfinity}) {
-    EXPECT_THAT(refusal([&](auto& p) { p.region_radius_m = bad; }), testing::StartsWith("region_radius_m: "));
-    EXPECT_THAT(refusal([&](auto& p) { p.region_half_width_m = bad; }),
+    EXPECT_THAT(parameters_refusal([&](auto& p) { p.region_radius_m = bad; }),
+                testing::StartsWith("region_radius_m: "));
+    EXPECT_THAT(parameters_refusal([&](auto& p) { p.region_half_width_m = bad; }),
                 testing::StartsWith("region/half_width_m: "));
-    EXPECT_THAT(refusal([&](auto& p) { p.footprint_m = bad; }), testing::StartsWith("footprint_m: "));
+    EXPECT_THAT(parameters_refusal([&](auto& p) { p.footprint_m = bad; }),
+                testing::StartsWith("footprint_m: "));
   }
 }
 
 TEST(EvaluationParameters, FractionsLieBetween0And1) {
   for (const double good : {0.0, 1.0})
-    EXPECT_EQ(refusal([&](auto& p) {
+    EXPECT_EQ(parameters_refusal([&](auto& p) {
                 p.quantile = good;
                 p.limits.invalid_share = good;
                 p.limits.horizontal_share = good;
               }),
               "accepted");
-  EXPECT_EQ(refusal([](auto& p) { p.quantile = 1.5; }), "quantile: 1.5 is not in [0, 1]");
-  EXPECT_EQ(refusal([](auto& p) { p.quantile = kNan; }), "quantile: nan is not in [0, 1]");
-  EXPECT_EQ(refusal([](auto& p) { p.limits.invalid_share = -0.5; }),
+  EXPECT_EQ(parameters_refusal([](auto& p) { p.quantile = 1.5; }), "quantile: 1.5 is not in [0, 1]");
+  EXPECT_EQ(parameters_refusal([](auto& p) { p.quantile = kNan; }), "quantile: nan is not in [0, 1]");
+  EXPECT_EQ(parameters_refusal([](auto& p) { p.limits.invalid_share = -0.5; }),
             "limits/invalid_frac: -0.5 is not in [0, 1]");
-  EXPECT_EQ(refusal([](auto& p) { p.limits.horizontal_share = 2; }),
+  EXPECT_EQ(parameters_refusal([](auto& p) { p.limits.horizontal_share = 2; }),
             "limits/absolute_horizontal_frac: 2 is not in [0, 1]");
 }
 
 TEST(EvaluationParameters, LimitsAreNotNegative) {
-  EXPECT_EQ(refusal([](auto& p) { p.limits = {0, 0, 0, 0, 0, 0, 0}; }), "accepted");
-  EXPECT_EQ(refusal([](auto& p) { p.limits.hole_size = -1; }), "limits/hole_bins: -1 is not finite and >= 0");
+  EXPECT_EQ(parameters_refusal([](auto& p) { p.limits = {0, 0, 0, 0, 0, 0, 0}; }), "accepted");
+  EXPECT_EQ(parameters_refusal([](auto& p) { p.limits.hole_size = -1; }),
+            "limits/hole_bins: -1 is not finite and >= 0");
   for (const double bad : {-1.0, kNan, kInfinity}) {
-    EXPECT_NE(refusal([&](auto& p) { p.limits.hole_depth = bad; }), "accepted");
-    EXPECT_NE(refusal([&](auto& p) { p.limits.relative_z_m = bad; }), "accepted");
-    EXPECT_NE(refusal([&](auto& p) { p.limits.relative_xy_m = bad; }), "accepted");
-    EXPECT_NE(refusal([&](auto& p) { p.limits.horizontal_m = bad; }), "accepted");
+    EXPECT_NE(parameters_refusal([&](auto& p) { p.limits.hole_depth = bad; }), "accepted");
+    EXPECT_NE(parameters_refusal([&](auto& p) { p.limits.relative_z_m = bad; }), "accepted");
+    EXPECT_NE(parameters_refusal([&](auto& p) { p.limits.relative_xy_m = bad; }), "accepted");
+    EXPECT_NE(parameters_refusal([&](auto& p) { p.limits.horizontal_m = bad; }), "accepted");
   }
 }
 

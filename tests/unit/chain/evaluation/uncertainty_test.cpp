@@ -12,6 +12,7 @@
 #include "base/core/parallel.h"
 #include "base/numerics/random.h"
 #include "constants.h"
+#include "refusal.h"
 
 namespace landfall {
 namespace {
@@ -142,12 +143,9 @@ TEST(Uncertainty, RefusesAnotherGrid) {
     const auto spec = [](std::size_t cols) { return GridSpec{1, 0, 0, 1, static_cast<std::int64_t>(cols)}; };
     const UncertaintyLayers some{Grid<double>(spec(error)), Grid<float>(spec(abs), 1),
                                  Grid<float>(spec(rel), 1), Grid<std::int32_t>(spec(count), 1)};
-    try {
-      static_cast<void>(assess_uncertainty(some, BinMask(spec(2), 1), Footprint::square(0)));
-    } catch (const FormatError&) {
-      return true;
-    }
-    return false;
+    return refusal<FormatError>([&] {
+             return assess_uncertainty(some, BinMask(spec(2), 1), Footprint::square(0));
+           }) != "accepted";
   };
   EXPECT_FALSE(refused(2, 2, 2, 2));
   EXPECT_TRUE(refused(3, 2, 2, 2));

@@ -8,20 +8,22 @@
 #include <algorithm>
 #include <cmath>
 #include <string>
-#include <vector>
 
 #include "base/core/error.h"
 #include "base/core/parallel.h"
 #include "base/numerics/random.h"
 #include "base/raster/masks.h"
+#include "bins.h"
 #include "collected_layers.h"
 #include "constants.h"
+#include "refusal.h"
 
 namespace landfall {
 namespace {
 
 using testing_layers::collected;
 using testing_layers::Collected;
+using testing_layers::perfect_dem;
 
 const BinMask* mask_of(const DemLayers& dem) { return dem.region_mask ? &*dem.region_mask : nullptr; }
 
@@ -54,23 +56,6 @@ Collected expect_exact(const DemLayers& dem, const EvaluationParameters& paramet
     expect_equal(decide(dem, region, parameters), full);
   }
   return full;
-}
-
-/// A perfect flat DEM of 1 m bins, 2 half + 1 on a side.
-DemLayers perfect_dem(const GridSpec& spec) {
-  DemLayers dem{Grid<double>(spec, 7),
-                TrueLayers{Grid<double>(spec), Grid<double>(spec), Grid<double>(spec, 7)}};
-  for (std::int64_t row = 0; row < spec.rows; ++row) {
-    for (std::int64_t col = 0; col < spec.cols; ++col) {
-      dem.truth->x.at({row, col}) = spec.x(col);
-      dem.truth->y.at({row, col}) = spec.y(row);
-    }
-  }
-  return dem;
-}
-
-DemLayers perfect_dem(std::int64_t half) {
-  return perfect_dem(GridSpec::centered(static_cast<double>(half), 1));
 }
 
 EvaluationParameters small_region() {
@@ -107,21 +92,19 @@ DemLayers scene(const GridSpec& spec, const SceneRecipe& recipe) {
   const RandomField normal(recipe.seed, RandomStream::range_noise);
   const RandomField uniform(recipe.seed, RandomStream::dropout);
   DemLayers dem = perfect_dem(spec);
-  for (std::int64_t row = 0; row < spec.rows; ++row) {
-    for (std::int64_t col = 0; col < spec.cols; ++col) {
-      const std::size_t i = spec.index({row, col});
-      TrueLayers& truth = *dem.truth;
-      truth.z.values()[i] += relief_error_m(recipe.relief, {row, col}, uniform.uniform(i, 1)) +
-                             recipe.sigma_m * normal.normal(i);
-      truth.x.values()[i] += 0.05 * (uniform.uniform(i, 2) - 0.5) + recipe.sigma_m * normal.normal(i, 2);
-      truth.y.values()[i] += 0.05 * (uniform.uniform(i, 3) - 0.5) + 0.003 * static_cast<double>(row);
-      const bool in_hole = std::max(std::abs(row - 20), std::abs(col - 23)) < recipe.hole_bins / 2;
-      if (in_hole || uniform.uniform(i, 4) < recipe.empty_frac) {
-        dem.z_est.values()[i] = kNan;
-        if (in_hole || uniform.uniform(i, 5) < 0.7) truth.x.values()[i] = truth.y.values()[i] = kNan;
-      }
-      if (in_hole || uniform.uniform(i, 6) < recipe.no_truth_frac) truth.z.values()[i] = kNan;
+  for (const auto [row, col] : bins_of(spec)) {
+    const std::size_t i = spec.index({row, col});
+    TrueLayers& truth = *dem.truth;
+    truth.z.values()[i] +=
+        relief_error_m(recipe.relief, {row, col}, uniform.uniform(i, 1)) + recipe.sigma_m * normal.normal(i);
+    truth.x.values()[i] += 0.05 * (uniform.uniform(i, 2) - 0.5) + recipe.sigma_m * normal.normal(i, 2);
+    truth.y.values()[i] += 0.05 * (uniform.uniform(i, 3) - 0.5) + 0.003 * static_cast<double>(row);
+    const bool in_hole = std::max(std::abs(row - 20), std::abs(col - 23)) < recipe.hole_bins / 2;
+    if (in_hole || uniform.uniform(i, 4) < recipe.empty_frac) {
+      dem.z_est.values()[i] = kNan;
+      if (in_hole || uniform.uniform(i, 5) < 0.7) truth.x.values()[i] = truth.y.values()[i] = kNan;
     }
+    if (in_hole || uniform.uniform(i, 6) < recipe.no_truth_frac) truth.z.values()[i] = kNan;
   }
   return dem;
 }
@@ -297,12 +280,7 @@ TEST(Decide, ErrorsThatOverflow) {
 TEST(Decide, RefusesWhatEvaluateRefuses) {
   const BinMask region(GridSpec::centered(5, 1), 1);
   const auto refusal = [&](const DemLayers& dem, const EvaluationParameters& parameters) -> std::string {
-    try {
-      static_cast<void>(decide(dem, region, parameters));
-    } catch (const Error& error) {
-      return error.what();
-    }
-    return "";
+    return landfall::refusal<Error>([&] { return decide(dem, region, parameters); });
   };
   EvaluationParameters parameters = small_region();
   parameters.quantile = 1.5;

@@ -1,7 +1,4 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The parts of decide(): box sums, counts that decide, errors of a tile.
-#include "chain/evaluation/judge/window_judge.h"
-
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -9,11 +6,16 @@
 #include <vector>
 
 #include "base/numerics/random.h"
+#include "bins.h"
+#include "chain/evaluation/judge/window_judge.h"
+#include "chain/evaluation/quantile/quantile.h"
+#include "chain/evaluation/quantile/tail_walk.h"
 #include "constants.h"
 
 namespace landfall {
 namespace {
 
+// The parts of decide(): box sums, counts that decide, errors of a tile.
 template <class T>
 View<T> view(std::vector<T>& values, std::int64_t cols) {
   return {values.data(), cols, static_cast<std::int64_t>(values.size()) / cols, cols};
@@ -37,17 +39,15 @@ TEST(WindowSums, EqualTheSumsOfEachWindow) {
       std::vector<double> sums_of_doubles(kRows * kCols, 7);
       window_sums(view(values, cols), footprint, view(sums, kCols));
       window_sums(view(doubles, cols), footprint, view(sums_of_doubles, kCols));
-      for (std::int64_t row = 0; row < kRows; ++row) {
-        for (std::int64_t col = 0; col < kCols; ++col) {
-          std::uint64_t sum = 0;
-          for (std::int64_t i = -half; i <= half; ++i) {
-            const std::int64_t width = std::min(footprint.half_width(i), half_cols);
-            for (std::int64_t j = -width; j <= width; ++j)
-              sum += view(values, cols).at(row + half + i, col + half_cols + j);
-          }
-          EXPECT_EQ(view(sums, kCols).at(row, col), sum);
-          EXPECT_EQ(view(sums_of_doubles, kCols).at(row, col), static_cast<double>(sum));
+      for (const auto [row, col] : Bins({0, 0}, {kRows, kCols})) {
+        std::uint64_t sum = 0;
+        for (std::int64_t i = -half; i <= half; ++i) {
+          const std::int64_t width = std::min(footprint.half_width(i), half_cols);
+          for (std::int64_t j = -width; j <= width; ++j)
+            sum += view(values, cols).at(row + half + i, col + half_cols + j);
         }
+        EXPECT_EQ(view(sums, kCols).at(row, col), sum);
+        EXPECT_EQ(view(sums_of_doubles, kCols).at(row, col), static_cast<double>(sum));
       }
     }
   }
@@ -123,15 +123,13 @@ TEST(TileErrors, AreThoseOfTheAxisAndNanBeyondTheGrid) {
     ASSERT_EQ(found.cols, 13);
     std::int64_t valid = 0;
     double lowest = HUGE_VAL;
-    for (std::int64_t row = 0; row < found.rows; ++row) {
-      for (std::int64_t col = 0; col < found.cols; ++col) {
-        const BinIndex bin{row - 1, col + 2};
-        const double e = expected.spec().contains(bin) ? expected.at(bin) : kNan;
-        EXPECT_TRUE(found.at(row, col) == e || (std::isnan(found.at(row, col)) && std::isnan(e)));
-        EXPECT_EQ(errors.filled().at(row, col), std::isnan(e) ? 0 : e);
-        valid += std::isnan(e) ? 0 : 1;
-        if (e < lowest) lowest = e;
-      }
+    for (const auto [row, col] : bins_of(found)) {
+      const BinIndex bin{row - 1, col + 2};
+      const double e = expected.spec().contains(bin) ? expected.at(bin) : kNan;
+      EXPECT_TRUE(found.at(row, col) == e || (std::isnan(found.at(row, col)) && std::isnan(e)));
+      EXPECT_EQ(errors.filled().at(row, col), std::isnan(e) ? 0 : e);
+      valid += std::isnan(e) ? 0 : 1;
+      if (e < lowest) lowest = e;
     }
     EXPECT_EQ(errors.range().valid, valid);
     EXPECT_EQ(errors.missing(), 8 * 13 - valid);
@@ -162,6 +160,116 @@ TEST(WindowJudge, EveryStepDecides) {
   EXPECT_LT(outcome.by_list, 3600);
   EXPECT_GT(outcome.by_quantile, 0);
   EXPECT_LT(outcome.by_quantile, outcome.by_list);
+}
+
+// One walk over a tile's windows against a sort in each window.
+constexpr Tile kTile{4, 3, 9, 11};
+
+/// Noise with some empty bins, everywhere in the region but for one bin of the tile.
+class TailWalkTest : public testing::TestWithParam<double> {
+ protected:
+  TailWalkTest() {
+    const RandomField draw(12, RandomStream::range_noise);
+    for (std::size_t i = 0; i < error_.spec().size(); ++i)
+      error_.values()[i] = i % 17 == 3 ? kNan : draw.normal(i) + 0.3;
+    region_.at({6, 6}) = 0;
+  }
+
+  /// Sorted |error - mean| of a window.
+  [[nodiscard]] std::vector<double> deviations(BinIndex bin, const WindowMeans& windows,
+                                               const Footprint& footprint) const {
+    std::vector<double> found;
+    for (const auto [row, col] : bins_of(error_.spec())) {
+      const std::int64_t up = row - bin.row;
+      if (std::abs(up) > footprint.half_bins() || std::abs(col - bin.col) > footprint.half_width(up))
+        continue;
+      const double deviation = std::abs(error_.at({row, col}) - windows.mean.at(bin));
+      if (!std::isnan(deviation)) found.push_back(deviation);
+    }
+    std::ranges::sort(found);
+    return found;
+  }
+
+  /// A walk from `floor`, with the tails that it asks for. Returns the smallest of what it found.
+  double expect_as_sorted(double floor, const Footprint& footprint, double q) const;
+
+  Grid<double> error_{GridSpec{1, 0, 0, 16, 19}};
+  BinMask region_{GridSpec{1, 0, 0, 16, 19}, 1};
+};
+
+double TailWalkTest::expect_as_sorted(double floor, const Footprint& footprint, double q) const {
+  const WindowMeans windows = window_means(error_, footprint);
+  const WindowQuantileInput input{
+      .error = error_, .windows = windows, .footprint = footprint, .region = region_, .quantile = q};
+  double lowest = kInfinity;
+  double highest = -kInfinity;
+  for (const auto [row, col] : bins_of(kTile)) {
+    const double mean = windows.mean.at({kTile.first_row + row, kTile.first_col + col});
+    lowest = std::min(lowest, mean);
+    highest = std::max(highest, mean);
+  }
+  ErrorTails tails;
+  collect_tails(error_, reach(error_.spec(), kTile, footprint.half_bins()), {lowest + floor, highest - floor},
+                tails);
+  tails.upper.build(kTile, footprint);
+  tails.lower.build(kTile, footprint);
+  Grid<double> result(error_.spec(), kNan);
+  const WalkOutcome outcome = TailWalk(input, result).run(tails, kTile, floor);
+
+  std::int64_t uncertified = 0;
+  double smallest = kInfinity;
+  for (const auto [row, col] : bins_of(error_.spec())) {
+    const BinIndex bin{row, col};
+    const bool in_tile = row >= kTile.first_row && row < kTile.first_row + kTile.rows &&
+                         col >= kTile.first_col && col < kTile.first_col + kTile.cols;
+    if (!in_tile || region_.at(bin) == 0) {
+      EXPECT_TRUE(std::isnan(result.at(bin)));
+      continue;
+    }
+    const std::vector<double> sorted = deviations(bin, windows, footprint);
+    const QuantileRank rank = quantile_rank(sorted.size(), q);
+    const double below = sorted[rank.below];
+    if (below >= floor) {
+      smallest = std::min(smallest, below);
+      EXPECT_EQ(result.at(bin),
+                rank.frac == 0 ? below : below + rank.frac * (sorted[rank.below + 1] - below));
+    } else {
+      ++uncertified;
+      EXPECT_TRUE(std::isnan(result.at(bin)));
+      EXPECT_LE(outcome.lower_bound, below);
+    }
+  }
+  EXPECT_EQ(outcome.uncertified, uncertified);
+  EXPECT_EQ(outcome.smallest, smallest);
+  if (uncertified == 0) {
+    EXPECT_EQ(outcome.lower_bound, kInfinity);
+  }
+  return smallest;
+}
+
+TEST_P(TailWalkTest, FindsAllThatLieAboveItsFloor) {
+  for (const Footprint& footprint : {Footprint::square(3), Footprint::disc(13)})
+    for (const double q : {0.0, 0.6, 0.95, 1.0}) expect_as_sorted(GetParam(), footprint, q);
+}
+
+INSTANTIATE_TEST_SUITE_P(Floors, TailWalkTest, testing::Values(0, 0.9, 1.8, 2.1, 9));
+
+// A value at the floor is found, too.
+TEST_F(TailWalkTest, FindsWhatLiesAtItsFloor) {
+  for (const Footprint& footprint : {Footprint::square(3), Footprint::disc(13)}) {
+    const double smallest = expect_as_sorted(0, footprint, 0.9);
+    EXPECT_EQ(expect_as_sorted(smallest, footprint, 0.9), smallest);
+  }
+}
+
+// Tails that hold every bin, in steps of one window: a rank that jumps from window to window.
+TEST_F(TailWalkTest, FollowsMeansThatJump) {
+  for (const auto [row, col] : bins_of(error_.spec()))
+    if ((row / 3 + col / 4) % 3 == 0) error_.at({row, col}) = (row + col) % 2 == 0 ? 50.0 : kNan;
+  for (const double q : {0.1, 0.5, 0.95}) {
+    expect_as_sorted(0, Footprint::square(4), q);
+    expect_as_sorted(0, Footprint::disc(8), q);
+  }
 }
 
 }  // namespace

@@ -11,6 +11,7 @@
 #include "base/numerics/random.h"
 #include "base/raster/masks.h"
 #include "base/raster/window_mean.h"
+#include "bins.h"
 #include "chain/evaluation/quantile/window_quantile.h"
 #include "constants.h"
 
@@ -57,8 +58,7 @@ void expect_exact(const Grid<double>& error, std::int64_t half = 8, double q = 0
 template <class ErrorAt>
 Grid<double> grid_from(const GridSpec& spec, ErrorAt error_at) {
   Grid<double> grid(spec);
-  for (std::int64_t row = 0; row < spec.rows; ++row)
-    for (std::int64_t col = 0; col < spec.cols; ++col) grid.at({row, col}) = error_at(BinIndex{row, col});
+  for (const BinIndex bin : bins_of(spec)) grid.at(bin) = error_at(bin);
   return grid;
 }
 

@@ -14,6 +14,7 @@
 #include "base/core/parallel.h"
 #include "base/numerics/random.h"
 #include "base/raster/window_mean.h"
+#include "bins.h"
 #include "chain/evaluation/quantile/window_quantile.h"
 #include "constants.h"
 
@@ -66,10 +67,9 @@ double value_at(const Grid<double>& values, BinIndex bin) {
 /// The valid values of one window, row by row, each row from left to right.
 std::vector<double> window_values(const Grid<double>& values, BinIndex bin, const InWindow& in_window) {
   std::vector<double> found;
-  for (std::int64_t row = 0; row < values.spec().rows; ++row)
-    for (std::int64_t col = 0; col < values.spec().cols; ++col)
-      if (in_window(row - bin.row, col - bin.col) && !std::isnan(values.at({row, col})))
-        found.push_back(values.at({row, col}));
+  for (const auto [row, col] : bins_of(values.spec()))
+    if (in_window(row - bin.row, col - bin.col) && !std::isnan(values.at({row, col})))
+      found.push_back(values.at({row, col}));
   return found;
 }
 
@@ -222,12 +222,9 @@ void expect_same_as_oracle(const RandomCase& c, const Footprint& footprint, cons
   const Grid<double> error = noisy_grid(c.spec, c.nan_frac, 5);
   Grid<double> mean(c.spec);
   Grid<double> quantile(c.spec);
-  for (std::int64_t row = 0; row < c.spec.rows; ++row) {
-    for (std::int64_t col = 0; col < c.spec.cols; ++col) {
-      const BinIndex bin{row, col};
-      mean.at(bin) = mean_oracle(error, bin, footprint.half_bins(), footprint.is_square(), in_window);
-      quantile.at(bin) = quantile_oracle(window_values(error, bin, in_window), mean.at(bin), c.quantile);
-    }
+  for (const BinIndex bin : bins_of(c.spec)) {
+    mean.at(bin) = mean_oracle(error, bin, footprint.half_bins(), footprint.is_square(), in_window);
+    quantile.at(bin) = quantile_oracle(window_values(error, bin, in_window), mean.at(bin), c.quantile);
   }
   for (const std::size_t threads : {1U, 2U}) {
     const ThreadLimit limit(threads);

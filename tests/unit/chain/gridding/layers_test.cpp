@@ -5,8 +5,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
+#include "bins.h"
 #include "chain/terrain/relief/triangulated_grid.h"
 #include "map_layers.h"
 #include "return_columns.h"
@@ -88,15 +88,14 @@ TEST(Layers, TiltedPlaneErrorInClosedForm) {
   const auto center = z_true_layer(bins, plane, TruthAt::bin_center);
   const auto centroid = z_true_layer(bins, plane, TruthAt::centroid);
   double largest = 0;
-  for (std::int64_t row = 0; row < 3; ++row)
-    for (std::int64_t col = 0; col < 3; ++col) {
-      const BinIndex bin{row, col};
-      const double d_x = x_mean.at(bin) - bins.spec().x(col);
-      const double d_y = y_mean.at(bin) - bins.spec().y(row);
-      EXPECT_NEAR(center.at(bin) - z_est.at(bin), -(kSlopeX * d_x + kSlopeY * d_y), 1e-14);
-      EXPECT_NEAR(centroid.at(bin) - z_est.at(bin), 0, 1e-14);
-      largest = std::max(largest, std::abs(d_x) + std::abs(d_y));
-    }
+  for (const auto [row, col] : Bins({0, 0}, {3, 3})) {
+    const BinIndex bin{row, col};
+    const double d_x = x_mean.at(bin) - bins.spec().x(col);
+    const double d_y = y_mean.at(bin) - bins.spec().y(row);
+    EXPECT_NEAR(center.at(bin) - z_est.at(bin), -(kSlopeX * d_x + kSlopeY * d_y), 1e-14);
+    EXPECT_NEAR(centroid.at(bin) - z_est.at(bin), 0, 1e-14);
+    largest = std::max(largest, std::abs(d_x) + std::abs(d_y));
+  }
   EXPECT_GT(largest, 0.01);
 }
 

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "base/raster/grid.h"
+#include "bins.h"
 #include "chain/gridding/accumulator.h"
 #include "chain/gridding/layers.h"
 
@@ -57,11 +58,9 @@ inline Grid<double> z_true_layer(const Accumulator& map, const ElevationFunction
                                  TruthAt truth_at) {
   Grid<double> layer(map.spec());
   const std::vector<BinValues> values = all_values(map);
-  for (std::int64_t row = 0; row < map.spec().rows; ++row)
-    for (std::int64_t col = 0; col < map.spec().cols; ++col) {
-      const BinIndex bin{row, col};
-      layer.at(bin) = true_elevation(values[map.spec().index(bin)], map.spec(), bin, elevation, truth_at);
-    }
+  for (const BinIndex bin : bins_of(map.spec())) {
+    layer.at(bin) = true_elevation(values[map.spec().index(bin)], map.spec(), bin, elevation, truth_at);
+  }
   return layer;
 }
 

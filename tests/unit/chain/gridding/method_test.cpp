@@ -7,71 +7,24 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
-#include <map>
 #include <numeric>
-#include <random>
 #include <stdexcept>
 #include <tuple>
 
 #include "base/core/error.h"
 #include "base/core/parallel.h"
+#include "bins.h"
 #include "chain/gridding/accumulators.h"
 #include "map_layers.h"
+#include "random_returns.h"
+#include "refusal.h"
 #include "return_columns.h"
-#include "test_seed.h"
 
 namespace landfall {
 namespace {
 
 constexpr Method kMethods[] = {
     Method::bilinear_nearest, Method::bilinear4, Method::mean, Method::min, Method::max, Method::median};
-
-// Random returns, some outside the grid, some on edges and centres, elevations often equal.
-std::vector<ReturnPoint> random_points(const GridSpec& spec, std::size_t count) {
-  std::mt19937_64 random(test_seed());
-  const double reach = spec.x(spec.cols - 1) * 1.2;
-  std::uniform_real_distribution<double> coordinate(-reach, reach);
-  std::uniform_int_distribution<int> step(0, 12);
-  std::vector<ReturnPoint> points(count);
-  for (std::size_t i = 0; i < count; ++i) {
-    ReturnPoint& p = points[i];
-    p.x_est = coordinate(random);
-    p.y_est = coordinate(random);
-    if (i % 10 == 0) p.x_est = std::round(p.x_est / spec.resolution_m * 2) / 2 * spec.resolution_m;
-    if (i % 15 == 0) p.y_est = std::round(p.y_est / spec.resolution_m * 2) / 2 * spec.resolution_m;
-    p.z_est = 100 + 0.25 * step(random);
-    p.z_true = p.z_est - 0.01;
-    p.x_true = p.x_est + 0.01 * step(random);
-    p.y_true = p.y_est - 0.01 * step(random);
-    p.t = static_cast<double>(i) * 1e-3;
-  }
-  return points;
-}
-
-struct Member {
-  ReturnPoint point;
-  double weight;
-};
-using Members = std::map<std::pair<std::int64_t, std::int64_t>, std::vector<Member>>;
-
-/// Which returns each bin sees, by trying every bin for every return.
-Members members_of(Method method, const GridSpec& spec, const std::vector<ReturnPoint>& points) {
-  Members members;
-  const double s = spec.resolution_m;
-  for (const ReturnPoint& p : points)
-    for (std::int64_t row = 0; row < spec.rows; ++row)
-      for (std::int64_t col = 0; col < spec.cols; ++col) {
-        const double u = p.x_est / s - static_cast<double>(spec.first_col + col);
-        const double v = p.y_est / s - static_cast<double>(spec.first_row + row);
-        const double weight = (1 - std::abs(u)) * (1 - std::abs(v));
-        const bool nearest = u >= -0.5 && u < 0.5 && v >= -0.5 && v < 0.5;
-        const bool around = std::abs(u) < 1 && std::abs(v) < 1;
-        if (method == Method::bilinear4 ? around : nearest)
-          members[{row, col}].push_back(
-              {p, method == Method::bilinear4 || method == Method::bilinear_nearest ? weight : 1.0});
-      }
-  return members;
-}
 
 /// The returns whose values stand for the bin, with their weights.
 std::vector<Member> chosen(Method method, std::vector<Member> in) {
@@ -81,17 +34,6 @@ std::vector<Member> chosen(Method method, std::vector<Member> in) {
   if (method == Method::max)
     return {*std::ranges::find(in, in.back().point.z_est, [](const Member& m) { return m.point.z_est; })};
   return {in[(in.size() - 1) / 2], in[in.size() / 2]};
-}
-
-template <class Value>
-double mean(const std::vector<Member>& members, Value value) {
-  double sum = 0;
-  double weights = 0;
-  for (const Member& m : members) {
-    sum += m.weight * value(m.point);
-    weights += m.weight;
-  }
-  return sum / weights;
 }
 
 std::unique_ptr<Accumulator> gathered(std::unique_ptr<Accumulator> map, const GridPoints& points,
@@ -134,17 +76,16 @@ TEST_P(Methods, AgreesWithTheSlowOne) {
   const Members members = members_of(GetParam(), spec, points);
   ASSERT_LT(members.size(), spec.size());  // some bins are empty
   const std::vector<BinValues> values = all_values(*map);
-  for (std::int64_t row = 0; row < spec.rows; ++row)
-    for (std::int64_t col = 0; col < spec.cols; ++col) {
-      const auto found = members.find({row, col});
-      const BinValues& value = values[spec.index({row, col})];
-      if (found == members.end()) {
-        EXPECT_EQ(value.count, 0);
-        EXPECT_TRUE(std::isnan(value.z_est) && std::isnan(value.weight_sum) && std::isnan(value.z_spread));
-      } else {
-        expect_values(value, found->second, GetParam());
-      }
+  for (const auto [row, col] : bins_of(spec)) {
+    const auto found = members.find({row, col});
+    const BinValues& value = values[spec.index({row, col})];
+    if (found == members.end()) {
+      EXPECT_EQ(value.count, 0);
+      EXPECT_TRUE(std::isnan(value.z_est) && std::isnan(value.weight_sum) && std::isnan(value.z_spread));
+    } else {
+      expect_values(value, found->second, GetParam());
     }
+  }
 }
 
 TEST_P(Methods, EveryReturnIsCountedOnceInsideOrOutside) {
@@ -300,15 +241,9 @@ TEST(MedianAccumulator, RefusesARowOfTooManyReturns) {
   const ReturnColumns columns(std::vector<ReturnPoint>(11, {.y_est = -0.5}));
   MedianAccumulator map(GridSpec::centered(1, 0.5), 10);
   map.add(columns.view());
-  try {
-    map.end_pass();
-    ADD_FAILURE() << "not refused";
-  } catch (const FormatError& error) {
-    EXPECT_STREQ(
-        error.what(),
-        "method median: the row of bins at y = -0.500000 m holds 11 returns; at most 10 can be sorted "
-        "at a time");
-  }
+  EXPECT_EQ(refusal<FormatError>([&] { map.end_pass(); }),
+            "method median: the row of bins at y = -0.500000 m holds 11 returns; at most 10 can be sorted "
+            "at a time");
 }
 
 // The first row, too; as many as can be sorted are taken.

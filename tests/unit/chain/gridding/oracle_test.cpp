@@ -5,78 +5,21 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
-#include <map>
-#include <random>
-#include <string>
 
 #include "base/core/parallel.h"
 #include "map_layers.h"
+#include "random_returns.h"
 #include "return_columns.h"
-#include "test_seed.h"
 
 namespace landfall {
 namespace {
 
-// Random returns, some outside the grid, every tenth on an edge or a centre.
-std::vector<ReturnPoint> oracle_points(const GridSpec& spec, std::size_t count) {
-  std::mt19937_64 random(test_seed());
-  const double reach = spec.x(spec.cols - 1) * 1.1;
-  std::uniform_real_distribution<double> coordinate(-reach, reach);
-  std::uniform_real_distribution<double> offset(-0.1, 0.1);
-  std::vector<ReturnPoint> points(count);
-  for (std::size_t i = 0; i < count; ++i) {
-    ReturnPoint& p = points[i];
-    p.x_est = coordinate(random);
-    p.y_est = coordinate(random);
-    if (i % 10 == 0) p.x_est = std::round(p.x_est / spec.resolution_m * 2) / 2 * spec.resolution_m;
-    if (i % 20 == 0) p.y_est = std::round(p.y_est / spec.resolution_m * 2) / 2 * spec.resolution_m;
-    p.z_est = 100 + p.x_est + offset(random);
-    p.x_true = p.x_est + offset(random);
-    p.y_true = p.y_est + offset(random);
-    p.z_true = p.z_est;
-    p.t = static_cast<double>(i) * 1e-3;
-  }
-  return points;
-}
-
-struct Weighted {
-  double weight;
-  ReturnPoint point;
-};
-
-// sum w f / sum w
-template <class Value>
-double oracle_mean(const std::vector<Weighted>& bin, Value value) {
-  double sum = 0;
-  double weights = 0;
-  for (const Weighted& w : bin) {
-    sum += w.weight * value(w.point);
-    weights += w.weight;
-  }
-  return sum / weights;
-}
-
-std::map<std::pair<std::int64_t, std::int64_t>, std::vector<Weighted>> binned(
-    const GridSpec& spec, const std::vector<ReturnPoint>& points) {
-  std::map<std::pair<std::int64_t, std::int64_t>, std::vector<Weighted>> bins;
-  const double s = spec.resolution_m;
-  for (const ReturnPoint& p : points) {
-    const double i = std::floor(p.x_est / s + 0.5);
-    const double j = std::floor(p.y_est / s + 0.5);
-    const std::int64_t col = static_cast<std::int64_t>(i) - spec.first_col;
-    const std::int64_t row = static_cast<std::int64_t>(j) - spec.first_row;
-    if (row < 0 || row >= spec.rows || col < 0 || col >= spec.cols) continue;
-    const double w = (1 - std::abs(p.x_est - i * s) / s) * (1 - std::abs(p.y_est - j * s) / s);
-    bins[{row, col}].push_back({w, p});
-  }
-  return bins;
-}
-
 TEST(WeightedMeanAccumulator, AgreesWithTheSlowOne) {
   const GridSpec spec = GridSpec::centered(3, 0.25);
-  const std::vector<ReturnPoint> points = oracle_points(spec, 2000);  // about 3 per bin, some empty
+  std::vector<ReturnPoint> points = random_points(spec, 2000);  // about 3 per bin, some empty
+  for (ReturnPoint& p : points) p.z_est = 100 + 1.1 * p.x_est - 0.3 * p.y_est;
   const WeightedMeanAccumulator bins = accumulated(spec, points);
-  const auto expected = binned(spec, points);
+  const Members expected = members_of(Method::bilinear_nearest, spec, points);
   const auto z_est = z_est_layer(bins);
   const auto x_true = x_true_layer(bins);
   const auto y_true = y_true_layer(bins);
@@ -96,20 +39,20 @@ TEST(WeightedMeanAccumulator, AgreesWithTheSlowOne) {
         EXPECT_EQ(count.at(bin), 0);
         continue;
       }
-      const std::vector<Weighted>& in = found->second;
+      const std::vector<Member>& in = found->second;
       inside += static_cast<std::int64_t>(in.size());
-      const double z = oracle_mean(in, [](const auto& p) { return p.z_est; });
+      const double z = mean(in, [](const auto& p) { return p.z_est; });
       EXPECT_EQ(count.at(bin), static_cast<std::int32_t>(in.size()));
       EXPECT_NEAR(z_est.at(bin), z, 1e-12);
-      EXPECT_NEAR(x_true.at(bin), oracle_mean(in, [](const auto& p) { return p.x_true; }), 1e-13);
-      EXPECT_NEAR(y_true.at(bin), oracle_mean(in, [](const auto& p) { return p.y_true; }), 1e-13);
-      EXPECT_NEAR(x_mean.at(bin), oracle_mean(in, [](const auto& p) { return p.x_est; }), 1e-6);
-      EXPECT_NEAR(y_mean.at(bin), oracle_mean(in, [](const auto& p) { return p.y_est; }), 1e-6);
-      EXPECT_NEAR(t_mean.at(bin), oracle_mean(in, [](const auto& p) { return p.t; }), 1e-6);
-      const double variance = oracle_mean(in, [&](const auto& p) { return (p.z_est - z) * (p.z_est - z); });
+      EXPECT_NEAR(x_true.at(bin), mean(in, [](const auto& p) { return p.x_true; }), 1e-13);
+      EXPECT_NEAR(y_true.at(bin), mean(in, [](const auto& p) { return p.y_true; }), 1e-13);
+      EXPECT_NEAR(x_mean.at(bin), mean(in, [](const auto& p) { return p.x_est; }), 1e-6);
+      EXPECT_NEAR(y_mean.at(bin), mean(in, [](const auto& p) { return p.y_est; }), 1e-6);
+      EXPECT_NEAR(t_mean.at(bin), mean(in, [](const auto& p) { return p.t; }), 1e-6);
+      const double variance = mean(in, [&](const auto& p) { return (p.z_est - z) * (p.z_est - z); });
       EXPECT_NEAR(z_spread.at(bin), std::sqrt(variance), 1e-7);
       double weights = 0;
-      for (const Weighted& w : in) weights += w.weight;
+      for (const Member& w : in) weights += w.weight;
       EXPECT_NEAR(weight_sum.at(bin), weights, 1e-12);
     }
   EXPECT_EQ(bins.inside_count(), inside);
@@ -130,7 +73,7 @@ bool same_bits(const WeightedMeanAccumulator& a, const WeightedMeanAccumulator& 
 
 TEST(WeightedMeanAccumulator, SameBitsAtAnyThreadCountAndBatchSize) {
   const GridSpec spec = GridSpec::centered(10, 0.25);
-  const ReturnColumns columns(oracle_points(spec, 200'000));
+  const ReturnColumns columns(random_points(spec, 200'000));
   const GridPoints points = columns.view();
   const WeightedMeanAccumulator reference = in_batches(spec, points, points.size());
   for (const std::size_t threads : {1U, 2U, 3U}) {

@@ -4,11 +4,11 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <cmath>
 #include <limits>
 #include <numbers>
 
 #include "base/core/error.h"
+#include "refusal.h"
 
 namespace landfall {
 namespace {
@@ -29,13 +29,8 @@ ScanPoses descent(const std::string& name, double start) {
 }
 
 template <class ErrorType>
-std::string refusal(std::vector<ScanPoses> scans) {
-  try {
-    const PoseTrack track(std::move(scans));
-  } catch (const ErrorType& error) {
-    return error.what();
-  }
-  return "accepted";
+std::string track_refusal(std::vector<ScanPoses> scans) {
+  return refusal<ErrorType>([&] { const PoseTrack track(std::move(scans)); });
 }
 
 TEST(PoseTrack, InterpolatesAndHoldsTheEnds) {
@@ -98,35 +93,36 @@ TEST(PoseTrack, ScansMayRepeatThePoses) {
 }
 
 TEST(PoseTrack, RefusesTwoPosesAtOneTime) {
-  EXPECT_THAT(refusal<UsageError>({descent("a.h5", 0), descent("b.h5", 2)}),
+  EXPECT_THAT(track_refusal<UsageError>({descent("a.h5", 0), descent("b.h5", 2)}),
               AllOf(HasSubstr("a.h5"), HasSubstr("b.h5"), HasSubstr("overlaps")));
   ScanPoses moved = descent("b.h5", 0);
   moved.position_m[2].x() += 1;
-  EXPECT_THAT(refusal<UsageError>({descent("a.h5", 0), moved}), HasSubstr("overlaps"));
+  EXPECT_THAT(track_refusal<UsageError>({descent("a.h5", 0), moved}), HasSubstr("overlaps"));
 }
 
 TEST(PoseTrack, RefusesWhatIsNoTrack) {
-  EXPECT_THAT(refusal<FormatError>({{"a.h5", {}, {}, {}}}), AllOf(HasSubstr("a.h5"), HasSubstr("no poses")));
+  EXPECT_THAT(track_refusal<FormatError>({{"a.h5", {}, {}, {}}}),
+              AllOf(HasSubstr("a.h5"), HasSubstr("no poses")));
   ScanPoses poses = descent("a.h5", 0);
   poses.t_s = {0, 2, 1};
-  EXPECT_THAT(refusal<FormatError>({poses}), AllOf(HasSubstr("a.h5"), HasSubstr("ascending")));
+  EXPECT_THAT(track_refusal<FormatError>({poses}), AllOf(HasSubstr("a.h5"), HasSubstr("ascending")));
   poses.t_s = {1, 0, 2};
-  EXPECT_THAT(refusal<FormatError>({poses}), HasSubstr("ascending"));
+  EXPECT_THAT(track_refusal<FormatError>({poses}), HasSubstr("ascending"));
   poses = descent("a.h5", 0);
   poses.position_m[0].x() = std::numeric_limits<double>::quiet_NaN();
-  EXPECT_THAT(refusal<FormatError>({poses}), HasSubstr("not finite"));
+  EXPECT_THAT(track_refusal<FormatError>({poses}), HasSubstr("not finite"));
   poses = descent("a.h5", 0);
   poses.t_s[1] = std::numeric_limits<double>::quiet_NaN();
-  EXPECT_THAT(refusal<FormatError>({poses}), HasSubstr("not finite"));
+  EXPECT_THAT(track_refusal<FormatError>({poses}), HasSubstr("not finite"));
   poses = descent("a.h5", 0);
   poses.position_m[1].y() = std::numeric_limits<double>::infinity();
-  EXPECT_THAT(refusal<FormatError>({poses}), HasSubstr("not finite"));
+  EXPECT_THAT(track_refusal<FormatError>({poses}), HasSubstr("not finite"));
   poses = descent("a.h5", 0);
   poses.attitude[2].coeffs().setZero();
-  EXPECT_THAT(refusal<FormatError>({poses}), HasSubstr("not finite"));
+  EXPECT_THAT(track_refusal<FormatError>({poses}), HasSubstr("not finite"));
   poses = descent("a.h5", 0);
   poses.attitude.pop_back();
-  EXPECT_THAT(refusal<FormatError>({poses}), HasSubstr("different lengths"));
+  EXPECT_THAT(track_refusal<FormatError>({poses}), HasSubstr("different lengths"));
 }
 
 }  // namespace

@@ -8,6 +8,7 @@
 #include <random>
 #include <set>
 
+#include "bins.h"
 #include "chain/gridding/convex_hull.h"
 #include "test_seed.h"
 
@@ -60,20 +61,19 @@ HullBins brute_force(const Points& points, double r) {
     reach = std::max({reach, std::abs(col), std::abs(row)});
   }
   HullBins bins;
-  for (std::int64_t row = -reach; row <= reach; ++row)
-    for (std::int64_t col = -reach; col <= reach; ++col) {
-      const double x = static_cast<double>(col) * r;
-      const double y = static_cast<double>(row) * r;
-      bool is_inside = true;
-      for (std::size_t i = 0; i < hull.size(); ++i) {
-        const Horizontal& a = hull[i];
-        const Horizontal& b = hull[(i + 1) % hull.size()];
-        is_inside = is_inside && (b.x - a.x) * (y - a.y) - (b.y - a.y) * (x - a.x) >= 0;
-      }
-      if (!is_inside) continue;
-      ++bins.inside;
-      if (!filled.contains({row, col})) ++bins.empty;
+  for (const auto [row, col] : Bins({-reach, -reach}, {reach + 1, reach + 1})) {
+    const double x = static_cast<double>(col) * r;
+    const double y = static_cast<double>(row) * r;
+    bool is_inside = true;
+    for (std::size_t i = 0; i < hull.size(); ++i) {
+      const Horizontal& a = hull[i];
+      const Horizontal& b = hull[(i + 1) % hull.size()];
+      is_inside = is_inside && (b.x - a.x) * (y - a.y) - (b.y - a.y) * (x - a.x) >= 0;
     }
+    if (!is_inside) continue;
+    ++bins.inside;
+    if (!filled.contains({row, col})) ++bins.empty;
+  }
   return bins;
 }
 

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <random>
 
+#include "bins.h"
 #include "map_layers.h"
 #include "return_columns.h"
 
@@ -25,11 +26,10 @@ WeightedMeanAccumulator scattered(const GridSpec& spec, Keep keep) {
   std::mt19937_64 random(7);
   std::uniform_real_distribution<double> offset(-0.49, 0.49);
   std::vector<ReturnPoint> points;
-  for (std::int64_t row = 0; row < spec.rows; ++row)
-    for (std::int64_t col = 0; col < spec.cols; ++col)
-      if (keep(row, col))
-        points.push_back(on_plane(spec.x(col) + offset(random) * spec.resolution_m,
-                                  spec.y(row) + offset(random) * spec.resolution_m));
+  for (const auto [row, col] : bins_of(spec))
+    if (keep(row, col))
+      points.push_back(on_plane(spec.x(col) + offset(random) * spec.resolution_m,
+                                spec.y(row) + offset(random) * spec.resolution_m));
   return accumulated(spec, points);
 }
 
@@ -72,14 +72,12 @@ TEST(Slope, NoneForEmptyBinsForLinesAndForTwoBins) {
   const GridSpec spec = GridSpec::centered(0.5, 0.05);
   const auto on_a_line = [](auto row, auto col) { return row == 10 || (row == 0 && col < 2); };
   std::vector<ReturnPoint> points;
-  for (std::int64_t row = 0; row < spec.rows; ++row)
-    for (std::int64_t col = 0; col < spec.cols; ++col)
-      if (on_a_line(row, col)) points.push_back(on_plane(spec.x(col), spec.y(row)));
+  for (const auto [row, col] : bins_of(spec))
+    if (on_a_line(row, col)) points.push_back(on_plane(spec.x(col), spec.y(row)));
   const Grid<Slope> slopes = slope_layer(accumulated(spec, points));
-  for (std::int64_t row = 0; row < spec.rows; ++row)
-    for (std::int64_t col = 0; col < spec.cols; ++col)
-      EXPECT_TRUE(std::isnan(slopes.at({row, col}).x) && std::isnan(slopes.at({row, col}).y))
-          << row << ' ' << col;
+  for (const auto [row, col] : bins_of(spec))
+    EXPECT_TRUE(std::isnan(slopes.at({row, col}).x) && std::isnan(slopes.at({row, col}).y))
+        << row << ' ' << col;
 }
 
 TEST(Slope, ThreeBinsOffALineSuffice) {
@@ -148,9 +146,8 @@ TEST(Slope, NoiseOfTheSlope) {
   std::mt19937_64 random(11);
   std::normal_distribution<double> noise(0, kSigma);
   std::vector<ReturnPoint> points;
-  for (std::int64_t row = 0; row < spec.rows; ++row)
-    for (std::int64_t col = 0; col < spec.cols; ++col)
-      points.push_back({.x_est = spec.x(col), .y_est = spec.y(row), .z_est = noise(random)});
+  for (const auto [row, col] : bins_of(spec))
+    points.push_back({.x_est = spec.x(col), .y_est = spec.y(row), .z_est = noise(random)});
   const Grid<Slope> slopes = slope_layer(accumulated(spec, points));
   double sum = 0;
   int count = 0;
@@ -168,10 +165,8 @@ Grid<double> corrected_layer(const WeightedMeanAccumulator& bins) {
   const std::vector<BinValues> values = all_values(bins);
   const GridSpec& spec = bins.spec();
   Grid<double> corrected(spec);
-  for (std::int64_t row = 0; row < spec.rows; ++row)
-    for (std::int64_t col = 0; col < spec.cols; ++col)
-      corrected.at({row, col}) =
-          corrected_elevation(values[spec.index({row, col})], spec, {row, col}, slopes.at({row, col}));
+  for (const BinIndex bin : bins_of(spec))
+    corrected.at(bin) = corrected_elevation(values[spec.index(bin)], spec, bin, slopes.at(bin));
   return corrected;
 }
 
@@ -180,13 +175,12 @@ TEST(Corrected, OnAPlaneItIsThePlaneAtTheBinsCentre) {
   const WeightedMeanAccumulator bins =
       scattered(spec, [](auto row, auto col) { return row != 3 || col != 4; });
   const Grid<double> corrected = corrected_layer(bins);
-  for (std::int64_t row = 0; row < spec.rows; ++row)
-    for (std::int64_t col = 0; col < spec.cols; ++col) {
-      if (row == 3 && col == 4)
-        EXPECT_TRUE(std::isnan(corrected.at({row, col})));
-      else
-        EXPECT_NEAR(corrected.at({row, col}), plane(spec.x(col), spec.y(row)), 2e-6);
-    }
+  for (const auto [row, col] : bins_of(spec)) {
+    if (row == 3 && col == 4)
+      EXPECT_TRUE(std::isnan(corrected.at({row, col})));
+    else
+      EXPECT_NEAR(corrected.at({row, col}), plane(spec.x(col), spec.y(row)), 2e-6);
+  }
 }
 
 TEST(Corrected, NanWithoutASlope) {

@@ -1,16 +1,15 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The whole uncertainty map against its definition, return by return in double.
-#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <limits>
 #include <map>
 #include <random>
 #include <utility>
 #include <vector>
 
 #include "base/core/error.h"
+#include "bins.h"
 #include "chain/gridding/uncertainty.h"
 #include "return_columns.h"
 
@@ -45,11 +44,10 @@ std::vector<ReturnPoint> returns() {
 /// Given, not fitted; unknown in some bins.
 Grid<Slope> slopes() {
   Grid<Slope> layer(kSpec);
-  for (std::int64_t row = 0; row < kSpec.rows; ++row)
-    for (std::int64_t col = 0; col < kSpec.cols; ++col)
-      if ((3 * row + col) % 11 != 0)
-        layer.at({row, col}) = {static_cast<float>(0.4 + 0.02 * static_cast<double>(row % 5)),
-                                static_cast<float>(-0.7 + 0.03 * static_cast<double>(col % 7))};
+  for (const auto [row, col] : bins_of(kSpec))
+    if ((3 * row + col) % 11 != 0)
+      layer.at({row, col}) = {static_cast<float>(0.4 + 0.02 * static_cast<double>(row % 5)),
+                              static_cast<float>(-0.7 + 0.03 * static_cast<double>(col % 7))};
   return layer;
 }
 

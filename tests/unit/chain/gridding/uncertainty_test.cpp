@@ -11,8 +11,9 @@
 #include <optional>
 #include <random>
 
-#include "base/core/error.h"
+#include "bins.h"
 #include "chain/lidar/error_models/navigation_error.h"
+#include "refusal.h"
 #include "return_columns.h"
 
 namespace landfall {
@@ -54,9 +55,7 @@ ReturnPoint on_plane(double x, double y, double t) {
 std::vector<ReturnPoint> centred_returns() {
   const GridSpec spec = GridSpec::centered(0.25, kStep);
   std::vector<ReturnPoint> points;
-  for (std::int64_t row = 0; row < spec.rows; ++row)
-    for (std::int64_t col = 0; col < spec.cols; ++col)
-      points.push_back(on_plane(spec.x(col), spec.y(row), 3));
+  for (const auto [row, col] : bins_of(spec)) points.push_back(on_plane(spec.x(col), spec.y(row), 3));
   return points;
 }
 
@@ -372,12 +371,7 @@ TEST(Uncertainty, NanWhereEmptyOrWithoutSlope) {
 
 TEST(Uncertainty, RefusesSigmasThatAreNone) {
   const auto refusal = [](const UncertaintyParameters& parameters) -> std::string {
-    try {
-      check(parameters);
-    } catch (const UsageError& error) {
-      return error.what();
-    }
-    return "accepted";
+    return landfall::refusal([&] { check(parameters); });
   };
   EXPECT_EQ(refusal({}), "accepted");
   EXPECT_THAT(refusal({.range_sigma_m = -1}), HasSubstr("range_sigma_m: -1"));

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <gtest/gtest.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -9,7 +11,9 @@
 #include <optional>
 #include <vector>
 
+#include "base/core/parallel.h"
 #include "base/raster/grid.h"
+#include "bins.h"
 #include "chain/hazards/lander.h"
 #include "chain/hazards/measures.h"
 #include "constants.h"
@@ -72,15 +76,14 @@ struct BruteForce {
     double highest = -std::numeric_limits<double>::infinity();
     double sum = 0;
     int count = 0;
-    for (std::int64_t y = -n; y <= n; ++y)
-      for (std::int64_t x = -n; x <= n; ++x) {
-        if (!covers(lander.pad_diameter_m / 2, {x, y})) continue;
-        const auto height = at(place, {pad.x + x, pad.y + y});
-        if (!height) return {};
-        highest = std::max(highest, *height);
-        sum += *height;
-        ++count;
-      }
+    for (const auto [y, x] : Bins({-n, -n}, {n + 1, n + 1})) {
+      if (!covers(lander.pad_diameter_m / 2, {x, y})) continue;
+      const auto height = at(place, {pad.x + x, pad.y + y});
+      if (!height) return {};
+      highest = std::max(highest, *height);
+      sum += *height;
+      ++count;
+    }
     return lander.pad_height == PadHeight::max ? highest : sum / count;
   }
 
@@ -120,16 +123,15 @@ struct BruteForce {
       for (const Plane& plane : planes(pads, heights)) {
         const double slope = slope_of(plane);
         maximum.slope_deg = std::max(maximum.slope_deg, slope);
-        for (std::int64_t y = -n; y <= n; ++y)
-          for (std::int64_t x = -n; x <= n; ++x) {
-            if (!covers(lander.body_radius_m, {x, y})) continue;
-            const auto height = at(place, {x, y});
-            if (!height) return {};
-            const double terrain =
-                plane.height + plane.east * static_cast<double>(x) + plane.north * static_cast<double>(y);
-            maximum.roughness_m =
-                std::max(maximum.roughness_m, (*height - terrain) * std::cos(slope * std::numbers::pi / 180));
-          }
+        for (const auto [y, x] : Bins({-n, -n}, {n + 1, n + 1})) {
+          if (!covers(lander.body_radius_m, {x, y})) continue;
+          const auto height = at(place, {x, y});
+          if (!height) return {};
+          const double terrain =
+              plane.height + plane.east * static_cast<double>(x) + plane.north * static_cast<double>(y);
+          maximum.roughness_m =
+              std::max(maximum.roughness_m, (*height - terrain) * std::cos(slope * std::numbers::pi / 180));
+        }
       }
     }
     return maximum;
@@ -143,15 +145,32 @@ inline Grid<double> random_map(const GridSpec& spec, std::uint64_t seed, double 
   const double tilt_x = field.uniform(1) - 0.5;
   const double tilt_y = field.uniform(2) - 0.5;
   const double step = 4 * field.uniform(3) - 2;
-  for (std::int64_t row = 0; row < spec.rows; ++row)
-    for (std::int64_t col = 0; col < spec.cols; ++col) {
-      const auto i = static_cast<std::uint64_t>(spec.index({row, col}));
-      double height = tilt_x * spec.x(col) + tilt_y * spec.y(row) + 0.05 * field.uniform(10 + 3 * i);
-      if (col > spec.cols / 2) height += step;
-      if (field.uniform(11 + 3 * i) < 0.05) height += field.uniform(12 + 3 * i);
-      z.at({row, col}) = field.uniform(1000000 + i) < hole_frac ? kNan : height;
-    }
+  for (const auto [row, col] : bins_of(spec)) {
+    const auto i = static_cast<std::uint64_t>(spec.index({row, col}));
+    double height = tilt_x * spec.x(col) + tilt_y * spec.y(row) + 0.05 * field.uniform(10 + 3 * i);
+    if (col > spec.cols / 2) height += step;
+    if (field.uniform(11 + 3 * i) < 0.05) height += field.uniform(12 + 3 * i);
+    z.at({row, col}) = field.uniform(1000000 + i) < hole_frac ? kNan : height;
+  }
   return z;
+}
+
+/// Expects the same bits of `measure` at 1, 2 and 7 threads, where it measures anything.
+template <class Measure>
+void expect_same_at_any_threads(const Measure& measure) {
+  const auto run = [&](std::size_t threads) {
+    const ThreadLimit limit(threads);
+    return measure();
+  };
+  const PlaceMeasures one = run(1);
+  for (const std::size_t threads : {2U, 7U}) {
+    const PlaceMeasures more = run(threads);
+    for (std::size_t i = 0; i < one.slope_deg.values().size(); ++i) {
+      if (std::isnan(one.slope_deg.values()[i])) continue;
+      EXPECT_EQ(one.slope_deg.values()[i], more.slope_deg.values()[i]);
+      EXPECT_EQ(one.roughness_m.values()[i], more.roughness_m.values()[i]);
+    }
+  }
 }
 
 }  // namespace landfall::testing_hazards

@@ -7,8 +7,8 @@
 #include <utility>
 #include <vector>
 
-#include "base/core/parallel.h"
 #include "base/numerics/random.h"
+#include "bins.h"
 #include "brute_force.h"
 #include "chain/hazards/measures.h"
 #include "constants.h"
@@ -27,9 +27,7 @@ struct AtOrigin {
 };
 AtOrigin at_origin(const Lander& lander, const std::function<double(double, double)>& z) {
   const GridSpec spec = GridSpec::centered(2, 0.05);
-  Grid<double> map(spec);
-  for (std::int64_t row = 0; row < spec.rows; ++row)
-    for (std::int64_t col = 0; col < spec.cols; ++col) map.at({row, col}) = z(spec.x(col), spec.y(row));
+  const Grid<double> map = grid_of(spec, z);
   const PlaceMeasures found = measure_contact(map, LanderStencil(lander, 0.05), everywhere(spec));
   const BinIndex origin = spec.bin_of(0, 0);
   return {found.slope_deg.at(origin), found.roughness_m.at(origin)};
@@ -100,17 +98,15 @@ void expect_as_brute_force(const Grid<double>& z, const Lander& lander, const Bi
   const GridSpec& spec = z.spec();
   const PlaceMeasures found = measure_contact(z, LanderStencil(lander, spec.resolution_m), places);
   const BruteForce slow{z, lander};
-  for (std::int64_t row = 0; row < spec.rows; ++row)
-    for (std::int64_t col = 0; col < spec.cols; ++col) {
-      const BinIndex place{row, col};
-      const auto expected =
-          places.at(place) != 0 ? slow.contact(place) : std::optional<BruteForce::Measures>();
-      ASSERT_EQ(std::isnan(found.slope_deg.at(place)), !expected) << row << ' ' << col;
-      ASSERT_EQ(std::isnan(found.roughness_m.at(place)), !expected) << row << ' ' << col;
-      if (!expected) continue;
-      ASSERT_NEAR(found.slope_deg.at(place), expected->slope_deg, tolerance) << row << ' ' << col;
-      ASSERT_NEAR(found.roughness_m.at(place), expected->roughness_m, tolerance) << row << ' ' << col;
-    }
+  for (const auto [row, col] : bins_of(spec)) {
+    const BinIndex place{row, col};
+    const auto expected = places.at(place) != 0 ? slow.contact(place) : std::optional<BruteForce::Measures>();
+    ASSERT_EQ(std::isnan(found.slope_deg.at(place)), !expected) << row << ' ' << col;
+    ASSERT_EQ(std::isnan(found.roughness_m.at(place)), !expected) << row << ' ' << col;
+    if (!expected) continue;
+    ASSERT_NEAR(found.slope_deg.at(place), expected->slope_deg, tolerance) << row << ' ' << col;
+    ASSERT_NEAR(found.roughness_m.at(place), expected->roughness_m, tolerance) << row << ' ' << col;
+  }
 }
 
 void expect_as_brute_force(const Grid<double>& z, const Lander& lander, double tolerance = 1e-11) {
@@ -139,11 +135,10 @@ TEST(Contact, EqualsBruteForceUnderWideBodies) {
     const GridSpec spec{0.05, -18, -18, 37, 37};
     Grid<double> z = random_map(spec, seed, 0);
     for (double& height : z.values()) height *= std::pow(4, -static_cast<double>(seed % 3));
-    for (std::int64_t row = 0; row < spec.rows; ++row)
-      for (std::int64_t col = 0; col < spec.cols; ++col) {
-        z.at({row, col}) += (0.2 * field.uniform(1) - 0.1) * spec.x(col) + 0.3 * spec.x(col) * spec.y(row);
-        if ((13 * row + 5 * col) % 97 == 0) z.at({row, col}) += 0.2 * field.uniform(2);
-      }
+    for (const auto [row, col] : bins_of(spec)) {
+      z.at({row, col}) += (0.2 * field.uniform(1) - 0.1) * spec.x(col) + 0.3 * spec.x(col) * spec.y(row);
+      if ((13 * row + 5 * col) % 97 == 0) z.at({row, col}) += 0.2 * field.uniform(2);
+    }
     Lander lander;
     lander.legs = seed % 2 == 0 ? 3 : 4;
     lander.leg_radius_m = 0.35 + 0.02 * static_cast<double>(seed);
@@ -208,13 +203,13 @@ TEST(Contact, EachBinUnderTheBodyCounts) {
     const LanderStencil lander({.leg_radius_m = 1.4, .pad_diameter_m = 0.1, .body_radius_m = 0.1 * bins},
                                0.1);
     const PlaceMeasures found = measure_contact(z, lander, everywhere(z.spec()));
-    for (std::int64_t row = post.row - 12; row <= post.row + 12; ++row)
-      for (std::int64_t col = post.col - 12; col <= post.col + 12; ++col) {
-        const double away = std::hypot(row - post.row, col - post.col);
-        if (away > 12.6) continue;
-        ASSERT_EQ(found.roughness_m.at({row, col}), away <= bins ? 0.25 : 0)
-            << bins << ' ' << row << ' ' << col;
-      }
+    for (const auto [row, col] :
+         Bins({post.row - 12, post.col - 12}, {post.row + 12 + 1, post.col + 12 + 1})) {
+      const double away = std::hypot(row - post.row, col - post.col);
+      if (away > 12.6) continue;
+      ASSERT_EQ(found.roughness_m.at({row, col}), away <= bins ? 0.25 : 0)
+          << bins << ' ' << row << ' ' << col;
+    }
   }
 }
 
@@ -238,16 +233,13 @@ TEST(Contact, OneOfParallelPlanesDecides) {
 // A plane through 0: float and double leave next to no room for the bound of their rounding.
 TEST(Contact, TiltedGroundThroughZero) {
   for (const auto& [east, north] : {std::pair{0.25, 0.0}, {0.0, 0.25}, {-0.2, 0.2}, {0.3, 0.1}}) {
-    Grid<double> z(GridSpec{0.1, -20, -8, 17, 40});
-    const GridSpec& spec = z.spec();
-    for (std::int64_t row = 0; row < spec.rows; ++row)
-      for (std::int64_t col = 0; col < spec.cols; ++col)
-        z.at({row, col}) = east * spec.x(col) + north * spec.y(row);
+    const GridSpec spec{0.1, -20, -8, 17, 40};
+    const Grid<double> z =
+        grid_of(spec, [east = east, north = north](double x, double y) { return east * x + north * y; });
     const LanderStencil lander({.leg_radius_m = 0.4, .pad_diameter_m = 0.1, .body_radius_m = 0.5}, 0.1);
     const PlaceMeasures found = measure_contact(z, lander, everywhere(spec));
-    for (std::int64_t row = 5; row < spec.rows - 5; ++row)
-      for (std::int64_t col = 5; col < spec.cols - 5; ++col)
-        ASSERT_NEAR(found.roughness_m.at({row, col}), 0, 1e-14) << row << ' ' << col;
+    for (const auto [row, col] : Bins({5, 5}, {spec.rows - 5, spec.cols - 5}))
+      ASSERT_NEAR(found.roughness_m.at({row, col}), 0, 1e-14) << row << ' ' << col;
   }
 }
 
@@ -260,13 +252,12 @@ Grid<double> near_tie(NearTie kind, const Lander& lander, BinIndex place, double
   const auto nearly = [&](double value, std::size_t i) { return scale * (value + 2e-7 * field.uniform(i)); };
   Grid<double> z(GridSpec{0.1, 0, 0, 67, place.col + 33});
   const GridSpec& spec = z.spec();
-  for (std::int64_t row = 0; row < spec.rows; ++row)
-    for (std::int64_t col = 0; col < spec.cols; ++col) {
-      const double away = std::hypot(row - place.row, col - place.col);
-      const auto i = static_cast<std::size_t>(spec.index({row, col}));
-      if (kind == NearTie::far_above) z.at({row, col}) = nearly(away > 30 ? 1 : 0, i);
-      if (kind == NearTie::in_a_pit) z.at({row, col}) = nearly(away > 30 || away == 0 ? 0 : 1, i);
-    }
+  for (const auto [row, col] : bins_of(spec)) {
+    const double away = std::hypot(row - place.row, col - place.col);
+    const auto i = static_cast<std::size_t>(spec.index({row, col}));
+    if (kind == NearTie::far_above) z.at({row, col}) = nearly(away > 30 ? 1 : 0, i);
+    if (kind == NearTie::in_a_pit) z.at({row, col}) = nearly(away > 30 || away == 0 ? 0 : 1, i);
+  }
   if (kind == NearTie::tilted) {
     const auto yaws = BruteForce{z, lander}.yaws();
     for (std::size_t yaw = 0; yaw < yaws.size(); ++yaw)
@@ -318,8 +309,8 @@ TEST(Contact, EqualsBruteForceBeyondFloat) {
 TEST(Contact, LevelAndTiltedGroundWithoutNoise) {
   for (const double tangent : {0.0, 0.25}) {
     Grid<double> z(GridSpec{0.1, 0, 0, 20, 40});
-    for (std::int64_t row = 0; row < 20; ++row)
-      for (std::int64_t col = 0; col < 40; ++col) z.at({row, col}) = tangent * 0.1 * static_cast<double>(col);
+    for (const auto [row, col] : Bins({0, 0}, {20, 40}))
+      z.at({row, col}) = tangent * 0.1 * static_cast<double>(col);
     Lander lander;
     lander.leg_radius_m = 0.4;
     lander.body_radius_m = 0.4;
@@ -342,17 +333,8 @@ TEST(Contact, OnlyThePlacesAskedFor) {
 TEST(Contact, TheSameAtAnyNumberOfThreads) {
   const Grid<double> z = random_map({0.1, -30, -30, 61, 61}, 9, 0.001);
   const LanderStencil lander({.leg_radius_m = 0.5, .body_radius_m = 0.5}, 0.1);
-  const auto run = [&](std::size_t threads) {
-    const ThreadLimit limit(threads);
-    return measure_contact(z, lander, everywhere(z.spec()));
-  };
-  const PlaceMeasures one = run(1);
-  const PlaceMeasures three = run(3);
-  for (std::size_t i = 0; i < z.spec().size(); ++i) {
-    if (std::isnan(one.slope_deg.values()[i])) continue;
-    EXPECT_EQ(one.slope_deg.values()[i], three.slope_deg.values()[i]);
-    EXPECT_EQ(one.roughness_m.values()[i], three.roughness_m.values()[i]);
-  }
+  testing_hazards::expect_same_at_any_threads(
+      [&] { return measure_contact(z, lander, everywhere(z.spec())); });
 }
 
 }  // namespace

@@ -6,12 +6,12 @@
 
 #include <cmath>
 #include <cstdint>
-#include <cstdlib>
 #include <numbers>
 #include <string>
 
-#include "base/core/error.h"
+#include "bins.h"
 #include "constants.h"
+#include "refusal.h"
 
 namespace landfall {
 namespace {
@@ -33,13 +33,13 @@ HazardParameters small_lander() {
   return parameters;
 }
 
-std::string refusal(HazardInput input, const HazardParameters& parameters) {
-  try {
-    static_cast<void>(map_hazards(input, parameters, kAtOnce));
-  } catch (const Error& error) {
-    return (error.exit_code() == ExitCode::usage ? "usage: " : "format: ") + std::string(error.what());
-  }
-  return "accepted";
+std::string map_refusal(HazardInput input, const HazardParameters& parameters) {
+  return kind_and_refusal([&] { return map_hazards(input, parameters, kAtOnce); });
+}
+
+/// On 21 x 21 bins of 0.1 m.
+std::string level_refusal(const HazardParameters& parameters) {
+  return map_refusal(level_terrain(1, 0.1), parameters);
 }
 
 TEST(HazardParameters, DefaultsAreThoseOfTheDocumentation) {
@@ -119,90 +119,84 @@ TEST(MapHazards, FilledTruthCountsInTheRegionOnly) {
 TEST(MapHazards, ALanderThatTheMapCannotHoldIsRefused) {
   HazardParameters parameters = small_lander();
   parameters.lander.body_radius_m = 1;  // 21 bins, all of the map
-  EXPECT_EQ(refusal(level_terrain(1, 0.1), parameters), "accepted");
+  EXPECT_EQ(level_refusal(parameters), "accepted");
   parameters.lander.body_radius_m = 1.1;
-  EXPECT_EQ(refusal(level_terrain(1, 0.1), parameters),
+  EXPECT_EQ(level_refusal(parameters),
             "usage: lander/body_radius_m: a lander of 23 bins across is larger than the map of 21 x 21 bins "
             "of 0.1 m");
   parameters = small_lander();
   parameters.lander.leg_radius_m = 1;
-  EXPECT_EQ(refusal(level_terrain(1, 0.1), parameters), "accepted");  // pads of one bin
-  parameters.lander.leg_radius_m = 1.05 - 0.5e-10;                    // stand 11 bins away
-  EXPECT_THAT(refusal(level_terrain(1, 0.1), parameters),
-              HasSubstr("usage: lander/leg_radius_m: a lander of 23"));
+  EXPECT_EQ(level_refusal(parameters), "accepted");  // pads of one bin
+  parameters.lander.leg_radius_m = 1.05 - 0.5e-10;   // stand 11 bins away
+  EXPECT_THAT(level_refusal(parameters), HasSubstr("usage: lander/leg_radius_m: a lander of 23"));
   parameters.lander.leg_radius_m = 1;
   parameters.lander.pad_diameter_m = 0.2;
-  EXPECT_THAT(refusal(level_terrain(1, 0.1), parameters),
-              HasSubstr("usage: lander/leg_radius_m: a lander of 23"));
+  EXPECT_THAT(level_refusal(parameters), HasSubstr("usage: lander/leg_radius_m: a lander of 23"));
   parameters.method = HazardMethod::plane;  // has no legs
-  EXPECT_EQ(refusal(level_terrain(1, 0.1), parameters), "accepted");
+  EXPECT_EQ(level_refusal(parameters), "accepted");
   parameters.lander.body_radius_m = 1.1;
-  EXPECT_THAT(refusal(level_terrain(1, 0.1), parameters),
-              HasSubstr("usage: lander/body_radius_m: a lander of 23"));
+  EXPECT_THAT(level_refusal(parameters), HasSubstr("usage: lander/body_radius_m: a lander of 23"));
 }
 
 TEST(MapHazards, TheShorterSideOfTheMapHoldsTheLander) {
   HazardParameters parameters = small_lander();
   parameters.lander.body_radius_m = 1.1;
   for (const GridSpec& spec : {GridSpec{0.1, -10, -15, 22, 31}, GridSpec{0.1, -15, -10, 31, 22}})
-    EXPECT_THAT(refusal({Grid<double>(spec), std::nullopt, BinMask(spec), std::nullopt}, parameters),
+    EXPECT_THAT(map_refusal({Grid<double>(spec), std::nullopt, BinMask(spec), std::nullopt}, parameters),
                 HasSubstr("usage: lander/body_radius_m: a lander of 23 bins"));
 }
 
 TEST(MapHazards, TheBodyIsNamedIfOthersReachAsFar) {
   HazardParameters parameters = small_lander();
   parameters.lander.leg_radius_m = parameters.lander.body_radius_m = 1.1;
-  EXPECT_THAT(refusal(level_terrain(1, 0.1), parameters), HasSubstr("usage: lander/body_radius_m"));
+  EXPECT_THAT(level_refusal(parameters), HasSubstr("usage: lander/body_radius_m"));
   parameters.method = HazardMethod::range_difference;
   parameters.lander.body_radius_m = parameters.limits.roughness_m = 0.5;
-  EXPECT_THAT(refusal(level_terrain(1, 0.1), parameters), HasSubstr("usage: lander/body_radius_m"));
+  EXPECT_THAT(level_refusal(parameters), HasSubstr("usage: lander/body_radius_m"));
 }
 
 TEST(MapHazards, ALanderThatTheMapCannotResolveIsRefused) {
   HazardParameters parameters = small_lander();
   parameters.lander.leg_radius_m = 0.19;
-  EXPECT_THAT(refusal(level_terrain(1, 0.1), parameters),
-              HasSubstr("usage: lander/leg_radius_m: 0.19 is less"));
+  EXPECT_THAT(level_refusal(parameters), HasSubstr("usage: lander/leg_radius_m: 0.19 is less"));
   parameters.method = HazardMethod::plane;
-  EXPECT_EQ(refusal(level_terrain(1, 0.1), parameters), "accepted");
+  EXPECT_EQ(level_refusal(parameters), "accepted");
   parameters.lander.body_radius_m = 0.099;
   EXPECT_THAT(
-      refusal(level_terrain(1, 0.1), parameters),
+      level_refusal(parameters),
       HasSubstr("usage: lander/body_radius_m: 0.099 is less than 1 bin of 0.1 m, and the method is plane"));
   parameters.method = HazardMethod::range_difference;
-  EXPECT_THAT(refusal(level_terrain(1, 0.1), parameters), HasSubstr("and the method is range_difference"));
+  EXPECT_THAT(level_refusal(parameters), HasSubstr("and the method is range_difference"));
   parameters.method = HazardMethod::plane;
   parameters.lander.body_radius_m = 0.1;
-  EXPECT_EQ(refusal(level_terrain(1, 0.1), parameters), "accepted");
+  EXPECT_EQ(level_refusal(parameters), "accepted");
   parameters.method = HazardMethod::lmeds;
-  EXPECT_THAT(refusal(level_terrain(1, 0.1), parameters),
-              HasSubstr("usage: lander/body_radius_m: 0.1 is less than 2 bins"));
+  EXPECT_THAT(level_refusal(parameters), HasSubstr("usage: lander/body_radius_m: 0.1 is less than 2 bins"));
   parameters.lander.body_radius_m = 0.2;
-  EXPECT_EQ(refusal(level_terrain(1, 0.1), parameters), "accepted");
+  EXPECT_EQ(level_refusal(parameters), "accepted");
 }
 
 TEST(MapHazards, WindowsThatTheMapCannotHoldOrResolveAreRefused) {
   HazardParameters parameters = small_lander();
   parameters.method = HazardMethod::range_difference;
-  EXPECT_EQ(refusal(level_terrain(1, 0.1), parameters), "accepted");
+  EXPECT_EQ(level_refusal(parameters), "accepted");
   parameters.limits.roughness_m = 0.6;  // 3 + 6 + 1 bins to each side
-  EXPECT_EQ(refusal(level_terrain(1, 0.1), parameters), "accepted");
+  EXPECT_EQ(level_refusal(parameters), "accepted");
   parameters.limits.roughness_m = 0.7;
-  EXPECT_EQ(refusal(level_terrain(1, 0.1), parameters),
+  EXPECT_EQ(level_refusal(parameters),
             "usage: limits/roughness_m: a window of 23 bins across is larger than the map of 21 x 21 bins of "
             "0.1 m");
   parameters.limits.roughness_m = 0.1;
-  EXPECT_EQ(refusal(level_terrain(1, 0.1), parameters), "accepted");
+  EXPECT_EQ(level_refusal(parameters), "accepted");
   parameters.limits.roughness_m = 0.09;
-  EXPECT_THAT(refusal(level_terrain(1, 0.1), parameters),
+  EXPECT_THAT(level_refusal(parameters),
               HasSubstr("usage: limits/roughness_m: 0.09 is less than 1 bin of 0.1 m"));
   parameters.method = HazardMethod::contact;  // has no windows
-  EXPECT_EQ(refusal(level_terrain(1, 0.1), parameters), "accepted");
+  EXPECT_EQ(level_refusal(parameters), "accepted");
   parameters.method = HazardMethod::range_difference;
   parameters.limits.roughness_m = 0.3;
   parameters.lander.body_radius_m = 0.8;
-  EXPECT_THAT(refusal(level_terrain(1, 0.1), parameters),
-              HasSubstr("usage: lander/body_radius_m: a window of 25 bins"));
+  EXPECT_THAT(level_refusal(parameters), HasSubstr("usage: lander/body_radius_m: a window of 25 bins"));
 }
 
 TEST(MapHazards, EachMethodHasItsProbability) {
@@ -225,9 +219,8 @@ TEST(MapHazards, EachMethodHasItsProbability) {
 TEST(MapHazards, HalfADegreeFromTheLimitIsNotCertain) {
   HazardInput input = level_terrain(1, 0.1);
   HazardParameters parameters = small_lander();
-  for (std::int64_t row = 0; row < 21; ++row)
-    for (std::int64_t col = 0; col < 21; ++col)
-      input.z.at({row, col}) = std::tan(10.5 * std::numbers::pi / 180) * input.z.spec().x(col);
+  for (const auto [row, col] : Bins({0, 0}, {21, 21}))
+    input.z.at({row, col}) = std::tan(10.5 * std::numbers::pi / 180) * input.z.spec().x(col);
   for (const HazardMethod method :
        {HazardMethod::contact, HazardMethod::plane, HazardMethod::range_difference, HazardMethod::lmeds})
     for (const double limit_deg : {10.0, 11.0}) {
@@ -245,12 +238,13 @@ TEST(MapHazards, ARegionWithoutAKnownPlaceSaysWhy) {
   HazardParameters parameters = small_lander();
   input.z.at({10, 10}) = kNan;
   parameters.region_radius_m = 0.3;
-  EXPECT_THAT(refusal(input, parameters), HasSubstr("format: nothing to judge: at each place within 0.3 m"));
+  EXPECT_THAT(map_refusal(input, parameters),
+              HasSubstr("format: nothing to judge: at each place within 0.3 m"));
   parameters.region_radius_m = 0.05;
-  EXPECT_EQ(refusal(input, parameters),
+  EXPECT_EQ(map_refusal(input, parameters),
             "format: nothing to judge: no bin within 0.05 m of the origin has an elevation");
   const GridSpec aside{.resolution_m = 0.1, .first_row = 100, .first_col = 0, .rows = 20, .cols = 20};
-  EXPECT_EQ(refusal({Grid<double>(aside), std::nullopt, BinMask(aside), std::nullopt}, parameters),
+  EXPECT_EQ(map_refusal({Grid<double>(aside), std::nullopt, BinMask(aside), std::nullopt}, parameters),
             "format: nothing to judge: no bin of the map lies within 0.05 m of the origin");
 }
 
@@ -259,14 +253,13 @@ TEST(MapHazards, ALoneElevationIsNamed) {
   HazardInput input = level_terrain(1, 0.1);
   for (double& z : input.z.values()) z = kNan;
   input.z.at({0, 0}) = 0;
-  EXPECT_THAT(refusal(input, small_lander()), HasSubstr("nothing to judge: at each place within"));
+  EXPECT_THAT(map_refusal(input, small_lander()), HasSubstr("nothing to judge: at each place within"));
 }
 
 TEST(MapHazards, ASiteHasTheValuesOfItsPlace) {
   HazardInput input = level_terrain(2, 0.1);
-  for (std::int64_t row = 0; row < 41; ++row)
-    for (std::int64_t col = 0; col < 41; ++col)
-      input.z.at({row, col}) = 0.01 * static_cast<double>(row + (row * col) % 3);
+  for (const auto [row, col] : Bins({0, 0}, {41, 41}))
+    input.z.at({row, col}) = 0.01 * static_cast<double>(row + (row * col) % 3);
   input.z.at({20, 20}) = 1;
   input.z_sigma = Grid<double>(input.z.spec(), 0.02);
   input.z_true = input.z;
@@ -299,11 +292,10 @@ TEST(TruthPositions, AreMovedByTheMeanOfTheRing) {
   Grid<double> z_true(spec);
   Grid<double> x_true(spec);
   Grid<double> y_true(spec);
-  for (std::int64_t row = 0; row < spec.rows; ++row)
-    for (std::int64_t col = 0; col < spec.cols; ++col) {
-      x_true.at({row, col}) = spec.x(col) + 0.01 + (col == 9 ? 0.03 : col == 11 ? -0.03 : 0);
-      y_true.at({row, col}) = spec.y(row) - 0.02;
-    }
+  for (const auto [row, col] : bins_of(spec)) {
+    x_true.at({row, col}) = spec.x(col) + 0.01 + (col == 9 ? 0.03 : col == 11 ? -0.03 : 0);
+    y_true.at({row, col}) = spec.y(row) - 0.02;
+  }
   z_true.at({10, 10}) = x_true.at({10, 10}) = y_true.at({10, 10}) = kNan;
   const std::vector<FillableBin> holes = {{{10, 10}, 1}, {{5, 5}, 1}};  // the second has a true elevation
   const std::vector<TruthPosition> positions = truth_positions(z_true, x_true, y_true, holes);
@@ -319,11 +311,10 @@ TEST(TruthPositions, TakeTheFirstRowAndColumn) {
   Grid<double> z_true(spec);
   Grid<double> x_true(spec);
   Grid<double> y_true(spec);
-  for (std::int64_t row = 0; row < 3; ++row)
-    for (std::int64_t col = 0; col < 3; ++col) {
-      x_true.at({row, col}) = spec.x(col) + (col == 0 ? 0.04 : 0);
-      y_true.at({row, col}) = spec.y(row) + (row == 0 ? 0.08 : 0);
-    }
+  for (const auto [row, col] : Bins({0, 0}, {3, 3})) {
+    x_true.at({row, col}) = spec.x(col) + (col == 0 ? 0.04 : 0);
+    y_true.at({row, col}) = spec.y(row) + (row == 0 ? 0.08 : 0);
+  }
   z_true.at({1, 1}) = x_true.at({1, 1}) = y_true.at({1, 1}) = kNan;
   const std::vector<TruthPosition> positions = truth_positions(z_true, x_true, y_true, {{{1, 1}, 1}});
   ASSERT_EQ(positions.size(), 1U);

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "base/numerics/random.h"
+#include "bins.h"
 #include "constants.h"
 
 namespace landfall {
@@ -13,8 +14,7 @@ namespace {
 
 Grid<double> ramp() {
   Grid<double> z(GridSpec{1, 0, 0, 9, 11});
-  for (std::int64_t row = 0; row < 9; ++row)
-    for (std::int64_t col = 0; col < 11; ++col) z.at({row, col}) = static_cast<double>(100 * row + col);
+  for (const auto [row, col] : Bins({0, 0}, {9, 11})) z.at({row, col}) = static_cast<double>(100 * row + col);
   return z;
 }
 
@@ -32,8 +32,7 @@ TEST(HoleFilling, ABinHasTheMeanOfTheRingAboutIt) {
 // The middle of a block of 3 x 3 has no valid bin in its first ring; the second has 16.
 TEST(HoleFilling, TheMiddleOfAHoleTakesTheSecondRingOfValidBins) {
   Grid<double> z = ramp();
-  for (std::int64_t row = 3; row <= 5; ++row)
-    for (std::int64_t col = 4; col <= 6; ++col) z.at({row, col}) = kNan;
+  for (const BinIndex bin : Bins({3, 4}, {6, 7})) z.at(bin) = kNan;
   EXPECT_TRUE(small_holes(z, 8).empty());
   const auto holes = small_holes(z, 9);
   ASSERT_EQ(holes.size(), 9U);
@@ -79,15 +78,13 @@ TEST(HoleFilling, AnotherLayerIsMeanedOverTheSameRing) {
 // The middle of a block of 5 x 5 takes the third ring; of another layer, too, which has values within it.
 TEST(HoleFilling, TheThirdRingHasNoBinsWithinIt) {
   Grid<double> z = ramp();
-  for (std::int64_t row = 2; row <= 6; ++row)
-    for (std::int64_t col = 3; col <= 7; ++col) z.at({row, col}) = kNan;
+  for (const BinIndex bin : Bins({2, 3}, {7, 8})) z.at(bin) = kNan;
   const auto holes = small_holes(z, 25);
   ASSERT_EQ(holes.size(), 25U);
   EXPECT_EQ(holes[12].bin, (BinIndex{4, 5}));
   EXPECT_EQ(holes[12].ring, 3);
   Grid<double> layer = ramp();
-  for (std::int64_t row = 3; row <= 5; ++row)
-    for (std::int64_t col = 4; col <= 6; ++col) layer.at({row, col}) = 1e6;
+  for (const BinIndex bin : Bins({3, 4}, {6, 7})) layer.at(bin) = 1e6;
   EXPECT_DOUBLE_EQ(ring_mean(layer, holes[12]), 405);
 }
 
@@ -113,13 +110,12 @@ TEST(HoleFilling, EqualsBruteForceOnRandomMaps) {
       double sum = 0;
       int count = 0;
       for (std::int64_t ring = 1; count == 0; ++ring)
-        for (std::int64_t row = 0; row < 30; ++row)
-          for (std::int64_t col = 0; col < 40; ++col) {
-            const auto distance = std::max(std::abs(row - hole.bin.row), std::abs(col - hole.bin.col));
-            if (distance != ring || std::isnan(z.at({row, col}))) continue;
-            sum += z.at({row, col});
-            ++count;
-          }
+        for (const auto [row, col] : Bins({0, 0}, {30, 40})) {
+          const auto distance = std::max(std::abs(row - hole.bin.row), std::abs(col - hole.bin.col));
+          if (distance != ring || std::isnan(z.at({row, col}))) continue;
+          sum += z.at({row, col});
+          ++count;
+        }
       EXPECT_NEAR(filled.at(hole.bin), sum / count, 1e-15);
     }
   }

@@ -8,6 +8,7 @@
 #include <numbers>
 
 #include "base/numerics/random.h"
+#include "bins.h"
 #include "brute_force.h"
 #include "chain/hazards/measures.h"
 
@@ -18,10 +19,7 @@ using testing_hazards::random_map;
 
 Grid<double> map_of(const std::function<double(double, double)>& z) {
   const GridSpec spec = GridSpec::centered(2, 0.05);
-  Grid<double> map(spec);
-  for (std::int64_t row = 0; row < spec.rows; ++row)
-    for (std::int64_t col = 0; col < spec.cols; ++col) map.at({row, col}) = z(spec.x(col), spec.y(row));
-  return map;
+  return grid_of(spec, z);
 }
 
 double plane_z_m(const GridSpec& spec, BinIndex place, const LanderPose& pose, BinIndex bin) {
@@ -69,27 +67,25 @@ TEST(Pose, HasTheSlopeAndRoughnessOfTheLayers) {
     const BinMask all(z.spec(), 1);
     const PlaceMeasures contact = measure_contact(z, stencil, all);
     const PlaceMeasures plane = measure_plane(z, stencil, all);
-    for (std::int64_t row = 0; row < z.spec().rows; ++row)
-      for (std::int64_t col = 0; col < z.spec().cols; ++col) {
-        const BinIndex place{row, col};
-        const auto standing = worst_contact_poses(z, stencil, place);
-        ASSERT_EQ(standing.has_value(), !std::isnan(contact.slope_deg.at(place)));
-        if (standing) {
-          ASSERT_NEAR(standing->steepest.slope_deg, contact.slope_deg.at(place), 1e-9);
-          ASSERT_NEAR(standing->roughest.roughness_m, contact.roughness_m.at(place), 1e-9);
-          ASSERT_LE(standing->roughest.slope_deg, standing->steepest.slope_deg);
-          check_pose(z, stencil, place, standing->steepest);
-          check_pose(z, stencil, place, standing->roughest);
-        }
-        const auto fitted = least_squares_poses(z, stencil, place);
-        ASSERT_EQ(fitted.has_value(), !std::isnan(plane.slope_deg.at(place)));
-        if (!fitted) continue;
-        ASSERT_NEAR(fitted->steepest.slope_deg, plane.slope_deg.at(place), 1e-9);
-        ASSERT_NEAR(fitted->roughest.roughness_m, plane.roughness_m.at(place), 1e-9);
-        ASSERT_NEAR(std::abs(distance_m(z, place, fitted->roughest, fitted->roughest.highest)),
-                    fitted->roughest.roughness_m, 1e-9);
-        ASSERT_TRUE(fitted->steepest.pads.empty());
+    for (const BinIndex place : bins_of(z.spec())) {
+      const auto standing = worst_contact_poses(z, stencil, place);
+      ASSERT_EQ(standing.has_value(), !std::isnan(contact.slope_deg.at(place)));
+      if (standing) {
+        ASSERT_NEAR(standing->steepest.slope_deg, contact.slope_deg.at(place), 1e-9);
+        ASSERT_NEAR(standing->roughest.roughness_m, contact.roughness_m.at(place), 1e-9);
+        ASSERT_LE(standing->roughest.slope_deg, standing->steepest.slope_deg);
+        check_pose(z, stencil, place, standing->steepest);
+        check_pose(z, stencil, place, standing->roughest);
       }
+      const auto fitted = least_squares_poses(z, stencil, place);
+      ASSERT_EQ(fitted.has_value(), !std::isnan(plane.slope_deg.at(place)));
+      if (!fitted) continue;
+      ASSERT_NEAR(fitted->steepest.slope_deg, plane.slope_deg.at(place), 1e-9);
+      ASSERT_NEAR(fitted->roughest.roughness_m, plane.roughness_m.at(place), 1e-9);
+      ASSERT_NEAR(std::abs(distance_m(z, place, fitted->roughest, fitted->roughest.highest)),
+                  fitted->roughest.roughness_m, 1e-9);
+      ASSERT_TRUE(fitted->steepest.pads.empty());
+    }
   }
 }
 

@@ -7,8 +7,8 @@
 #include <numbers>
 #include <vector>
 
-#include "base/core/parallel.h"
 #include "base/numerics/random.h"
+#include "bins.h"
 #include "brute_force.h"
 #include "chain/hazards/measures.h"
 
@@ -21,12 +21,7 @@ const GridSpec kSpec{.resolution_m = 0.1, .first_row = -20, .first_col = -20, .r
 constexpr RangeWindows kWindows{.lander_half_bins = 4, .rock_half_bins = 2};
 constexpr BinIndex kCentre{20, 20};
 
-Grid<double> terrain(const auto& height) {
-  Grid<double> z(kSpec);
-  for (std::int64_t row = 0; row < kSpec.rows; ++row)
-    for (std::int64_t col = 0; col < kSpec.cols; ++col) z.at({row, col}) = height(kSpec.x(col), kSpec.y(row));
-  return z;
-}
+Grid<double> terrain(const auto& height) { return grid_of(kSpec, height); }
 
 PlaceMeasures measured(const Grid<double>& z, const RangeWindows& windows = kWindows) {
   return measure_range_difference(z, windows, BinMask(z.spec(), 1));
@@ -77,33 +72,33 @@ struct SlowRangeDifference {
 
   [[nodiscard]] double median(BinIndex bin) const {
     std::vector<double> near;
-    for (std::int64_t row = bin.row - 1; row <= bin.row + 1; ++row)
-      for (std::int64_t col = bin.col - 1; col <= bin.col + 1; ++col) near.push_back(z.at({row, col}));
+    for (const BinIndex each : Bins({bin.row - 1, bin.col - 1}, {bin.row + 2, bin.col + 2}))
+      near.push_back(z.at(each));
     std::ranges::sort(near);
     return near[4];
   }
   [[nodiscard]] double range(BinIndex centre, std::int64_t half) const {
     double minimum = std::numeric_limits<double>::infinity();
     double largest = -minimum;
-    for (std::int64_t row = centre.row - half; row <= centre.row + half; ++row)
-      for (std::int64_t col = centre.col - half; col <= centre.col + half; ++col) {
-        minimum = std::min(minimum, median({row, col}));
-        largest = std::max(largest, median({row, col}));
-      }
+    for (const auto [row, col] :
+         Bins({centre.row - half, centre.col - half}, {centre.row + half + 1, centre.col + half + 1})) {
+      minimum = std::min(minimum, median({row, col}));
+      largest = std::max(largest, median({row, col}));
+    }
     return largest - minimum;
   }
   [[nodiscard]] bool is_known(BinIndex place) const {
     const std::int64_t reach = windows.lander_half_bins + windows.rock_half_bins + 1;
-    for (std::int64_t row = place.row - reach; row <= place.row + reach; ++row)
-      for (std::int64_t col = place.col - reach; col <= place.col + reach; ++col)
-        if (!z.spec().contains({row, col}) || std::isnan(z.at({row, col}))) return false;
+    for (const BinIndex bin :
+         Bins({place.row - reach, place.col - reach}, {place.row + reach + 1, place.col + reach + 1}))
+      if (!z.spec().contains(bin) || std::isnan(z.at(bin))) return false;
     return true;
   }
   [[nodiscard]] double roughness(BinIndex place) const {
     double maximum = 0;
-    for (std::int64_t row = -windows.lander_half_bins; row <= windows.lander_half_bins; ++row)
-      for (std::int64_t col = -windows.lander_half_bins; col <= windows.lander_half_bins; ++col)
-        maximum = std::max(maximum, range({place.row + row, place.col + col}, windows.rock_half_bins));
+    for (const auto [row, col] : Bins({-windows.lander_half_bins, -windows.lander_half_bins},
+                                      {windows.lander_half_bins + 1, windows.lander_half_bins + 1}))
+      maximum = std::max(maximum, range({place.row + row, place.col + col}, windows.rock_half_bins));
     return maximum;
   }
   [[nodiscard]] double slope_deg(BinIndex place) const {
@@ -122,16 +117,14 @@ TEST(RangeDifference, EqualsItsDefinitionOnRandomMaps) {
     const Grid<double> z = random_map({0.1, -9, -8, 19, 26}, seed, seed % 2 == 0 ? 0 : 0.004);
     const PlaceMeasures found = measured(z, windows);
     const SlowRangeDifference slow{z, windows};
-    for (std::int64_t row = 0; row < z.spec().rows; ++row)
-      for (std::int64_t col = 0; col < z.spec().cols; ++col) {
-        const BinIndex place{row, col};
-        ASSERT_EQ(std::isnan(found.slope_deg.at(place)), !slow.is_known(place));
-        ASSERT_EQ(std::isnan(found.roughness_m.at(place)), !slow.is_known(place));
-        ++(slow.is_known(place) ? known : unknown);
-        if (!slow.is_known(place)) continue;
-        ASSERT_NEAR(found.slope_deg.at(place), slow.slope_deg(place), 1e-9);
-        ASSERT_NEAR(found.roughness_m.at(place), slow.roughness(place), 1e-9);
-      }
+    for (const BinIndex place : bins_of(z.spec())) {
+      ASSERT_EQ(std::isnan(found.slope_deg.at(place)), !slow.is_known(place));
+      ASSERT_EQ(std::isnan(found.roughness_m.at(place)), !slow.is_known(place));
+      ++(slow.is_known(place) ? known : unknown);
+      if (!slow.is_known(place)) continue;
+      ASSERT_NEAR(found.slope_deg.at(place), slow.slope_deg(place), 1e-9);
+      ASSERT_NEAR(found.roughness_m.at(place), slow.roughness(place), 1e-9);
+    }
   }
   EXPECT_GT(known, 1000);
   EXPECT_GT(unknown, 1000);
@@ -139,19 +132,7 @@ TEST(RangeDifference, EqualsItsDefinitionOnRandomMaps) {
 
 TEST(RangeDifference, TheSameAtAnyNumberOfThreads) {
   const Grid<double> z = random_map({0.1, -30, -30, 61, 61}, 9, 0);
-  const auto run = [&](std::size_t threads) {
-    const ThreadLimit limit(threads);
-    return measured(z);
-  };
-  const PlaceMeasures one = run(1);
-  for (const std::size_t threads : {2U, 7U}) {
-    const PlaceMeasures more = run(threads);
-    for (std::size_t i = 0; i < z.spec().size(); ++i) {
-      if (std::isnan(one.slope_deg.values()[i])) continue;
-      EXPECT_EQ(one.slope_deg.values()[i], more.slope_deg.values()[i]);
-      EXPECT_EQ(one.roughness_m.values()[i], more.roughness_m.values()[i]);
-    }
-  }
+  testing_hazards::expect_same_at_any_threads([&] { return measured(z); });
 }
 
 TEST(RangeDifference, HalfOfTheRocksWindow) {

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "base/numerics/random.h"
+#include "bins.h"
 #include "constants.h"
 #include "map_noise.h"
 
@@ -30,22 +31,20 @@ Grid<double> rocky(const GridSpec& spec, std::uint64_t seed) {
     const double height = 0.05 * std::pow(length / 5, 0.8);
     const double angle = 2 * std::numbers::pi * field.uniform(1000 + 2 * wave);
     const double phase = 2 * std::numbers::pi * field.uniform(1001 + 2 * wave);
-    for (std::int64_t row = 0; row < spec.rows; ++row)
-      for (std::int64_t col = 0; col < spec.cols; ++col) {
-        const double along = std::cos(angle) * spec.x(col) + std::sin(angle) * spec.y(row);
-        z.at({row, col}) += height * std::sin(2 * std::numbers::pi * along / length + phase);
-      }
+    for (const auto [row, col] : bins_of(spec)) {
+      const double along = std::cos(angle) * spec.x(col) + std::sin(angle) * spec.y(row);
+      z.at({row, col}) += height * std::sin(2 * std::numbers::pi * along / length + phase);
+    }
   }
   for (std::uint64_t k = 0; k < 60; ++k) {
     const double radius = 0.1 + 0.45 * std::pow(field.uniform(4 * k), 2);
     const double x = 14 * field.uniform(4 * k + 1) - 7;
     const double y = 14 * field.uniform(4 * k + 2) - 7;
     const double height = radius * (0.6 + 0.6 * field.uniform(4 * k + 3));
-    for (std::int64_t row = 0; row < spec.rows; ++row)
-      for (std::int64_t col = 0; col < spec.cols; ++col) {
-        const double u = std::hypot(spec.x(col) - x, spec.y(row) - y) / radius;
-        if (u < 1) z.at({row, col}) += height * std::sqrt(1 - u * u);
-      }
+    for (const auto [row, col] : bins_of(spec)) {
+      const double u = std::hypot(spec.x(col) - x, spec.y(row) - y) / radius;
+      if (u < 1) z.at({row, col}) += height * std::sqrt(1 - u * u);
+    }
   }
   return z;
 }
@@ -127,11 +126,9 @@ TEST(SafeProbability, IsCalibratedOnRocks) {
 /// The mean over the places of a plane that rises in no direction of the lattice.
 double mean_on_plane(double slope_deg, double sigma) {
   const GridSpec spec = GridSpec::centered(5, 0.05);
-  Grid<double> z(spec);
   const double rise = std::tan(slope_deg / kDegrees);
-  for (std::int64_t row = 0; row < spec.rows; ++row)
-    for (std::int64_t col = 0; col < spec.cols; ++col)
-      z.at({row, col}) = rise * (std::cos(0.4) * spec.x(col) + std::sin(0.4) * spec.y(row));
+  Grid<double> z =
+      grid_of(spec, [&](double x, double y) { return rise * (std::cos(0.4) * x + std::sin(0.4) * y); });
   add_noise(z, sigma, 21);
   const BinMask region = circular_region(spec, 3.5);
   const Grid<float> p = judge(z, noise_of(spec, sigma), {}, region).p;
@@ -229,28 +226,26 @@ TEST(SafeProbability, AgreesWithASecondReadingWhereOnePlaneOrOneBinDecides) {
         Terrain{"one stone", 0, 0, 0.1, 10000, 0}}) {
     SCOPED_TRACE(terrain.name);
     Grid<double> z(spec);
-    for (std::int64_t row = 0; row < spec.rows; ++row)
-      for (std::int64_t col = 0; col < spec.cols; ++col) {
-        const double u = std::hypot(spec.x(col), spec.y(row)) / 0.4;
-        z.at({row, col}) = std::tan(terrain.slope_deg / kDegrees) * spec.x(col) +
-                           terrain.bend_m * std::sin(2 * std::numbers::pi * spec.x(col) / 8) +
-                           (u < 1 ? terrain.rock_m * std::sqrt(1 - u * u) : 0);
-      }
+    for (const auto [row, col] : bins_of(spec)) {
+      const double u = std::hypot(spec.x(col), spec.y(row)) / 0.4;
+      z.at({row, col}) = std::tan(terrain.slope_deg / kDegrees) * spec.x(col) +
+                         terrain.bend_m * std::sin(2 * std::numbers::pi * spec.x(col) / 8) +
+                         (u < 1 ? terrain.rock_m * std::sqrt(1 - u * u) : 0);
+    }
     add_noise(z, kSigma, 41);
     const Grid<float> p = judge(z, noise_of(spec, kSigma), {}, region).p;
     const SecondReading second(z, kSigma);
     int safe = 0;
     int unsafe = 0;
     int apart = 0;
-    for (std::int64_t row = 0; row < spec.rows; ++row)
-      for (std::int64_t col = 0; col < spec.cols; ++col) {
-        if (region.at({row, col}) == 0) continue;
-        const double one = p.at({row, col});
-        const double other = second.at({row, col}, {});
-        safe += one > 0.99 && other > 0.99 ? 1 : 0;
-        unsafe += one < 0.01 && other < 0.01 ? 1 : 0;
-        apart += (one > 0.99 && other < 0.01) ? 1 : 0;
-      }
+    for (const auto [row, col] : bins_of(spec)) {
+      if (region.at({row, col}) == 0) continue;
+      const double one = p.at({row, col});
+      const double other = second.at({row, col}, {});
+      safe += one > 0.99 && other > 0.99 ? 1 : 0;
+      unsafe += one < 0.01 && other < 0.01 ? 1 : 0;
+      apart += (one > 0.99 && other < 0.01) ? 1 : 0;
+    }
     EXPECT_GE(safe, terrain.min_safe);
     EXPECT_GE(unsafe, terrain.min_unsafe);
     EXPECT_EQ(apart, 0);
@@ -305,9 +300,8 @@ TEST(SafeProbability, IsNoMoreCertainThanTheBinsUnderTheBody) {
   const BinMask region(spec, 1);
   const LanderStencil lander({.leg_radius_m = 0.3, .body_radius_m = 0.3}, 0.1);
   SigmaParts parts = noise_of(spec, 0.001);
-  for (std::int64_t row = 0; row < 4; ++row)
-    for (std::int64_t col = 0; col < spec.cols; ++col)
-      parts.noise_m.at({row, col}) = std::numeric_limits<float>::quiet_NaN();
+  for (const BinIndex bin : Bins({0, 0}, {4, spec.cols}))
+    parts.noise_m.at(bin) = std::numeric_limits<float>::quiet_NaN();
   const PlaceMeasures level{Grid<double>(spec), Grid<double>(spec)};
   const SafeProbability found =
       safe_probability({Grid<double>(spec), parts, level, region}, lander, {}, 0.3,

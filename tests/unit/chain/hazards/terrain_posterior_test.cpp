@@ -11,6 +11,7 @@
 
 #include "base/core/parallel.h"
 #include "base/numerics/random.h"
+#include "bins.h"
 #include "map_noise.h"
 
 namespace landfall {
@@ -21,11 +22,8 @@ constexpr double kNoise = 0.01;
 
 /// A plane of 9 deg, 2000 m high.
 Grid<double> plane(const GridSpec& spec) {
-  Grid<double> z(spec);
-  for (std::int64_t row = 0; row < spec.rows; ++row)
-    for (std::int64_t col = 0; col < spec.cols; ++col)
-      z.at({row, col}) = 2000 + std::tan(std::numbers::pi / 20) * (0.6 * spec.x(col) + 0.8 * spec.y(row));
-  return z;
+  return grid_of(
+      spec, [](double x, double y) { return 2000 + std::tan(std::numbers::pi / 20) * (0.6 * x + 0.8 * y); });
 }
 
 /// Waves of all lengths; `fall` is the power of the length that their heights follow.
@@ -36,12 +34,11 @@ Grid<double> rough(const GridSpec& spec, double height, double fall) {
     const double length = 6 * std::pow(0.93, static_cast<double>(wave));
     const double angle = 2 * std::numbers::pi * field.uniform(2 * wave);
     const double phase = 2 * std::numbers::pi * field.uniform(2 * wave + 1);
-    for (std::int64_t row = 0; row < spec.rows; ++row)
-      for (std::int64_t col = 0; col < spec.cols; ++col)
-        z.at({row, col}) += height * std::pow(length / 6, fall) *
-                            std::sin(2 * std::numbers::pi / length *
-                                         (std::cos(angle) * spec.x(col) + std::sin(angle) * spec.y(row)) +
-                                     phase);
+    for (const auto [row, col] : bins_of(spec))
+      z.at({row, col}) += height * std::pow(length / 6, fall) *
+                          std::sin(2 * std::numbers::pi / length *
+                                       (std::cos(angle) * spec.x(col) + std::sin(angle) * spec.y(row)) +
+                                   phase);
   }
   return z;
 }
@@ -52,13 +49,12 @@ double rms(const Grid<double>& a, const Grid<double>& b) {
   double sum = 0;
   double square = 0;
   int count = 0;
-  for (std::int64_t row = 20; row < spec.rows - 20; ++row)
-    for (std::int64_t col = 20; col < spec.cols - 20; ++col) {
-      const double off = a.at({row, col}) - b.at({row, col});
-      sum += off;
-      square += off * off;
-      ++count;
-    }
+  for (const auto [row, col] : Bins({20, 20}, {spec.rows - 20, spec.cols - 20})) {
+    const double off = a.at({row, col}) - b.at({row, col});
+    sum += off;
+    square += off * off;
+    ++count;
+  }
   return std::sqrt(square / count - std::pow(sum / count, 2));
 }
 
@@ -92,14 +88,13 @@ TEST(TerrainPosterior, ThePlacesOfReturnsAreNoReliefOfASlope) {
   const Grid<double> truth = plane(spec);
   Grid<double> z = truth;
   ReturnCentroids centroids{Grid<float>(spec), Grid<float>(spec)};
-  for (std::int64_t row = 0; row < spec.rows; ++row)
-    for (std::int64_t col = 0; col < spec.cols; ++col) {
-      const double off =
-          0.007 * std::sin(2.0 * static_cast<double>(col)) * std::sin(1.5 * static_cast<double>(row));
-      centroids.x.at({row, col}) = static_cast<float>(spec.x(col) + off);
-      centroids.y.at({row, col}) = static_cast<float>(spec.y(row) - 2 * off);
-      z.at({row, col}) += std::tan(std::numbers::pi / 20) * (0.6 - 2 * 0.8) * off;
-    }
+  for (const auto [row, col] : bins_of(spec)) {
+    const double off =
+        0.007 * std::sin(2.0 * static_cast<double>(col)) * std::sin(1.5 * static_cast<double>(row));
+    centroids.x.at({row, col}) = static_cast<float>(spec.x(col) + off);
+    centroids.y.at({row, col}) = static_cast<float>(spec.y(row) - 2 * off);
+    z.at({row, col}) += std::tan(std::numbers::pi / 20) * (0.6 - 2 * 0.8) * off;
+  }
   const SigmaParts noise = noise_of(spec, 1e-5);
   EXPECT_GT(rms(TerrainPosterior(z, noise.noise_m, 1).draw(0), truth), 3e-4);
   EXPECT_LT(rms(TerrainPosterior(z, noise.noise_m, 1, centroids).draw(0), truth), 1e-4);
@@ -111,12 +106,11 @@ TEST(TerrainPosterior, APointIsNotTheMeanOfItsBin) {
   Grid<double> means(spec);
   Grid<double> truth(spec);
   const double side = std::sin(std::numbers::pi * 0.1 / 2) / (std::numbers::pi * 0.1 / 2);
-  for (std::int64_t row = 0; row < spec.rows; ++row)
-    for (std::int64_t col = 0; col < spec.cols; ++col) {
-      truth.at({row, col}) =
-          std::cos(std::numbers::pi * spec.x(col)) * std::cos(std::numbers::pi * spec.y(row));
-      means.at({row, col}) = side * side * truth.at({row, col});
-    }
+  for (const auto [row, col] : bins_of(spec)) {
+    truth.at({row, col}) =
+        std::cos(std::numbers::pi * spec.x(col)) * std::cos(std::numbers::pi * spec.y(row));
+    means.at({row, col}) = side * side * truth.at({row, col});
+  }
   EXPECT_GT(rms(means, truth), 0.003);
   EXPECT_LT(rms(TerrainPosterior(means, noise_of(spec, 1e-5).noise_m, 1).draw(0), truth), 2e-4);
 }
@@ -139,11 +133,10 @@ TEST(TerrainPosterior, AHoleHasTheReliefAround) {
   const auto spread_in_hole = [&](Grid<double> z) {
     add_noise(z, kNoise, 6);
     SigmaParts parts = noise_of(spec, kNoise);
-    for (std::int64_t row = 95; row < 106; ++row)
-      for (std::int64_t col = 95; col < 106; ++col) {
-        parts.noise_m.at({row, col}) = kUnknown;
-        z.at({row, col}) = 777;  // does not count
-      }
+    for (const auto [row, col] : Bins({95, 95}, {106, 106})) {
+      parts.noise_m.at({row, col}) = kUnknown;
+      z.at({row, col}) = 777;  // does not count
+    }
     const TerrainPosterior posterior(z, parts.noise_m, 1);
     double square = 0;
     for (std::uint64_t k = 0; k < 8; ++k)
@@ -170,8 +163,7 @@ TEST(TerrainPosterior, ThinMapOfAPlane) {
 TEST(TerrainPosterior, FarFromAnyReturnThereIsNone) {
   const GridSpec spec = GridSpec::centered(5, 0.05);
   SigmaParts parts = noise_of(spec, kUnknown);
-  for (std::int64_t row = 0; row < 20; ++row)
-    for (std::int64_t col = 0; col < spec.cols; ++col) parts.noise_m.at({row, col}) = 0.01F;
+  for (const BinIndex bin : Bins({0, 0}, {20, spec.cols})) parts.noise_m.at(bin) = 0.01F;
   const Grid<double> terrain = TerrainPosterior(plane(spec), parts.noise_m, 1).draw(0);
   EXPECT_TRUE(std::isfinite(terrain.at({60, 100})));
   EXPECT_TRUE(std::isnan(terrain.at({100, 100})));
@@ -181,27 +173,24 @@ TEST(TerrainPosterior, FarFromAnyReturnThereIsNone) {
 TEST(TerrainPosterior, BesideAWallTheGroundIsEven) {
   const GridSpec spec = GridSpec::centered(4, 0.05);
   Grid<double> z(spec);
-  for (std::int64_t row = 0; row < spec.rows; ++row)
-    for (std::int64_t col = 80; col < spec.cols; ++col) z.at({row, col}) = 1;
+  for (const BinIndex bin : Bins({0, 80}, {spec.rows, spec.cols})) z.at(bin) = 1;
   add_noise(z, 0.001, 10);
   ReturnCentroids centroids{Grid<float>(spec), Grid<float>(spec)};
-  for (std::int64_t row = 0; row < spec.rows; ++row)
-    for (std::int64_t col = 0; col < spec.cols; ++col) {
-      centroids.x.at({row, col}) = static_cast<float>(spec.x(col) + 0.02);
-      centroids.y.at({row, col}) = static_cast<float>(spec.y(row) - 0.02);
-    }
+  for (const auto [row, col] : bins_of(spec)) {
+    centroids.x.at({row, col}) = static_cast<float>(spec.x(col) + 0.02);
+    centroids.y.at({row, col}) = static_cast<float>(spec.y(row) - 0.02);
+  }
   for (const std::optional<ReturnCentroids>& places :
        {std::optional<ReturnCentroids>{}, std::optional{centroids}}) {
     const Grid<double> terrain = TerrainPosterior(z, noise_of(spec, 0.001).noise_m, 1, places).draw(0);
-    for (std::int64_t row = 20; row < spec.rows - 20; ++row)
-      for (std::int64_t col = 20; col < spec.cols - 20; ++col)
-        ASSERT_NEAR(terrain.at({row, col}),
-                    (col < 80 ? 0 : 1) + (col == 79   ? -1.0
-                                          : col == 80 ? 1.0
-                                                      : 0.0) /
-                                             24,
-                    0.02)
-            << row << ", " << col;
+    for (const auto [row, col] : Bins({20, 20}, {spec.rows - 20, spec.cols - 20}))
+      ASSERT_NEAR(terrain.at({row, col}),
+                  (col < 80 ? 0 : 1) + (col == 79   ? -1.0
+                                        : col == 80 ? 1.0
+                                                    : 0.0) /
+                                           24,
+                  0.02)
+          << row << ", " << col;
   }
 }
 
@@ -220,16 +209,14 @@ TEST(TerrainPosterior, DependsOnNoMoreThanItsReach) {
     if (field.uniform(i) < 0.2) parts.noise_m.values()[i] = kUnknown;
   Grid<double> cut(small);
   SigmaParts cut_parts = noise_of(small, kNoise);
-  for (std::int64_t row = 0; row < small.rows; ++row)
-    for (std::int64_t col = 0; col < small.cols; ++col) {
-      cut.at({row, col}) = z.at({row + inner, col + inner});
-      cut_parts.noise_m.at({row, col}) = parts.noise_m.at({row + inner, col + inner});
-    }
+  for (const auto [row, col] : bins_of(small)) {
+    cut.at({row, col}) = z.at({row + inner, col + inner});
+    cut_parts.noise_m.at({row, col}) = parts.noise_m.at({row + inner, col + inner});
+  }
   const Grid<double> whole = TerrainPosterior(z, parts.noise_m, 3).draw(5);
   const Grid<double> part = TerrainPosterior(cut, cut_parts.noise_m, 3).draw(5);
-  for (std::int64_t row = reach; row < small.rows - reach; ++row)
-    for (std::int64_t col = reach; col < small.cols - reach; ++col)
-      ASSERT_NEAR(part.at({row, col}), whole.at({row + inner, col + inner}), 1e-6) << row << ", " << col;
+  for (const auto [row, col] : Bins({reach, reach}, {small.rows - reach, small.cols - reach}))
+    ASSERT_NEAR(part.at({row, col}), whole.at({row + inner, col + inner}), 1e-6) << row << ", " << col;
   for (const double s : {0.025, 0.05, 0.1, 0.2, 0.4})
     EXPECT_LE(static_cast<double>(TerrainPosterior::reach_bins(s)) * s, 15) << s;
 }

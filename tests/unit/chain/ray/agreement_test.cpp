@@ -4,11 +4,8 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <iostream>
-#include <limits>
-#include <random>
 
 #include "brute_force.h"
 #include "chain/ray/cgal_engine.h"

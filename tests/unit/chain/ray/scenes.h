@@ -15,6 +15,7 @@
 #include <string>
 #include <vector>
 
+#include "bins.h"
 #include "chain/ray/cgal_engine.h"
 #include "chain/ray/engine.h"
 #include "chain/ray/heightfield_engine.h"
@@ -29,11 +30,7 @@ using Terrain = std::shared_ptr<const TriangulatedGrid>;
 /// A terrain whose node heights are height(x, y).
 template <class Height>
 Terrain terrain_of(const GridSpec& spec, Height height) {
-  Grid<double> nodes(spec);
-  for (std::int64_t row = 0; row < spec.rows; ++row)
-    for (std::int64_t col = 0; col < spec.cols; ++col)
-      nodes.at({row, col}) = height(spec.x(col), spec.y(row));
-  return std::make_shared<const TriangulatedGrid>(std::move(nodes));
+  return std::make_shared<const TriangulatedGrid>(grid_of(spec, height));
 }
 
 inline Ray ray_from(const Eigen::Vector3d& origin, const Eigen::Vector3d& direction) {

@@ -11,6 +11,7 @@
 #include "base/core/error.h"
 #include "base/core/parallel.h"
 #include "base/numerics/random.h"
+#include "bins.h"
 #include "chain/ray/heightfield_engine.h"
 
 namespace landfall {
@@ -25,13 +26,12 @@ double relief_m(double x_m, double y_m) {
 
 Grid<double> nodes_of(const GridSpec& window) {
   Grid<double> z(window);
-  for (std::int64_t r = 0; r < window.rows; ++r)
-    for (std::int64_t c = 0; c < window.cols; ++c) {
-      const std::int64_t row = window.first_row + r;
-      const std::int64_t col = window.first_col + c;
-      z.at({r, c}) = (row * 31 + col * 17) % 1009 == 0 ? std::numeric_limits<double>::quiet_NaN()
-                                                       : relief_m(window.x(c), window.y(r));
-    }
+  for (const auto [r, c] : bins_of(window)) {
+    const std::int64_t row = window.first_row + r;
+    const std::int64_t col = window.first_col + c;
+    z.at({r, c}) = (row * 31 + col * 17) % 1009 == 0 ? std::numeric_limits<double>::quiet_NaN()
+                                                     : relief_m(window.x(c), window.y(r));
+  }
   return z;
 }
 

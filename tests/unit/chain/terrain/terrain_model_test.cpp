@@ -6,8 +6,8 @@
 
 #include <limits>
 
-#include "base/core/error.h"
 #include "constants.h"
+#include "refusal.h"
 
 namespace landfall {
 namespace {
@@ -78,12 +78,7 @@ TerrainModel model_of(const T& part) {
 
 template <class T>
 std::string model_refusal(const T& part) {
-  try {
-    validate(model_of(part));
-  } catch (const UsageError& error) {
-    return error.what();
-  }
-  return "accepted";
+  return refusal([&] { validate(model_of(part)); });
 }
 
 TEST(Validate, DefaultsMakeSense) {

@@ -15,15 +15,15 @@ namespace landfall {
 struct TestRaster {
   int cols = 0;
   int rows = 0;
-  std::function<double(int col, int row)> value;
+  std::function<double(int col, int row)> value = {};
   std::string type = "Float64";  ///< type name in GDAL, or SignedByte
-  std::optional<std::array<double, 6>> transform;
-  std::string crs;  ///< any text that GDAL accepts as a CRS; empty: without a CRS
-  std::optional<double> nodata;
+  std::optional<std::array<double, 6>> transform = {};
+  std::string crs = {};  ///< any text that GDAL accepts as a CRS; empty: without a CRS
+  std::optional<double> nodata = {};
   double scale = 1;
   double offset = 0;
-  std::function<bool(int col, int row)> valid;  ///< a mask band, if set
-  std::string unit = {};                        ///< unit of the elevations; empty: none
+  std::function<bool(int col, int row)> valid = {};  ///< a mask band, if set
+  std::string unit = {};                             ///< unit of the elevations; empty: none
 };
 
 /// Writes a GeoTIFF; throws std::runtime_error with GDAL's reason.

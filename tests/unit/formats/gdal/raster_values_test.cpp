@@ -16,6 +16,7 @@
 #include "formats/gdal/gdal_loader.h"
 #include "gdal_rasters.h"
 #include "load_dem_test.h"
+#include "refusal.h"
 
 namespace landfall {
 namespace {
@@ -34,12 +35,7 @@ class VerticalUnit : public LoadDem {
   }
   static double loaded(const DemBase& dem) { return load_dem(dem, kSite).samples.values[0]; }
   static std::string refusal(const DemBase& dem) {
-    try {
-      (void)load_dem(dem, kSite);
-    } catch (const FormatError& error) {
-      return error.what();
-    }
-    return "";
+    return landfall::refusal<FormatError>([&] { return load_dem(dem, kSite); });
   }
   inline static const GridSpec kSite = GridSpec::centered(1, 1);
   static constexpr const char* kFeetAboveSea = "EPSG:32631+6360";  ///< NAVD88 height (ftUS)
@@ -137,7 +133,7 @@ class BesideARawHeader : public LoadDem {
   DemBase image(const char* driver, const char* extension) {
     GDALAllRegister();
     const auto value = [](int col, int) { return 100 + col; };
-    DemBase dem = written({16, 16, value, "Byte", {}, "", {}, 1, 0, {}});
+    DemBase dem = written({16, 16, value, "Byte"});
     const auto source = GDALDatasetUniquePtr(GDALDataset::Open(dem.path.c_str()));
     dem.path = (folder_ / "site").string() + extension;
     const auto copy = GDALDatasetUniquePtr(GetGDALDriverManager()->GetDriverByName(driver)->CreateCopy(
@@ -152,12 +148,8 @@ class BesideARawHeader : public LoadDem {
 
 TEST_F(BesideARawHeader, AnAnymapIsRefused) {
   const DemBase dem = image("PNM", ".pgm");
-  try {
-    (void)load_dem(dem, GridSpec::centered(1, 1));
-    FAIL() << "was loaded";
-  } catch (const FormatError& error) {
-    EXPECT_THAT(error.what(), HasSubstr("site.pgm: is a PNM file"));
-  }
+  EXPECT_THAT(refusal<FormatError>([&] { return load_dem(dem, GridSpec::centered(1, 1)); }),
+              HasSubstr("site.pgm: is a PNM file"));
 }
 
 TEST_F(BesideARawHeader, OtherImagesKeepTheirOwnValues) {
@@ -247,7 +239,7 @@ TEST_F(LoadDem, RefusesADtedCellWithAWrongChecksum) {
 TEST_F(LoadDem, RefusesATruncatedJpeg) {
   GDALAllRegister();
   const auto value = [](int col, int row) { return 40 + (col * row) % 80; };
-  DemBase dem = written({256, 256, value, "Byte", {}, "", {}, 1, 0, {}});
+  DemBase dem = written({256, 256, value, "Byte"});
   const auto source = GDALDatasetUniquePtr(GDALDataset::Open(dem.path.c_str()));
   dem.path = (folder_ / "site.jpg").string();
   ASSERT_NE(GDALDatasetUniquePtr(GetGDALDriverManager()->GetDriverByName("JPEG")->CreateCopy(

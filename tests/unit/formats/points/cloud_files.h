@@ -4,11 +4,11 @@
 #include <cstring>
 #include <fstream>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include "base/core/error.h"
 #include "formats/points/cloud_reader.h"
+#include "refusal.h"
 #include "temporary_folder.h"
 
 namespace landfall {
@@ -57,13 +57,8 @@ inline WholeCloud read_cloud(const std::string& name, const std::string& bytes,
 /// The message about such a file, without its folder; "accepted" if there is none.
 inline std::string cloud_refusal(const std::string& name, const std::string& bytes,
                                  const ColumnChoice& choice = {}) {
-  try {
-    static_cast<void>(read_cloud(name, bytes, choice));
-  } catch (const FormatError& error) {
-    const std::string what = error.what();
-    return what.substr(what.find(name));
-  }
-  return "accepted";
+  const std::string what = refusal<FormatError>([&] { return read_cloud(name, bytes, choice); });
+  return what == "accepted" ? what : what.substr(what.find(name));
 }
 
 }  // namespace landfall

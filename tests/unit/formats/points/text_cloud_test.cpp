@@ -98,8 +98,6 @@ TEST(TextCloud, LeavesAnUnnamedFirstColumnOut) {
     EXPECT_THAT(cloud[CloudField::x], ElementsAre(5, 8)) << text;
     EXPECT_THAT(cloud.info.notes, ElementsAre(HasSubstr("first column has no name"))) << text;
   }
-  EXPECT_THAT(cloud_refusal("a.csv", "x,y,z\n1.5,5,6,7\n0.5,8,9,10\n"),
-              HasSubstr("line 2: has 4 cells, but the header has 3 names"));
 }
 
 TEST(TextCloud, ReadsDecimalCommas) {
@@ -110,8 +108,6 @@ TEST(TextCloud, ReadsDecimalCommas) {
     EXPECT_THAT(cloud[CloudField::x], testing::UnorderedElementsAre(1.5, 4)) << text;
     EXPECT_THAT(cloud.info.notes, testing::Contains(HasSubstr("decimals"))) << text;
   }
-  EXPECT_THAT(cloud_refusal("a.txt", "1,5;2,5;3,5\n1.5;2;3\n"),
-              HasSubstr("line 2: '1.5' is not a number: elsewhere the file has decimal commas"));
   EXPECT_THAT(cloud_refusal("a.txt", "x;y;z\n1,234,567;2;3\n"), HasSubstr("'1,234,567' is not a number"));
 }
 
@@ -168,14 +164,8 @@ TEST(TextCloud, ReadsLongCommentsAndHeaders) {
 
 TEST(TextCloud, RefusesWhatIsNotPoints) {
   const auto refusal = [](const std::string& text) { return cloud_refusal("a.csv", text); };
-  EXPECT_THAT(refusal(""), HasSubstr("is empty"));
   EXPECT_THAT(refusal("# only\n"), HasSubstr("has no points"));
-  EXPECT_THAT(refusal("x,y\n1,2\n"), HasSubstr("no column is recognised as z; it has x, y"));
-  EXPECT_THAT(refusal("1 2\n"), HasSubstr("has 2 columns, but a point has x, y and z"));
-  EXPECT_THAT(refusal("x,y,z\n1,2,3\n4,b,6\n"), HasSubstr("line 3: 'b' is not a number"));
-  EXPECT_THAT(refusal("x,y,z,X\n1,2,3,4\n"), HasSubstr("two of its columns could be x"));
   EXPECT_THAT(refusal(std::string("x,y,z\n1,2,3\n\0", 13)), HasSubstr("is not a point cloud"));
-  EXPECT_THAT(cloud_refusal("a.e57", "ASTM-E57 and more"), HasSubstr("is an E57 file"));
 }
 
 }  // namespace

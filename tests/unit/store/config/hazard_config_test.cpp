@@ -7,7 +7,7 @@
 #include <cmath>
 #include <string>
 
-#include "base/core/error.h"
+#include "refusal.h"
 #include "store/config/presets.h"
 #include "store/config/schema.h"
 
@@ -22,12 +22,7 @@ HazardParameters parameters_of(const std::string& text) {
 }
 
 std::string hazard_refusal(const std::string& text) {
-  try {
-    static_cast<void>(parameters_of(text));
-  } catch (const UsageError& error) {
-    return error.what();
-  }
-  return "accepted";
+  return landfall::refusal([&] { return parameters_of(text); });
 }
 
 void expect_equal_parameters(const HazardParameters& a, const HazardParameters& b) {
@@ -130,21 +125,18 @@ TEST(HazardConfig, AnUnknownSigmaIsNull) {
 }
 
 TEST(HazardConfig, ValuesOutOfBoundsAreRefused) {
-  EXPECT_THAT(hazard_refusal(R"({"lander": {"legs": 5}})"),
-              HasSubstr("h.json: /lander/legs: 5 is not in [3, 4]"));
-  EXPECT_THAT(hazard_refusal(R"({"lander": {"pad_diameter_m": 0}})"),
-              HasSubstr("/lander/pad_diameter_m: 0 is not"));
-  EXPECT_THAT(hazard_refusal(R"({"limits": {"slope_deg": 0}})"),
-              HasSubstr("/limits/slope_deg: 0 is not in (0, 90]"));
-  EXPECT_THAT(hazard_refusal(R"({"limits": {"roughness_m": -1}})"),
-              HasSubstr("/limits/roughness_m: -1 is not"));
-  EXPECT_THAT(hazard_refusal(R"({"method": "median"})"), HasSubstr("/method: \"median\" is not one of"));
-  EXPECT_THAT(hazard_refusal(R"({"region_radius_m": 0})"), HasSubstr("/region_radius_m: 0 is not"));
-  EXPECT_THAT(hazard_refusal(R"({"hole_fill_bins": -1})"), HasSubstr("/hole_fill_bins: -1 is not"));
-  EXPECT_THAT(hazard_refusal(R"({"sites": {"count": 0}})"), HasSubstr("/sites/count: 0 is not"));
-  EXPECT_THAT(hazard_refusal(R"({"sites": {"min_p": 1.1}})"),
-              HasSubstr("/sites/min_p: 1.1 is not in [0, 1]"));
-  EXPECT_THAT(hazard_refusal(R"({"slope_deg": 3})"), HasSubstr("unknown key"));
+  const std::pair<const char*, const char*> wrong[] = {
+      {R"({"lander": {"legs": 5}})", "h.json: /lander/legs: 5 is not in [3, 4]"},
+      {R"({"lander": {"pad_diameter_m": 0}})", "/lander/pad_diameter_m: 0 is not"},
+      {R"({"limits": {"slope_deg": 0}})", "/limits/slope_deg: 0 is not in (0, 90]"},
+      {R"({"limits": {"roughness_m": -1}})", "/limits/roughness_m: -1 is not"},
+      {R"({"method": "median"})", "/method: \"median\" is not one of"},
+      {R"({"region_radius_m": 0})", "/region_radius_m: 0 is not"},
+      {R"({"hole_fill_bins": -1})", "/hole_fill_bins: -1 is not"},
+      {R"({"sites": {"count": 0}})", "/sites/count: 0 is not"},
+      {R"({"sites": {"min_p": 1.1}})", "/sites/min_p: 1.1 is not in [0, 1]"},
+      {R"({"slope_deg": 3})", "unknown key"}};
+  for (const auto& [text, words] : wrong) EXPECT_THAT(hazard_refusal(text), HasSubstr(words));
 }
 
 // The first preset states the defaults, the second is the one of NASA JPL's competition.

@@ -20,7 +20,7 @@ std::vector<Requirement> parsed(const std::string& list) {
 }
 
 std::string refused(const std::string& list) {
-  return refusal([&] { static_cast<void>(parsed(list)); });
+  return refusal([&] { return parsed(list); });
 }
 
 TEST(OwnRequirementConfig, NoneWithoutTheKey) {
@@ -31,28 +31,6 @@ TEST(OwnRequirementConfig, BoundsInOrder) {
   EXPECT_EQ(parsed(R"([{"name": "x y-1_", "metric": "a.first_m", "max": 2},
                        {"name": "z", "metric": "a.second_m", "min": -1}])"),
             (std::vector<Requirement>{{"x y-1_", "a.first_m", 2, false}, {"z", "a.second_m", -1, true}}));
-}
-
-TEST(OwnRequirementConfig, OneBound) {
-  EXPECT_EQ(refused(R"([{"name": "x", "metric": "a.first_m"}])"),
-            "c.json: /requirements/0: has neither max nor min; give one of them");
-  EXPECT_EQ(refused(R"([{"name": "x", "metric": "a.first_m", "max": 1, "min": 1}])"),
-            "c.json: /requirements/0: has both of max and min; give one of them");
-}
-
-TEST(OwnRequirementConfig, TheMetricIsANumber) {
-  const auto metric = [](const std::string& path) {
-    return refused(R"([{"name": "x", "metric": ")" + path + R"(", "max": 1}])");
-  };
-  EXPECT_EQ(
-      metric("a.frst_m"),
-      R"(c.json: /requirements/0/metric: "a.frst_m": r.json has no such number; did you mean "a.first_m"?)");
-  EXPECT_EQ(metric("shape"), R"(c.json: /requirements/0/metric: "shape" of r.json is not a number)");
-  EXPECT_EQ(
-      metric("a"),
-      R"(c.json: /requirements/0/metric: "a" of r.json is not a number; name one in it, such as "a.first_m")");
-  EXPECT_EQ(metric("nothing of all"),
-            R"(c.json: /requirements/0/metric: "nothing of all": r.json has no such number)");
 }
 
 TEST(OwnRequirementConfig, NamesArePartsOfPaths) {

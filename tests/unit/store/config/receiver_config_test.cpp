@@ -1,15 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "store/config/receiver_config.h"
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
 
-#include "base/core/error.h"
-#include "store/config/json_source.h"
-#include "store/config/scan_config.h"
-#include "store/config/schema.h"
+#include "chain/lidar/error_models/random_navigation_error.h"
+#include "refusal.h"
+#include "scan_models.h"
+#include "store/config/receiver_config.h"
+#include "store/config/scan_components.h"
 
 namespace landfall {
 namespace {
@@ -18,12 +17,6 @@ using Json = nlohmann::json;
 using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::IsEmpty;
-
-Json completed_scan(const Json& changes) {
-  Json config = resolve_config({"scan.json", changes}, embedded_schema("scan"));
-  complete_scan_config(config);
-  return config;
-}
 
 Json with_receiver(const std::string& type, const Json& changes = Json::object()) {
   Json config = {{"receiver", {{"type", type}}},
@@ -37,12 +30,7 @@ std::vector<double> constants(const Json& config) {
 }
 
 std::string receiver_refusal(const Json& config) {
-  try {
-    static_cast<void>(scan_model(config, "scan.json", {}));
-  } catch (const UsageError& error) {
-    return error.what();
-  }
-  return "";
+  return refusal([&] { return scan_model(config, "scan.json", {}); });
 }
 
 TEST(ReceiverConfig, WithoutAReceiverNothingIsSeen) {
@@ -95,20 +83,11 @@ TEST(ReceiverConfig, ALinkDesignUsesThePixelsSolidAngle) {
 }
 
 TEST(ReceiverConfig, SaysWhatIsMissingOrExcluded) {
-  EXPECT_THAT(receiver_refusal(completed_scan({{"receiver", {{"type", "peak"}}}})),
-              HasSubstr("/link/reference_pe: is missing"));
-  EXPECT_THAT(receiver_refusal(with_receiver("peak", {{"link", {{"reference_range_m", nullptr}}}})),
-              HasSubstr("reference_range_m: is missing"));
-  EXPECT_THAT(receiver_refusal(with_receiver("peak", {{"link", {{"aperture_m", 0.1}}}})),
-              HasSubstr("aperture_m: excludes reference_pe"));
-  EXPECT_THAT(receiver_refusal(with_receiver("peak", {{"detector", {{"estimator", "first"}}}})),
-              HasSubstr("/receiver/type: excludes"));
-  EXPECT_THAT(receiver_refusal(with_receiver("geiger", {{"receiver", {{"dead_time_s", 1e-3}}}})),
-              HasSubstr("/receiver/dead_time_s: is longer"));
-  EXPECT_THAT(
-      receiver_refusal(with_receiver(
-          "peak", {{"beam", {{"profile", "top_hat"}, {"divergence_rad", 1e-6}, {"offset_rad", {0.1, 0}}}}})),
-      HasSubstr("no pixel looks into the beam"));
+  const std::pair<Json, const char*> wrong[] = {
+      {with_receiver("peak", {{"link", {{"aperture_m", 0.1}}}}), "aperture_m: excludes reference_pe"},
+      {with_receiver("peak", {{"detector", {{"estimator", "first"}}}}), "/receiver/type: excludes"},
+      {with_receiver("geiger", {{"receiver", {{"dead_time_s", 1e-3}}}}), "/receiver/dead_time_s: is longer"}};
+  for (const auto& [config, words] : wrong) EXPECT_THAT(receiver_refusal(config), HasSubstr(words));
 }
 
 TEST(ReceiverConfig, WarnsOfKeysWithoutEffect) {
@@ -122,6 +101,113 @@ TEST(ReceiverConfig, WarnsOfKeysWithoutEffect) {
               ElementsAre(HasSubstr("/surface has no effect")));
   EXPECT_TRUE(uses_albedo_map(with_receiver("peak", {{"surface", {{"albedo", "terrain"}}}})));
   EXPECT_FALSE(uses_albedo_map(completed_scan({{"surface", {{"albedo", "terrain"}}}})));
+}
+
+/// For configurations that name no table, but shall be built, not only checked.
+const TableLoader kNoTable = [](const std::string&, const std::string&, const TableColumns&) {
+  return NumberTable{};
+};
+
+std::string refusal_of(const std::string& text) {
+  return refusal([&] { return typed_scan(text); });
+}
+
+TEST(ErrorConfig, RangeErrorsAreRead) {
+  const RangeErrors read =
+      typed_scan(R"({"seed": 5, "noise": {"range_sigma_m": 0.03, "range_sigma_per_m": 1e-4,
+      "incidence_sigma_rad": 2e-4, "false_return_frac": 0.25, "false_range_m": [20, 30]}})")
+          .lidar.range_errors;
+  EXPECT_NEAR(read.sigma_m(400, 1.5), 0.13, 1e-16);
+  const RangeErrors expected({.false_return_frac = 0.25, .false_min_m = 20, .false_max_m = 30}, 5);
+  for (std::int64_t i = 0; i < 100; ++i)
+    EXPECT_EQ(read.false_return_m({i, 0}), expected.false_return_m({i, 0}));
+}
+
+TEST(ErrorConfig, PointingErrorsAreRead) {
+  const PointingError read =
+      typed_scan(R"({"seed": 5, "pointing_error": {"misalignment_rpy_rad": [0.1, 0.2, 0.3],
+      "jitter_sigma_rad": [0.4, 0.5], "time_stamp_bias_s": 0.6, "time_stamp_sigma_s": 0.7,
+      "mirror_time_bias_s": 0.8, "mirror_time_sigma_s": 0.9}})")
+          .lidar.pointing_error;
+  const PointingError expected({{0.1, 0.2, 0.3}, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9}, 5);
+  EXPECT_EQ(read.rotation(3), expected.rotation(3));
+  EXPECT_EQ(read.time_stamp_error_s(3), expected.time_stamp_error_s(3));
+  const PointingError scalar =
+      typed_scan(R"({"seed": 5, "pointing_error": {"jitter_sigma_rad": 0.4}})").lidar.pointing_error;
+  EXPECT_EQ(scalar.rotation(3), PointingError({{}, 0.4, 0.4, 0, 0}, 5).rotation(3));
+  const PointingError slow = typed_scan(R"({"seed": 5, "laser": {"pulse_rate_hz": 1000},
+      "pointing_error": {"jitter_sigma_rad": 0.4, "jitter_time_s": 0.01}})")
+                                 .lidar.pointing_error;
+  EXPECT_EQ(slow.rotation(3), PointingError({.jitter_sigma_x_rad = 0.4,
+                                             .jitter_sigma_y_rad = 0.4,
+                                             .jitter_time_s = 0.01,
+                                             .pulse_interval_s = 1e-3},
+                                            5)
+                                  .rotation(3));
+  EXPECT_FALSE(typed_scan("{}").lidar.pointing_error.turns_beams());
+}
+
+TEST(ErrorConfig, RandomNavigationErrorsAreReadAndReachOverTheScanAndItsStamps) {
+  const ScanModel model =
+      typed_scan(R"({"seed": 5, "laser": {"scan_time_s": 3}, "pointing_error": {"time_stamp_bias_s": 1},
+      "navigation_error": {"position_m": [1, 2, 3], "interval_s": 0.5,
+        "random_walk": {"position_m_per_sqrt_s": [1, 2, 3], "velocity_mps_per_sqrt_s": [4, 5, 6], "rpy_rad_per_sqrt_s": [0.1, 0.2, 0.3]},
+        "gauss_markov": {"position_sigma_m": [7, 8, 9], "position_time_s": 2, "velocity_sigma_mps": [1, 1, 2], "velocity_time_s": 3,
+                         "rpy_sigma_rad": [0.3, 0.2, 0.1], "rpy_time_s": 4}}})",
+                 kNoTable);
+  const RandomNavigationError expected({.position_m = {{1, 2, 3}}},
+                                       {{{{1, 2, 3}}, {{4, 5, 6}}, {0.1, 0.2, 0.3}},
+                                        {{{7, 8, 9}}, 2, {{1, 1, 2}}, 3, {0.3, 0.2, 0.1}, 4},
+                                        0.5},
+                                       {5, 4});
+  for (const double t : {0.0, 1.7, 4.0})
+    EXPECT_EQ(model.navigation_error->estimated({}, t), expected.estimated({}, t)) << t;
+}
+
+TEST(ErrorConfig, ATableOfEstimatesIsReadByTheLoader) {
+  const std::string config = R"({"navigation_error": {"table": "a.csv"}})";
+  EXPECT_EQ(typed_scan(config, two_poses("navigation")).estimate->pose(5).position.v,
+            Eigen::Vector3d(2, 3, 4));
+  EXPECT_NO_THROW(static_cast<void>(typed_scan(config)));
+  EXPECT_EQ(typed_scan("{}").estimate, nullptr);
+}
+
+TEST(ErrorConfig, ATableExcludesOtherNavigationErrors) {
+  for (const char* const other :
+       {R"("position_m": [1, 0, 0])", R"("velocity_mps": [0, 1, 0])", R"("rpy_rad": [0, 0, 1])",
+        R"("rpy_rate_radps": [1, 0, 0])", R"("random_walk": {"rpy_rad_per_sqrt_s": [0, 1, 0]})",
+        R"("gauss_markov": {"velocity_sigma_mps": [0, 1, 0]})"})
+    EXPECT_THAT(refusal_of(R"({"navigation_error": {"table": "a.csv", )" + std::string(other) + "}}"),
+                HasSubstr("c.json: /navigation_error/table: excludes "))
+        << other;
+}
+
+TEST(ErrorConfig, WarnsOfPointingErrorsWithoutEffect) {
+  const auto warnings = [](const char* changes) {
+    return pointing_warnings(completed_scan(nlohmann::json::parse(changes)));
+  };
+  EXPECT_THAT(warnings("{}"), testing::IsEmpty());
+  EXPECT_THAT(warnings(R"({"pointing_error": {"jitter_time_s": 1}})"),
+              testing::ElementsAre(HasSubstr("/pointing_error/jitter_time_s has no effect")));
+  EXPECT_THAT(warnings(R"({"pointing_error": {"jitter_time_s": 1, "jitter_sigma_rad": [0, 1e-5],
+                                              "mirror_time_bias_s": 1e-5, "mirror_time_sigma_s": 1e-5}})"),
+              testing::IsEmpty());
+  EXPECT_THAT(warnings(R"({"scanner": {"type": "flash"}, "pointing_error": {"mirror_time_bias_s": -1e-5}})"),
+              testing::ElementsAre(HasSubstr("/pointing_error/mirror_time_bias_s has no effect")));
+}
+
+TEST(ErrorConfig, RefusalsNameKeyValueAndBound) {
+  const std::pair<const char*, const char*> wrong[] = {
+      {R"({"noise": {"incidence_sigma_rad": -1}})", "/incidence_sigma_rad: -1 is not in [0, 1]"},
+      {R"({"pointing_error": {"jitter_sigma_rad": [1, -2]}})", "/jitter_sigma_rad/1: -2 is not in [0, 1e9]"},
+      {R"({"navigation_error": {"gauss_markov": {"position_time_s": 0}}})",
+       "/position_time_s: 0 is not in (0, 1e6]"},
+      {R"({"pointing_error": {"time_stamp_bias_s": -2e6}})", "_bias_s: -2000000.0 is not in [-1e6, 1e6]"},
+      {R"({"pointing_error": {"time_stamp_sigma_s": 2e6}})", "_sigma_s: 2000000.0 is not in [0, 1e6]"}};
+  for (const auto& [text, words] : wrong) EXPECT_THAT(refusal_of(text), HasSubstr(words));
+  EXPECT_THAT(refusal_of(R"({"pointing_error": {"time_stamp_bias_s": 5e5},
+                             "navigation_error": {"random_walk": {"rpy_rad_per_sqrt_s": [0, 1, 0]}}})"),
+              HasSubstr("500002 s, the scan and its time-stamp errors"));
 }
 
 }  // namespace

@@ -4,26 +4,19 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <set>
 #include <stdexcept>
 
-#include "base/core/error.h"
+#include "refusal.h"
 
 namespace landfall {
 namespace {
 
 using Json = nlohmann::json;
-using testing::AllOf;
 using testing::HasSubstr;
 using testing::Not;
 
 std::string schema_refusal(const std::string& schema, const std::string& text) {
-  try {
-    static_cast<void>(resolve_config({"c.json", Json::parse(text)}, embedded_schema(schema)));
-  } catch (const UsageError& error) {
-    return error.what();
-  }
-  return "accepted";
+  return refusal([&] { return resolve_config({"c.json", Json::parse(text)}, embedded_schema(schema)); });
 }
 
 TEST(Schema, EmptyConfigResolvesToTheContractsDefaults) {
@@ -46,42 +39,12 @@ TEST(Schema, EachIsOneObjectAndAnUnknownNameIsRefused) {
   EXPECT_THROW(static_cast<void>(embedded_schema("lidar")), std::out_of_range);
 }
 
-TEST(Schema, AMessageNamesFilePathValueAndBound) {
-  EXPECT_EQ(schema_refusal("scan", R"({"noise": {"dropout_frac": 1.7}})"),
-            "c.json: /noise/dropout_frac: 1.7 is not in [0, 1]");
-  EXPECT_EQ(schema_refusal("scan", R"({"noise": {"range_sigma_m": -0.1}})"),
-            "c.json: /noise/range_sigma_m: -0.1 is not in [0, 1e6]");
-  EXPECT_EQ(schema_refusal("scan", R"({"laser": {"pulse_rate_hz": 0}})"),
-            "c.json: /laser/pulse_rate_hz: 0 is not in (0, 1e9]");
-  EXPECT_EQ(schema_refusal("scan", R"({"detector": {"rows": 4097}})"),
-            "c.json: /detector/rows: 4097 is not in [1, 4096]");
-  EXPECT_EQ(schema_refusal("scan", R"({"detector": {"rows": 1.5}})"),
-            "c.json: /detector/rows: 1.5 is of type number, not integer");
-  EXPECT_EQ(schema_refusal("scan", R"({"mount": {"rpy_deg": [1, 2]}})"),
-            "c.json: /mount/rpy_deg: an array of 2 elements; expected 3");
-  EXPECT_EQ(schema_refusal("terrain", R"({"features": [{"type": "cone", "radius_m": 3}]})"),
-            "c.json: /features/0: needs the key \"height_m\"");
-}
-
-TEST(Schema, UnknownKeysGetASuggestion) {
-  EXPECT_EQ(schema_refusal("scan", R"({"noise": {"range_sgima_m": 0}})"),
-            "c.json: /noise/range_sgima_m: unknown key; did you mean \"range_sigma_m\"?");
-  EXPECT_THAT(schema_refusal("regrid", R"({"zzzzzzzz": 1})"),
-              AllOf(HasSubstr("unknown key"), HasSubstr("half_width_m")));
-}
-
 TEST(Schema, VariantsAreChosenByType) {
-  EXPECT_THAT(schema_refusal("scan", R"({"scanner": {"type": "fms"}})"),
-              AllOf(HasSubstr("c.json: /scanner/type: \"fms\" is not one of \"flash\", \"fsm\""),
-                    HasSubstr("; did you mean \"fsm\"?")));
   EXPECT_THAT(schema_refusal("scan", R"({"scanner": {"type": "flash", "pattern": {}}})"),
               HasSubstr("/scanner/pattern"));
   EXPECT_EQ(schema_refusal("scan", R"({"scanner": {"pattern": {"rows": 0}}})"),
             "c.json: /scanner/pattern/rows: 0 is not in [1, 1048576]");
-  EXPECT_THAT(schema_refusal("terrain", R"({"features": [{"radius_m": 3}]})"), HasSubstr("needs a \"type\""));
   EXPECT_EQ(schema_refusal("scan", R"({"detector": {"ifov_rad": [1e-4, 2e-4]}})"), "accepted");
-  EXPECT_EQ(schema_refusal("scan", R"({"detector": {"ifov_rad": "x"}})"),
-            "c.json: /detector/ifov_rad: \"x\" is not valid; expected number or array");
 }
 
 TEST(Schema, AVariantThatIsNoObjectIsToldItsForm) {
@@ -120,34 +83,13 @@ TEST(Schema, BasesMayBeStacked) {
 
 // The walk knows these keywords and ignores others.
 void expect_known_keywords(const Json& schema) {
-  static const std::set<std::string> kKnown = {"$schema",
-                                               "$id",
-                                               "$ref",
-                                               "title",
-                                               "description",
-                                               "type",
-                                               "properties",
-                                               "additionalProperties",
-                                               "default",
-                                               "oneOf",
-                                               "enum",
-                                               "const",
-                                               "minimum",
-                                               "maximum",
-                                               "exclusiveMinimum",
-                                               "items",
-                                               "minItems",
-                                               "maxItems",
-                                               "exclusiveMaximum",
-                                               "required",
-                                               "definitions",
-                                               "minLength",
-                                               "effect",
-                                               "drawn",
-                                               "beam_with",
-                                               "sigma"};
+  static const std::string kKnown =
+      " $id $ref $schema additionalProperties beam_with const default definitions description drawn effect "
+      "enum "
+      "exclusiveMaximum exclusiveMinimum items maxItems maximum minItems minLength minimum oneOf properties "
+      "required sigma title type ";
   for (const auto& [key, value] : schema.items()) {
-    EXPECT_TRUE(kKnown.count(key) == 1) << key;
+    EXPECT_THAT(kKnown, HasSubstr(" " + key + " "));
     if (key == "properties" || key == "definitions")
       for (const auto& [name, sub] : value.items()) expect_known_keywords(sub);
     if (key == "items" || (key == "additionalProperties" && value.is_object())) expect_known_keywords(value);

@@ -29,7 +29,7 @@ ScanOrigin scan(const std::string& name, double range_sigma_m, double velocity_e
 }
 
 std::string refusal_of(const std::string& config, const std::vector<ScanOrigin>& scans) {
-  return refusal([&] { static_cast<void>(uncertainty_parameters(resolved(config), "c.json", scans)); });
+  return refusal([&] { return uncertainty_parameters(resolved(config), "c.json", scans); });
 }
 
 // Any program may have made the scan.
@@ -188,9 +188,8 @@ TEST(UncertaintyConfig, TheSchemaRefusesNegativeSigmas) {
 TEST(UncertaintyConfig, NegativeSigmasOfOptionsAreRefusedByName) {
   Json config = resolved("{}");
   add_navigation_sigma(config, "velocity_mps=1,-2,3");
-  EXPECT_THAT(
-      refusal([&] { static_cast<void>(uncertainty_parameters(config, "c.json", {scan("a.h5", 0.02)})); }),
-      HasSubstr("c.json: /uncertainty/navigation_sigma/velocity_mps: -2"));
+  EXPECT_THAT(refusal([&] { return uncertainty_parameters(config, "c.json", {scan("a.h5", 0.02)}); }),
+              HasSubstr("c.json: /uncertainty/navigation_sigma/velocity_mps: -2"));
 }
 
 TEST(NavigationSigmaOption, OneNumberOrThree) {

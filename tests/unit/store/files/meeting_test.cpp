@@ -7,9 +7,7 @@
 #include <array>
 #include <cmath>
 #include <string>
-#include <vector>
 
-#include "base/core/error.h"
 #include "chain/terrain/relief/dem_raster.h"
 #include "chain/terrain/site_wkt.h"
 #include "formats/gdal/gdal_loader.h"

@@ -8,6 +8,7 @@
 
 #include "base/core/error.h"
 #include "constants.h"
+#include "refusal.h"
 #include "store/hdf5/dataset_list.h"
 #include "temporary_folder.h"
 
@@ -66,12 +67,7 @@ ScanPoints read_all(const WrittenScan& scan) {
 }
 
 std::string failure(const WrittenScan& scan) {
-  try {
-    static_cast<void>(read_all(scan));
-  } catch (const FormatError& error) {
-    return error.what();
-  }
-  return "accepted";
+  return refusal<FormatError>([&] { return read_all(scan); });
 }
 
 /// How reading fails after another program has set one value of the file.
@@ -88,12 +84,7 @@ std::string failure_with(const std::string& column, hsize_t row, double value) {
   space.reset();
   dataset.reset();
   file.reset();
-  try {
-    static_cast<void>(read_all(path));
-  } catch (const FormatError& error) {
-    return error.what();
-  }
-  return "accepted";
+  return refusal<FormatError>([&] { return read_all(path); });
 }
 
 TEST(ScanReader, ReadsTheReturnsWithTheirTimes) {

@@ -4,6 +4,7 @@
 #include <gmock/gmock.h>
 
 #include "base/core/error.h"
+#include "refusal.h"
 #include "store/hdf5/table.h"
 #include "temporary_folder.h"
 
@@ -27,12 +28,7 @@ class NumberTables : public testing::Test {
     return refusal_of_file();
   }
   std::string refusal_of_file() {
-    try {
-      static_cast<void>(read_number_table(path_, kColumns));
-    } catch (const FormatError& error) {
-      return error.what();
-    }
-    return "accepted";
+    return landfall::refusal<FormatError>([&] { return read_number_table(path_, kColumns); });
   }
 
   TemporaryFolder folder_;
@@ -134,8 +130,6 @@ TEST_F(NumberTables, AHeaderMayBeAComment) {
     expect_one_row(read("# made by hand\n" + (mark + kHeader) + kRow + "\n"));
     expect_one_row(read(mark + kHeader + "# and more\n" + replaced(kRow, ',', " ") + "\n"));
   }
-  EXPECT_THAT(refusal(kRow + "\n"),
-              HasSubstr("line 1: begins with the number 1.5; its first line must name the columns t_s, x_m"));
   EXPECT_THAT(refusal("# time x y z\n" + kRow + "\n"), HasSubstr("line 2: begins with the number"));
   EXPECT_THAT(refusal("# " + kHeader), HasSubstr("has comments only"));
 }
@@ -209,14 +203,9 @@ TEST_F(NumberTables, ReadsHdf5AndNamesWhatIsMissing) {
     const std::array<const char*, 7> names = {"t_s", "x_m", "y_m", "z_m", "qw", "qx", "qy"};
     for (std::size_t i = 0; i < names.size(); ++i) write_column(file.get(), names[i], {values[i]});
   }
-  try {
-    static_cast<void>(read_number_table(path_, kColumns));
-    ADD_FAILURE() << "accepted";
-  } catch (const FormatError& error) {
-    EXPECT_THAT(error.what(),
-                AllOf(HasSubstr("table.csv"),
-                      HasSubstr("no column qz; it has t_s, x_m, y_m, z_m, qw, qx, qy and needs")));
-  }
+  EXPECT_THAT(refusal_of_file(),
+              AllOf(HasSubstr("table.csv"),
+                    HasSubstr("no column qz; it has t_s, x_m, y_m, z_m, qw, qx, qy and needs")));
   const h5::Handle file(H5Fopen(path_.c_str(), H5F_ACC_RDWR, H5P_DEFAULT), H5Fclose);
   write_column(file.get(), "qz", {0.125});
   H5Fflush(file.get(), H5F_SCOPE_GLOBAL);
@@ -243,30 +232,12 @@ TEST_F(NumberTables, Hdf5ColumnsMayBeMatricesOfOneRowOrColumn) {
     EXPECT_EQ(table.column("z_m"), (std::vector<double>{400, 400}));
     std::filesystem::remove(path_);
   }
-  h5::initialise();
-  {
-    const h5::Handle file = h5::create_file(path_);
-    for (const std::string& name : kColumns.required) write_column(file.get(), name, {1, 2, 3, 4}, {2, 2});
-  }
-  EXPECT_THAT(refusal_of_file(), HasSubstr("/t_s has the shape (2, 2); a column has (N), (N, 1) or (1, N)"));
-}
-
-TEST_F(NumberTables, AnOptionalHdf5ColumnMayNotBeSomethingElse) {
-  write_columns(path_, {2}, {""}, kColumns.required);
-  {
-    const h5::Handle file(H5Fopen(path_.c_str(), H5F_ACC_RDWR, H5P_DEFAULT), H5Fclose);
-    write_column(file.get(), "vx_mps", {1, 2}, {2, 1, 1});
-  }
-  EXPECT_THAT(refusal_of_file(), HasSubstr("/vx_mps is not a column of numbers"));
 }
 
 TEST_F(NumberTables, Hdf5ColumnsMayBeInTheOnlyGroupThatHasThem) {
   const std::vector<std::string> capitals = {"T_S", "X_M", "Y_M", "Z_M", "QW", "QX", "QY", "QZ"};
   write_columns(path_, {1, 2}, {"flight"}, capitals);
   EXPECT_EQ(read_number_table(path_, kColumns).column("qz"), (std::vector<double>{0.125, 0.125}));
-  std::filesystem::remove(path_);
-  write_columns(path_, {2}, {"a", "b"}, kColumns.required);
-  EXPECT_THAT(refusal_of_file(), HasSubstr("the groups /a and /b both have the columns"));
   std::filesystem::remove(path_);
   write_columns(path_, {2}, {"a"}, {"t_s", "x_m"});
   EXPECT_THAT(refusal_of_file(), AllOf(HasSubstr("no column t_s"), HasSubstr("it has none and needs t_s"),

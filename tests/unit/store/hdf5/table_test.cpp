@@ -4,7 +4,6 @@
 #include <gtest/gtest.h>
 #include <hdf5_hl.h>
 
-#include <numeric>
 #include <utility>
 
 #include "base/core/error.h"

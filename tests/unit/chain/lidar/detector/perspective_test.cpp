@@ -10,6 +10,7 @@
 #include "base/core/error.h"
 #include "base/geometry/rotation.h"
 #include "constants.h"
+#include "refusal.h"
 
 namespace landfall {
 namespace {
@@ -193,13 +194,9 @@ TEST(Perspective, RefusesAnImageThatFolds) {
   parameters.distortion.k1 = -1 / (3 * 0.2501 * 0.2501);
   EXPECT_NO_THROW(static_cast<void>(perspective_detector(parameters)));
   parameters.distortion.k1 = -1 / (3 * 0.2499 * 0.2499);
-  try {
-    static_cast<void>(perspective_detector(parameters));
-    FAIL();
-  } catch (const UsageError& error) {
-    EXPECT_THAT(error.what(), testing::HasSubstr("distortion: the image folds at radius 0.249"));
-    EXPECT_THAT(error.what(), testing::HasSubstr("outer radius 0.25 "));
-  }
+  EXPECT_THAT(refusal([&] { return perspective_detector(parameters); }),
+              testing::AllOf(testing::HasSubstr("distortion: the image folds at radius 0.249"),
+                             testing::HasSubstr("outer radius 0.25 ")));
 }
 
 TEST(Perspective, RefusesWhatIsOutOfRange) {
@@ -229,12 +226,8 @@ TEST(Perspective, RefusesWhatIsOutOfRange) {
 }
 
 TEST(Perspective, MessageNamesKeyValueAndBound) {
-  try {
-    static_cast<void>(perspective_detector({.rows = 5000}));
-    FAIL();
-  } catch (const UsageError& error) {
-    EXPECT_THAT(error.what(), testing::HasSubstr("rows: 5000 is not in 1..4096"));
-  }
+  EXPECT_THAT(refusal([&] { return perspective_detector({.rows = 5000}); }),
+              testing::HasSubstr("rows: 5000 is not in 1..4096"));
 }
 
 }  // namespace

@@ -7,8 +7,8 @@
 #include <cmath>
 #include <functional>
 
-#include "base/core/error.h"
 #include "base/numerics/random.h"
+#include "refusal.h"
 #include "test_seed.h"
 
 namespace landfall {
@@ -143,12 +143,7 @@ TEST(PointingError, AMillionSecondsAreWithinTheBounds) {
 
 TEST(PointingError, RefusesWhatIsOutOfRange) {
   const auto refused = [](const PointingErrorParameters& p, const char* message) {
-    try {
-      const PointingError error(p, 1);
-      FAIL() << message;
-    } catch (const UsageError& error) {
-      EXPECT_THAT(error.what(), testing::HasSubstr(message));
-    }
+    EXPECT_THAT(refusal([&] { const PointingError error(p, 1); }), testing::HasSubstr(message));
   };
   refused({.misalignment = {0, std::nan(""), 0}}, "misalignment_rpy_rad/1");
   refused({.jitter_sigma_x_rad = -1}, "jitter_sigma_rad: -1 is not finite and >= 0");

@@ -5,11 +5,11 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <limits>
 #include <vector>
 
 #include "base/core/error.h"
 #include "base/numerics/random.h"
+#include "refusal.h"
 
 namespace landfall {
 namespace {
@@ -272,12 +272,8 @@ TEST(RangeErrors, RefusesWhatIsOutOfRange) {
   refused({.false_min_m = -1});
   refused({.false_min_m = 5, .false_max_m = 5});
   refused({.false_max_m = HUGE_VAL});
-  try {
-    const RangeErrors errors({.dropout_frac = 1.5}, 1);
-    FAIL();
-  } catch (const UsageError& error) {
-    EXPECT_THAT(error.what(), testing::HasSubstr("dropout_frac: 1.5 is not in [0, 1]"));
-  }
+  EXPECT_THAT(refusal([&] { const RangeErrors errors({.dropout_frac = 1.5}, 1); }),
+              testing::HasSubstr("dropout_frac: 1.5 is not in [0, 1]"));
 }
 
 }  // namespace

@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
 
 #include "base/core/error.h"
 #include "chain/lidar/scanner/fsm.h"
+#include "refusal.h"
 #include "steering.h"
 
 namespace landfall {
@@ -246,13 +248,10 @@ TEST(FsmEncoder, NoiseComesOnTopOfHarmonics) {
 
 TEST(FsmEncoder, RefusesHarmonicsOutOfRange) {
   const auto refused = [](const EncoderHarmonic& harmonic, const std::string& key) {
-    try {
-      const Fsm fsm({.encoder_harmonics = {{}, harmonic}});
-      FAIL() << key;
-    } catch (const UsageError& error) {
-      EXPECT_NE(std::string(error.what()).find("encoder_harmonics/1/" + key), std::string::npos)
-          << error.what();
-    }
+    EXPECT_THAT(refusal([&] {
+                  const Fsm fsm({.encoder_harmonics = {{}, harmonic}});
+                }),
+                testing::HasSubstr("encoder_harmonics/1/" + key));
   };
   refused({.axis = 0}, "axis");
   refused({.axis = 3}, "axis");

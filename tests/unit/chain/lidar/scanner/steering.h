@@ -4,9 +4,7 @@
 #include <Eigen/Geometry>
 #include <array>
 #include <cmath>
-#include <cstdint>
 #include <random>
-#include <string>
 
 #include "chain/lidar/scanner/scanner.h"
 #include "constants.h"

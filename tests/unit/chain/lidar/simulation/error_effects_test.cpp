@@ -8,6 +8,7 @@
 
 #include "analytic_engines.h"
 #include "base/core/error.h"
+#include "bins.h"
 #include "chain/lidar/detector/perspective.h"
 #include "chain/lidar/scanner/scanner.h"
 #include "chain/lidar/simulation/simulation.h"
@@ -240,10 +241,8 @@ TEST(ErrorEffects, DeadPixelsGiveNoFalseReturns) {
 // A plane that rises by 0.75 in x, seen from above: tan(incidence) = 0.75.
 TEST(ErrorEffects, NoiseFollowsTheIncidenceOnTheTrueSurface) {
   const PlaneEngine engine({0, 0.75, 0});
-  Grid<double> nodes(GridSpec::centered(2, 0.5));
-  for (std::int64_t r = 0; r < 9; ++r)
-    for (std::int64_t c = 0; c < 9; ++c) nodes.at({r, c}) = 0.75 * nodes.spec().x(c);
-  const TriangulatedGrid terrain(std::move(nodes));
+  const TriangulatedGrid terrain(
+      grid_of(GridSpec::centered(2, 0.5), [](double x, double) { return 0.75 * x; }));
   const PulseBatch one = simulate({.range = {.range_sigma_m = 1}}, engine);
   const PulseBatch batch = simulate({.range = {.incidence_sigma_rad = 1e-3}}, engine, &terrain);
   for (std::size_t i = 0; i < 100; ++i) {

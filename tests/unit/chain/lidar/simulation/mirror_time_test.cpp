@@ -8,7 +8,6 @@
 
 #include "analytic_engines.h"
 #include "base/core/error.h"
-#include "base/numerics/random.h"
 #include "chain/lidar/detector/perspective.h"
 #include "chain/lidar/scanner/fsm.h"
 #include "chain/lidar/scanner/gimbal.h"

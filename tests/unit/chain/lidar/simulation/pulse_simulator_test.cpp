@@ -6,7 +6,6 @@
 
 #include <cmath>
 #include <limits>
-#include <string>
 
 #include "analytic_engines.h"
 #include "base/core/error.h"
@@ -16,6 +15,7 @@
 #include "chain/terrain/relief/triangulated_grid.h"
 #include "constants.h"
 #include "points.h"
+#include "refusal.h"
 
 namespace landfall {
 namespace {
@@ -339,13 +339,11 @@ TEST_F(OverAMound, RefusesALidarAtOrBelowTheGround) {
   EXPECT_NO_THROW(fire({0, 0, 8.001}));
   EXPECT_THROW(fire({0, 0, 8}), FormatError);
   EXPECT_NO_THROW(fire({10.001, 0, -5})) << "off the grid there is no terrain";
-  try {
-    fire({5, 0, 3.5});
-    FAIL();
-  } catch (const FormatError& error) {
-    EXPECT_THAT(error.what(), testing::HasSubstr("pulse 17"));
-    EXPECT_THAT(error.what(), testing::HasSubstr("3.5 m high, at or below the terrain, 4 m"));
-  }
+  EXPECT_THAT(refusal<FormatError>([&] {
+                fire({5, 0, 3.5});
+              }),
+              testing::AllOf(testing::HasSubstr("pulse 17"),
+                             testing::HasSubstr("3.5 m high, at or below the terrain, 4 m")));
 }
 
 // Pixel 2 leaves 3 m beside the lidar, where the ground is higher than the beam.

@@ -6,9 +6,9 @@
 #include <cmath>
 #include <vector>
 
-#include "base/core/error.h"
 #include "chain/terrain/features/feature.h"
 #include "constants.h"
+#include "refusal.h"
 
 namespace landfall {
 namespace {
@@ -16,12 +16,7 @@ namespace {
 using testing::HasSubstr;
 
 std::string shape_refusal(const FeatureShape& shape) {
-  try {
-    validate(shape, "it");
-  } catch (const UsageError& error) {
-    return error.what();
-  }
-  return "accepted";
+  return refusal([&] { validate(shape, "it"); });
 }
 
 TEST(Rock, ClosedForm) {

@@ -12,6 +12,7 @@
 #include "base/core/error.h"
 #include "chain/terrain/mesh/polygon_triangles.h"
 #include "mesh_shapes.h"
+#include "refusal.h"
 
 namespace landfall {
 namespace {
@@ -22,12 +23,7 @@ using Triangles = std::vector<TriangleCorners>;
 CleanMesh clean(PolygonSoup soup) { return clean_mesh(std::move(soup), {}, "m.obj"); }
 
 std::string soup_refusal(PolygonSoup soup, const MeshPlacement& placement = {}) {
-  try {
-    static_cast<void>(clean_mesh(std::move(soup), placement, "m.obj"));
-  } catch (const FormatError& error) {
-    return error.what();
-  }
-  return "accepted";
+  return refusal<FormatError>([&] { return clean_mesh(std::move(soup), placement, "m.obj"); });
 }
 
 // As STL has it: each triangle with corners of its own.

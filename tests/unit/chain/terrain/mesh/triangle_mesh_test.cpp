@@ -14,6 +14,7 @@
 #include "chain/terrain/mesh/orient2d.h"
 #include "constants.h"
 #include "mesh_shapes.h"
+#include "refusal.h"
 
 namespace landfall {
 namespace {
@@ -193,12 +194,7 @@ TEST(TriangleMesh, NoVerticalSlipsBetweenNeighbours) {
 }
 
 std::string mesh_refusal(const IndexedTriangles& mesh) {
-  try {
-    const TriangleMesh built(mesh, "t.h5");
-  } catch (const FormatError& error) {
-    return error.what();
-  }
-  return "accepted";
+  return refusal<FormatError>([&] { const TriangleMesh built(mesh, "t.h5"); });
 }
 
 TEST(TriangleMesh, RefusesWhatIsNotSound) {

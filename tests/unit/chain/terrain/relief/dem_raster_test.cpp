@@ -8,7 +8,9 @@
 #include <random>
 
 #include "base/core/error.h"
+#include "bins.h"
 #include "constants.h"
+#include "refusal.h"
 
 namespace landfall {
 namespace {
@@ -18,9 +20,8 @@ using enum Interpolation;
 template <class F>
 DemSamples sampled(const RasterSize& size, const F& f) {
   DemSamples samples{size, {}};
-  for (std::int64_t r = 0; r < size.rows; ++r)
-    for (std::int64_t c = 0; c < size.cols; ++c)
-      samples.values.push_back(f(static_cast<double>(c), static_cast<double>(r)));
+  for (const auto [r, c] : bins_of(size))
+    samples.values.push_back(f(static_cast<double>(c), static_cast<double>(r)));
   return samples;
 }
 
@@ -135,12 +136,8 @@ TEST(RequireSiteInside, NamesSizeAndFit) {
   EXPECT_NO_THROW(require_site_inside(metres({5, 5}), {11, 11}, bicubic, site, "a.tif"));
   EXPECT_NO_THROW(require_site_inside(metres({4.5, 4.5}), {10, 10}, nearest, site, "a.tif"));
   const auto refusal = [&](const PixelPosition& center, const RasterSize& size, Interpolation method) {
-    try {
-      require_site_inside(metres(center), size, method, site, "a.tif");
-    } catch (const FormatError& error) {
-      return std::string(error.what());
-    }
-    return std::string("accepted");
+    return landfall::refusal<FormatError>(
+        [&] { require_site_inside(metres(center), size, method, site, "a.tif"); });
   };
   EXPECT_EQ(
       refusal({4.5, 4.5}, {10, 12}, bilinear),

@@ -9,6 +9,7 @@
 
 #include "base/core/error.h"
 #include "base/core/parallel.h"
+#include "bins.h"
 #include "constants.h"
 
 namespace landfall {
@@ -16,10 +17,7 @@ namespace {
 
 /// Elevations of a plane that rises `slope` to the east.
 Grid<double> sloping(const GridSpec& spec, double slope) {
-  Grid<double> z(spec);
-  for (std::int64_t row = 0; row < spec.rows; ++row)
-    for (std::int64_t col = 0; col < spec.cols; ++col) z.at({row, col}) = slope * spec.x(col);
-  return z;
+  return grid_of(spec, [&](double x, double) { return slope * x; });
 }
 
 TEST(FeatureField, AStandingFeatureShowsWhereItIsHigher) {
@@ -57,8 +55,7 @@ TEST(FeatureField, WhatStandsOnAHoleByChanceDoesNotAppear) {
   const GridSpec spec = GridSpec::centered(40, 0.5);
   FeatureField field(model, spec);
   Grid<double> z = sloping(spec, 0);
-  for (std::int64_t row = 0; row < spec.rows; ++row)
-    for (std::int64_t col = 0; col < 80; ++col) z.at({row, col}) = kNan;  // the western half
+  for (const BinIndex bin : Bins({0, 0}, {spec.rows, 80})) z.at(bin) = kNan;  // the western half
   field.seat(TriangulatedGrid(z));
   field.stand(z);
   std::size_t on_holes = 0;
@@ -188,10 +185,9 @@ TEST(FeatureField, PartsMakeTheSameTerrainAsTheWhole) {
   const std::vector<GridSpec> quarters = {part_of(0, 75, 0, 98), part_of(0, 75, 97, 64),
                                           part_of(74, 87, 0, 98), part_of(74, 87, 97, 64)};
   for (const Grid<double>& part : make(quarters))
-    for (std::int64_t row = 0; row < part.spec().rows; ++row)
-      for (std::int64_t col = 0; col < part.spec().cols; ++col)
-        ASSERT_EQ(part.at({row, col}), whole.at({row + part.spec().first_row - spec.first_row,
-                                                 col + part.spec().first_col - spec.first_col}));
+    for (const auto [row, col] : bins_of(part.spec()))
+      ASSERT_EQ(part.at({row, col}), whole.at({row + part.spec().first_row - spec.first_row,
+                                               col + part.spec().first_col - spec.first_col}));
 }
 
 TEST(FeatureField, ThreadsChangeNothing) {

@@ -1,14 +1,21 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "chain/terrain/relief/site_mapping.h"
-
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <vector>
 
+#include "chain/terrain/relief/geodetic.h"
+#include "chain/terrain/relief/geodetic_extent.h"
+#include "chain/terrain/relief/site_fit.h"
+#include "chain/terrain/relief/site_mapping.h"
 #include "constants.h"
+#include "refusal.h"
 
 namespace landfall {
 namespace {
+
+using enum Interpolation;
 
 TEST(GeoTransform, CentresAreHalfAPixelIn) {
   const GeoTransform north_up({100, 2, 0, 50, 0, -3});
@@ -143,6 +150,114 @@ TEST(OrthographicFrame, PoleIsAPlace) {
   EXPECT_NEAR(pole.difference({0, -500}).lat_rad, -std::asin(0.5), 1e-14);
   EXPECT_NEAR(pole.difference({0, -500}).lon_rad, 0, 1e-14);
   EXPECT_NEAR(pole.difference({500, 0}).lon_rad, kPi / 2, 1e-14);
+}
+
+/// 21 x 31 pixels of 2 m, the site around the pixel (`col`, 15).
+struct Raster {
+  explicit Raster(double col) : mapping(GeoTransform({0, 2, 0, 62, 0, -2}), {col, 15}, 1) {}
+  [[nodiscard]] SiteSize fit(Interpolation method, const SiteRequest& request) const {
+    return fit_site({mapping, {31, 21}, 2}, method, request, "a.tif");
+  }
+  SiteMapping mapping;
+};
+
+// The nearest pixel reaches half a pixel beyond the outermost centres, the others end there.
+TEST(FitSite, IsTheLargestSquareAroundTheCentre) {
+  EXPECT_EQ(Raster(10).fit(bilinear, {}), (SiteSize{20, 2}));
+  EXPECT_EQ(Raster(10).fit(bicubic, {{}, 1}), (SiteSize{20, 1}));
+  EXPECT_EQ(Raster(10).fit(nearest, {{}, 1}), (SiteSize{21, 1}));
+  EXPECT_EQ(Raster(10).fit(bilinear, {{}, 3}), (SiteSize{18, 3}));
+  EXPECT_EQ(Raster(4).fit(bilinear, {}), (SiteSize{8, 2}));
+}
+
+TEST(FitSite, ResolutionDividesAGivenHalfWidth) {
+  EXPECT_EQ(Raster(10).fit(bilinear, {10, {}}), (SiteSize{10, 2}));
+  EXPECT_EQ(Raster(10).fit(bilinear, {9, {}}), (SiteSize{9, 1.8}));
+  EXPECT_EQ(Raster(10).fit(bilinear, {1, {}}), (SiteSize{1, 1}));
+  EXPECT_EQ(Raster(10).fit(bilinear, {7, 0.5}), (SiteSize{7, 0.5}));
+  EXPECT_EQ(Raster(10).fit(bilinear, {1000, 10}), (SiteSize{1000, 10}));  // refused where it is imported
+}
+
+TEST(FitSite, SaysWhatIsMissing) {
+  const auto refusal = [](double col, const SiteRequest& request) {
+    return kind_and_refusal([&] { return Raster(col).fit(bilinear, request); });
+  };
+  EXPECT_THAT(refusal(10, {{}, 0.001}), ::testing::AllOf(::testing::StartsWith("usage: a.tif: "),
+                                                         ::testing::HasSubstr("half_width_m")));
+  EXPECT_EQ(refusal(10, {{}, 20.0 / 4095}), "accepted");
+  EXPECT_THAT(refusal(0, {}), ::testing::AllOf(::testing::StartsWith("format: a.tif: "),
+                                               ::testing::HasSubstr("another center")));
+  EXPECT_THAT(refusal(40, {}), ::testing::StartsWith("format: a.tif: "));
+}
+
+/// Helmert's formulas, the inverse of geodetic_of().
+Eigen::Vector3d body_fixed(const Ellipsoid& body, const Geodetic& at) {
+  const double e2 = body.flattening * (2 - body.flattening);
+  const double s = std::sin(at.lon_lat.lat_rad);
+  const double normal_m = body.semi_major_m / std::sqrt(1 - e2 * s * s);
+  const double axis_m = (normal_m + at.height_m) * std::cos(at.lon_lat.lat_rad);
+  return {axis_m * std::cos(at.lon_lat.lon_rad), axis_m * std::sin(at.lon_lat.lon_rad),
+          (normal_m * (1 - e2) + at.height_m) * s};
+}
+
+TEST(Geodetic, UndoesHelmertsFormulas) {
+  for (const Ellipsoid& body : {Ellipsoid{6378137, 1 / 298.257223563}, Ellipsoid{1737400, 0},
+                                Ellipsoid{245, 0.1}, Ellipsoid{13000, 0.3}})
+    for (const double height : {-0.02, 0.0, 0.001, 0.5})
+      for (double lat = -kPi / 2; lat <= kPi / 2; lat += kPi / 24)
+        for (const double lon : {-3.0, 0.0, 1.5}) {
+          const double height_m = height * body.semi_major_m;
+          const Geodetic found = geodetic_of(body, body_fixed(body, {{lon, lat}, height_m}));
+          EXPECT_NEAR(found.height_m, height_m, 1e-15 * body.semi_major_m + 4e-9);
+          EXPECT_NEAR(found.lon_lat.lat_rad, lat, 3e-15) << body.flattening << ' ' << height;
+          if (std::abs(lat) < 1.57) {
+            EXPECT_NEAR(found.lon_lat.lon_rad, lon, 1e-15);
+          }
+        }
+}
+
+TEST(Geodetic, TheCentreOfTheBodyHasNoPlace) {
+  EXPECT_TRUE(std::isnan(geodetic_of({6378137, 0}, {0, 0, 0}).height_m));
+}
+
+/// The longitudes from low to high across the seam, degrees; empty: none lie across it.
+std::vector<double> across(const std::vector<double>& longitudes_deg) {
+  GeodeticExtentSearch search;
+  for (const double lon : longitudes_deg) search.add({lon * kDegree, 0.1});
+  const auto extent = search.across_seam();
+  if (!extent) return {};
+  EXPECT_EQ(extent->low.lat_rad, 0.1);
+  return {extent->low.lon_rad / kDegree, extent->high.lon_rad / kDegree};
+}
+
+void expect_across(const std::vector<double>& longitudes_deg, double low, double high) {
+  const std::vector<double> found = across(longitudes_deg);
+  ASSERT_EQ(found.size(), 2U);
+  EXPECT_NEAR(found[0], low, 1e-12);
+  EXPECT_NEAR(found[1], high, 1e-12);
+}
+
+TEST(GeodeticExtent, LiesAcrossTheSeamWhereTheWidestGapIsAnother) {
+  expect_across({179.9999, -179.9998, 180, 179.99995}, 179.9999, 180.0002);
+  expect_across({359.9, 0.2, 0, 360}, 359.9, 360.2);
+  expect_across({-100, 100}, 100, 260);
+  expect_across({10, 120, -150}, 10, 210);
+}
+
+TEST(GeodeticExtent, LiesOnOneSideOtherwise) {
+  for (const std::vector<double>& longitudes : {std::vector{12.0, 13.0},
+                                                {-0.1, 0.1},
+                                                {0.0, 120.0},
+                                                {179.0, 180.0},
+                                                {-180.0, -179.0},
+                                                {400.0, 401.0},
+                                                {5.0}})
+    EXPECT_TRUE(across(longitudes).empty());
+  std::vector<double> around;
+  for (int i = 0; i < 3600; ++i) around.push_back(-180 + i / 10.0);
+  EXPECT_TRUE(across(around).empty()) << "points around the body";
+  EXPECT_TRUE(across({}).empty());
+  EXPECT_TRUE(across({kNan}).empty());
 }
 
 }  // namespace

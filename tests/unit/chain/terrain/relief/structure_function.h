@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "base/raster/grid.h"
+#include "bins.h"
 #include "chain/terrain/terrain_model.h"
 
 namespace landfall {
@@ -18,11 +19,10 @@ inline double squared_deviation(const Grid<double>& z, std::int64_t lag) {
   double sum = 0;
   std::int64_t count = 0;
   const GridSpec& spec = z.spec();
-  for (std::int64_t r = 0; r < spec.rows; ++r)
-    for (std::int64_t c = 0; c < spec.cols; ++c) {
-      if (c + lag < spec.cols) sum += squared_step(z.at({r, c + lag}), z.at({r, c})), ++count;
-      if (r + lag < spec.rows) sum += squared_step(z.at({r + lag, c}), z.at({r, c})), ++count;
-    }
+  for (const auto [r, c] : bins_of(spec)) {
+    if (c + lag < spec.cols) sum += squared_step(z.at({r, c + lag}), z.at({r, c})), ++count;
+    if (r + lag < spec.rows) sum += squared_step(z.at({r + lag, c}), z.at({r, c})), ++count;
+  }
   return sum / static_cast<double>(count);
 }
 

@@ -10,8 +10,10 @@
 
 #include "base/core/error.h"
 #include "base/core/parallel.h"
+#include "bins.h"
 #include "chain/terrain/relief/fractal.h"
 #include "constants.h"
+#include "refusal.h"
 #include "relief/no_raster.h"
 
 namespace landfall {
@@ -40,11 +42,10 @@ TEST(GenerateTerrain, ConeOnAPlaneIsExact) {
   TerrainModel model;
   model.features = {{1, -2, Cone{3, 10}}};
   const Grid<double> z = nodes_of(model, GridSpec::centered(6, 0.25));
-  for (std::int64_t r = 0; r < z.spec().rows; ++r)
-    for (std::int64_t c = 0; c < z.spec().cols; ++c) {
-      const double distance_m = std::hypot(z.spec().x(c) - 1, z.spec().y(r) + 2);
-      EXPECT_EQ(z.at({r, c}), distance_m <= 3 ? 10 * (1 - distance_m / 3) : 0);
-    }
+  for (const auto [r, c] : bins_of(z.spec())) {
+    const double distance_m = std::hypot(z.spec().x(c) - 1, z.spec().y(r) + 2);
+    EXPECT_EQ(z.at({r, c}), distance_m <= 3 ? 10 * (1 - distance_m / 3) : 0);
+  }
 }
 
 TEST(GenerateTerrain, BasesAreSummed) {
@@ -93,14 +94,7 @@ TEST(GenerateTerrain, RingOfThePaper) {
 }
 
 std::string generator_refusal(const TerrainModel& model, const DemLoader& load = no_raster) {
-  try {
-    (void)generate_terrain(model, GridSpec::centered(4, 1), load);
-  } catch (const UsageError& error) {
-    return std::string("usage: ") + error.what();
-  } catch (const FormatError& error) {
-    return std::string("format: ") + error.what();
-  }
-  return "accepted";
+  return kind_and_refusal([&] { return generate_terrain(model, GridSpec::centered(4, 1), load); });
 }
 
 TEST(GenerateTerrain, CentresMustLieOnTheGrid) {

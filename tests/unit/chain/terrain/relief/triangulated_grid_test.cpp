@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "base/core/error.h"
+#include "bins.h"
 #include "constants.h"
 
 namespace landfall {
@@ -28,11 +29,8 @@ TEST(TriangulatedGrid, NeedsTwoByTwo) {
 }
 
 TEST(TriangulatedGrid, ReproducesAPlane) {
-  Grid<double> nodes(GridSpec::centered(3, 0.5));
-  for (std::int64_t r = 0; r < 13; ++r)
-    for (std::int64_t c = 0; c < 13; ++c)
-      nodes.at({r, c}) = 2 + 0.3 * nodes.spec().x(c) - 0.7 * nodes.spec().y(r);
-  const TriangulatedGrid terrain(std::move(nodes));
+  const TriangulatedGrid terrain(
+      grid_of(GridSpec::centered(3, 0.5), [](double x, double y) { return 2 + 0.3 * x - 0.7 * y; }));
   for (double x = -3; x <= 3; x += 0.17)
     for (double y = -3; y <= 3; y += 0.19) EXPECT_NEAR(terrain.elevation(x, y), 2 + 0.3 * x - 0.7 * y, 1e-14);
   EXPECT_NEAR(terrain.elevation(3, 3), 2 - 1.2, 1e-14);
