@@ -3,9 +3,6 @@
 """landfall in memory: every array equals the dataset of the file that the tool writes, and so does each saved file."""
 import gc
 import os
-import signal
-import subprocess
-import sys
 import tempfile
 import threading
 import unittest
@@ -13,7 +10,7 @@ import unittest
 import h5py
 import numpy as np
 
-from harness import DRAWS, EVAL, HAZARD, REGRID, SCAN, TERRAIN, attributes, run, with_values
+from harness import EVAL, HAZARD, REGRID, SCAN, TERRAIN, attributes, run, with_values
 
 import landfall
 
