@@ -66,11 +66,11 @@ TEST_P(StructureFunction, OfABandFollowsTheLaw) {
   const GridSpec spec = GridSpec::centered(64, 0.5);
   const FractalBase law{GetParam(), 0.3, 5, 16};
   const std::vector<std::int64_t> lags = {1, 2, 6, 16, 40};
-  constexpr int kSeeds = 24;
+  constexpr int kRealisations = 24;
   std::vector<double> squares(lags.size());
-  for (std::uint64_t seed = 1; seed <= kSeeds; ++seed) {
+  for (std::uint64_t seed = 1; seed <= kRealisations; ++seed) {
     const Grid<double> z = fractal(spec, law, {seed, 0});
-    for (std::size_t i = 0; i < lags.size(); ++i) squares[i] += squared_deviation(z, lags[i]) / kSeeds;
+    for (std::size_t i = 0; i < lags.size(); ++i) squares[i] += squared_deviation(z, lags[i]) / kRealisations;
   }
   for (std::size_t i = 0; i < lags.size(); ++i) {
     const double expected_m = band_deviation_m(law, 16, static_cast<double>(lags[i]) * spec.resolution_m);
