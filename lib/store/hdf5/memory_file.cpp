@@ -2,9 +2,14 @@
 // Decisions: D465
 #include "store/hdf5/memory_file.h"
 
+#include <sys/mman.h>
+
 #include <algorithm>
+#include <cstdint>
+#include <cstdlib>
 #include <cstring>
 #include <mutex>
+#include <new>
 #include <numeric>
 #include <utility>
 
@@ -14,6 +19,12 @@
 
 namespace landfall::h5 {
 namespace {
+
+void use_huge_pages(std::byte* data, std::size_t size) {
+  const auto address = reinterpret_cast<std::uintptr_t>(data);
+  const std::uintptr_t begin = (address + kHugePage - 1) / kHugePage * kHugePage;
+  madvise(data + (begin - address), (size - (begin - address)) / kHugePage * kHugePage, MADV_HUGEPAGE);
+}
 
 /// The files of this process by name. `any` spares all others the search.
 struct Register {
@@ -141,6 +152,20 @@ void save_array(hid_t file, const std::string& path, const MemoryArray& array) {
 
 }  // namespace
 
+GrowingBytes::~GrowingBytes() { std::free(data_); }
+
+void GrowingBytes::resize(std::size_t size) {
+  if (size > capacity_) {
+    const std::size_t capacity = std::max(size, 2 * capacity_);  // pages that are not used cost nothing
+    void* const larger = std::realloc(data_, capacity);
+    if (larger == nullptr) throw std::bad_alloc();
+    data_ = static_cast<std::byte*>(larger);
+    capacity_ = capacity;
+    if (capacity >= 2 * kHugePage) use_huge_pages(data_, capacity);
+  }
+  size_ = size;
+}
+
 MemoryFile::MemoryFile(std::string name) : name_(std::move(name)) {
   Register& known = known_files();
   const std::lock_guard lock(known.lock);
@@ -192,7 +217,10 @@ std::shared_ptr<const MemoryArray> MemoryFile::array(const std::string& path) co
 
 void MemoryFile::put_chunk(hid_t dataset, std::span<const hsize_t> offset, std::span<const std::byte> bytes) {
   std::shared_ptr<MemoryArray>& array = arrays_[name_text(dataset, H5Iget_name)];
-  if (!array) array = std::make_shared<MemoryArray>(MemoryArray{.type = type_of(dataset)});
+  if (!array) {
+    array = std::make_shared<MemoryArray>();
+    array->type = type_of(dataset);
+  }
   array->shape = extent_of(dataset);
   array->values.resize(element_count(array->shape) * size_of(array->type));
   const Rows rows = rows_of(*array, memory_chunk_of(dataset), offset);

@@ -15,11 +15,31 @@
 
 namespace landfall::h5 {
 
+/// Bytes that are not initialised and grow without a copy: the system moves the pages of a large block.
+class GrowingBytes {
+ public:
+  GrowingBytes() = default;
+  ~GrowingBytes();
+  GrowingBytes(const GrowingBytes&) = delete;
+  GrowingBytes& operator=(const GrowingBytes&) = delete;
+
+  /// Keeps the bytes up to the smaller size. Throws std::bad_alloc.
+  void resize(std::size_t size);
+  [[nodiscard]] std::byte* data() { return data_; }
+  [[nodiscard]] const std::byte* data() const { return data_; }
+  [[nodiscard]] std::size_t size() const { return size_; }
+
+ private:
+  std::byte* data_ = nullptr;
+  std::size_t size_ = 0;
+  std::size_t capacity_ = 0;
+};
+
 /// The values of a dataset in memory: one block, in the order of the last index.
 struct MemoryArray {
   Type type = Type::float64;
   std::vector<hsize_t> shape{};
-  std::vector<std::byte, LargeAllocator<std::byte>> values{};
+  GrowingBytes values{};
 };
 
 /// A file that exists in this process only, while the object lives, so that tools pass results to each other
