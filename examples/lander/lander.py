@@ -134,7 +134,7 @@ def fly(seed):
         standing = lander.step(force, torque)
         if standing >= 3 and np.linalg.norm(velocity) < 0.02:
             break
-    truth = landfall.hazards(terrain, {**JUDGE, "region_radius_m": 25}).dataset["safe"]
+    truth = landfall.hazards(terrain, {**JUDGE, "region_radius_m": 25})["safe"]
     x, y, _ = position
     return {"seed": seed, "terrain": terrain, "hazards": found, "path": np.array(path), "target": target, "place": np.array([x, y]),
             "error_m": (position_error + velocity_error * step * STEP_S)[:2], "time_s": step * STEP_S,

@@ -121,20 +121,20 @@ class Scan(Result):
 
 
 class Grid(Result):
-    """Layers of shape (y, x): `grid["z_est"]` is an xarray.DataArray, `grid.dataset` all of them as an xarray.Dataset."""
+    """Layers of shape (y, x): `grid["z_est"]` is an xarray.DataArray, `grid.layers` all of them as an xarray.Dataset."""
 
     def __init__(self, file: engine.File) -> None:
         super().__init__(file)
         self._dataset: typing.Any = None
-        self.layers = tuple(name for name, is_group in file.members("/")
+        self._names = tuple(name for name, is_group in file.members("/")
                             if not is_group and name not in ("x", "y", "crs") and not name.endswith("_json"))
 
     @property
-    def dataset(self) -> typing.Any:
+    def layers(self) -> typing.Any:
         if self._dataset is None:
             from landfall import files
             xarray = files.package("xarray")
-            self._dataset = xarray.Dataset({name: self._variable(xarray, name) for name in self.layers},
+            self._dataset = xarray.Dataset({name: self._variable(xarray, name) for name in self._names},
                                            {name: self._variable(xarray, name) for name in ("x", "y", "crs")}, self.attrs)
         return self._dataset
 
@@ -146,15 +146,15 @@ class Grid(Result):
         return xarray.Variable(dimensions, values, attributes, encoding)
 
     def __getitem__(self, name: str) -> typing.Any:
-        if name not in (*self.layers, "x", "y", "crs"):
-            raise KeyError(f"no layer {name!r}; layers: {', '.join(self.layers)}")
-        return self.dataset[name]
+        if name not in (*self._names, "x", "y", "crs"):
+            raise KeyError(f"no layer {name!r}; layers: {', '.join(self._names)}")
+        return self.layers[name]
 
     def __iter__(self) -> typing.Iterator[str]:
-        return iter(self.layers)
+        return iter(self._names)
 
     def __contains__(self, name: object) -> bool:
-        return name in self.layers
+        return name in self._names
 
     def values(self, name: str) -> Array:
         """A layer as a numpy array, without xarray."""
@@ -221,6 +221,8 @@ class Terrain:
     def elevation(self, x: typing.Any, y: typing.Any) -> typing.Any:
         """The highest elevation at each x, y, metres, frame D; NaN off the terrain. The arrays are broadcast."""
         x, y = np.broadcast_arrays(_array(x, "x"), _array(y, "y"))
+        if x.size > MAX_ROWS:
+            raise UsageError(f"x and y: {x.size} values are more than 2^31 - 1")
         return self.surface.elevation(_flat(x), _flat(y), self._threads).reshape(x.shape)[()]
 
     def first_hit(self, origins: typing.Any, directions: typing.Any) -> Array:
@@ -291,10 +293,12 @@ def scan(config: Configs, terrain: Terrain | Path | None, *, threads: int = 0, p
     return Scan(_run("scan-sim", config, (), {"terrain": _terrain(terrain), **options}, threads, progress))
 
 
-def grid(points: typing.Any, *others: typing.Any, terrain: Terrain | Path | None = None, config: Configs = None, threads: int = 0,
-         progress: Progress = None, **options: typing.Any) -> Grid:
+def grid(points: typing.Any, *others: typing.Any, weight: None = None, terrain: Terrain | Path | None = None, config: Configs = None,
+         threads: int = 0, progress: Progress = None, **options: typing.Any) -> Grid:
     """The DEM of a scan, of scan.h5, or of a list of them: grid(scan, terrain, config); or of arrays x, y, z of points, metres, frame D:
     grid(x, y, z, config=...). `config` and `options` are those of regrid, as uncertainty=True. With a Terrain the DEM has its truth."""
+    if weight is not None:
+        raise UsageError("weight: no gridding method has weights of points besides those of their places in the bins")
     several = isinstance(points, (list, tuple)) and all(isinstance(one, (Scan, str, os.PathLike)) for one in points)
     if several or isinstance(points, (Scan, str, os.PathLike)):
         if len(others) > 2:

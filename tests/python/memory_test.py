@@ -180,6 +180,7 @@ class InMemory(unittest.TestCase):
                 "(N, 3) is expected": lambda: terrain.first_hit(np.zeros((2, 2)), np.zeros((2, 2))),
                 "unit vectors": lambda: terrain.first_hit(np.zeros((2, 3)), np.zeros((2, 3))),
                 "2 x 2 elevations": lambda: landfall.Terrain.from_array(np.zeros((1, 1)), 1),
+                "weight: no gridding": lambda: landfall.grid([1], [1], [1], weight=[1]),
                 "resolution_m is missing": lambda: landfall.hazards(np.zeros((9, 9))),
                 "not in [0, 4096]": lambda: landfall.Terrain(TERRAIN, threads=-1),
                 "returned 1 ranges of 64": lambda: landfall.Lidar(SCAN, lambda o, d: [1.0]).pulse(
