@@ -50,7 +50,7 @@ class CaseGenerator(Sites, Lidars):
         dealt = {name: deck.deal() for name, deck in self.decks.items()} | wanted
         scan = self.scan(dealt)
         regrid = self.regrid(dealt)
-        albedo = {"least": self.between(0, 0.5), "greatest": 1.0, "seed": self.whole(0, 999)} if (
+        albedo = {"minimum": self.between(0, 0.5), "greatest": 1.0, "seed": self.whole(0, 999)} if (
             scan.get("surface", {}).get("albedo") == "terrain") else None
         return {"dealt": dealt, "albedo": albedo, "terrain": self.terrain(dealt["terrain"]), "scan": scan, "regrid": regrid,
                 "eval": self.eval(dealt, regrid), "options": self.options(dealt)}

@@ -232,7 +232,7 @@ class Sequential(DesignTest):
             verdict = self.path("verdict.json")
             configs = problem.configs(GOOD)
             scan = runs.Scan(search.runner, configs, 1)
-            scan.draws_config(problem.draws(draws=design_search.MAX_DRAWS, seed=design_search.RACE_SEED,
+            scan.make_draws(problem.draws(draws=design_search.MAX_DRAWS, seed=design_search.RACE_SEED,
                                         stop={"type": "sprt", "p0": 0.6, "p1": 0.3, "alpha": 0.05, "beta": 0.05}),
                           self.path("draws.h5"), "--verdict", verdict)
             tree = json.loads(read(verdict))
@@ -254,12 +254,12 @@ class Sequential(DesignTest):
         """The draws of the search, the tests and the proofs, by what monte-carlo is given."""
         problem = self.problem(search={"candidates": 4, "seed": 3, "start": [GOOD]})
         search, seeds = design_search.Design(problem, self.path("out")), {}
-        draws_config = runs.Scan.draws_config
+        make_draws = runs.Scan.make_draws
 
         def spy(scan, draws, output, *arguments):
             kind = {1: "search", design_search.MAX_DRAWS: "test"}.get(draws["draws"], "proof")
             seeds.setdefault(kind, set()).add(draws["scan"]["seed"])
-            return draws_config(scan, draws, output, *arguments)
+            return make_draws(scan, draws, output, *arguments)
         with mock.patch.object(runs.Scan, "make_draws", spy):
             answer = search.run()
         self.assertIsNotNone(answer["winner"])
