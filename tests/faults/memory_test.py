@@ -11,14 +11,18 @@ import unittest
 
 import numpy as np
 
-import landfall
 from harness import REGRID, SCAN, TERRAIN
+
+sys.path.insert(0, os.path.join(os.environ["LANDFALL_ROOT"], "python"))
+# pylint: disable=wrong-import-position
+import landfall
 
 CALLS = int(os.environ.get("LANDFALL_FUZZ_CALLS", "400"))
 # Errors of the package, and those by which Python refuses a wrong call.
 REFUSALS = (landfall.Error, TypeError, ValueError, OverflowError, KeyError, MemoryError)
 INTERRUPTED = """
-import sys
+import os, sys
+sys.path.insert(0, os.path.join(os.environ["LANDFALL_ROOT"], "python"))
 import landfall
 terrain = landfall.Terrain("preset:paper")
 def progress(phase, fraction):

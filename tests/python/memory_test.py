@@ -3,6 +3,7 @@
 """landfall in memory: every array equals the dataset of the file that the tool writes, and so does each saved file."""
 import gc
 import os
+import sys
 import tempfile
 import threading
 import unittest
@@ -12,6 +13,8 @@ import numpy as np
 
 from harness import EVAL, HAZARD, REGRID, SCAN, TERRAIN, attributes, run, with_values
 
+sys.path.insert(0, os.path.join(os.environ["LANDFALL_ROOT"], "python"))
+# pylint: disable=wrong-import-position
 import landfall
 
 RECEIVER = with_values(SCAN, receiver={"type": "leading_edge", "threshold_pe": 20, "returns": "all"}, link={"reference_pe": 500, "reference_range_m": 50})
