@@ -9,10 +9,9 @@ import subprocess
 import tempfile
 import unittest
 
-import h5py
 import numpy as np
 
-from harness import columns, run
+from harness import columns, run, write_file
 
 BUILD = os.environ["LANDFALL_BUILD"]
 EXAMPLE = os.path.join(os.environ["LANDFALL_ROOT"], "examples", "simbody_lander")
@@ -110,8 +109,7 @@ class SimbodyLander(unittest.TestCase):
             config = json.load(file)
         config["noise"]["range_sigma_m"] = 0
         config["scanner"]["pattern"].update(rows=30, columns=30)
-        with open(self.path("exact.json"), "w", encoding="utf-8") as file:
-            json.dump(config, file)
+        write_file(self.path("exact.json"), json.dumps(config))
         self.fly("exact", "--perfect", config=self.path("exact.json"))
         estimated = points(self.path("exact.h5"), "est")
         self.assertEqual(len(estimated), 900 * 324)
