@@ -1,11 +1,12 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The page of a scan's points in a browser: points drawn, click, box, colours, schemes, and that it requests no other file."""
+import shutil
 import unittest
 
 import h5py
 import numpy as np
 
-from harness import browser, read_bytes, returns_of
+from harness import browser, returns_of
 from harness.page import PageTest
 
 # A click, or a drag, from and to a fraction of the canvas.
@@ -61,9 +62,7 @@ class CloudTest(PageTest):
 
     def changed(self, path, change):
         """A copy of the scan that `change(file)` has changed."""
-        copy = self.path(path)
-        with open(copy, "wb") as file:
-            file.write(read_bytes(self.chain.scan))
+        copy = shutil.copy(self.chain.scan, self.path(path))
         with h5py.File(copy, "r+") as file:
             change(file)
         return copy

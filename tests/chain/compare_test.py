@@ -81,8 +81,7 @@ class Compare(ChainTest):
         self.succeed("dem-eval", self.chain.dem, "-c", self.chain.config("dem-eval"), "-o", self.path("e2.h5"), "--metrics", self.path("m2.json"),
                      "--set", "limits.relative_elevation_m=9")
         found = self.compare(self.chain.eval, self.path("e2.h5"))
-        with open(self.chain.metrics, encoding="utf-8") as file:
-            a = json.load(file)
+        a = json.loads(read_bytes(self.chain.metrics))
         b = json.loads(read_bytes(self.path("m2.json")))
         self.assertEqual({r["name"]: (r["a"], r["b"]) for r in found["requirements"]},
                          {name: (a["requirements"][name], b["requirements"][name]) for name in a["requirements"]})

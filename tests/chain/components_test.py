@@ -28,7 +28,8 @@ class Components(ChainTest):
         os.chdir(FOLDER)  # configurations name their tables without a path
 
     def scan(self, name, *options):
-        self.succeed("scan-sim", "-c", os.path.join(FOLDER, name + ".scan.json"), "--terrain", self.chain.terrain, "-o", self.path("scan.h5"), "-O", *options)
+        self.succeed("scan-sim", "-c", os.path.join(FOLDER, name + ".scan.json"), "--terrain", self.chain.terrain,
+                     "-o", self.path("scan.h5"), "-O", *options)
         return self.path("scan.h5")
 
     def test_configurations_are_found(self):
@@ -38,7 +39,8 @@ class Components(ChainTest):
         for name in NAMES:
             with self.subTest(name):
                 self.assertEqual(read_bytes(self.scan(name, *ERRORS, "-t", 1)), read_bytes(self.scan(name, *ERRORS, "-t", 2)))
-                self.succeed("regrid", self.path("scan.h5"), "--terrain", self.chain.terrain, "-c", self.chain.config("regrid"), "-o", self.path("d.h5"), "-O")
+                self.succeed("regrid", self.path("scan.h5"), "--terrain", self.chain.terrain, "-c", self.chain.config("regrid"),
+                             "-o", self.path("d.h5"), "-O")
                 self.assertGreater(np.count_nonzero(columns(self.path("d.h5"))["count"]), 0)
 
     def test_true_points_lie_on_the_terrain(self):

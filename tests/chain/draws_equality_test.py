@@ -1,7 +1,7 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Each draw over a scan is the chain's, bit for bit (traced_draws_test.py has draws that trace, opencl_draws_test.py those of a device); `verdict`
-decides as `full`; P(invalid) is that of dropouts."""
+"""Each draw over a scan is the chain's, bit for bit (traced_draws_test.py has draws that trace, opencl_draws_test.py those of a device);
+`verdict` decides as `full`; P(invalid) is that of dropouts."""
 import itertools
 import json
 import math
@@ -11,7 +11,7 @@ import unittest
 import h5py
 import numpy as np
 
-from harness import REGRID, SCAN, ToolTest, columns, config_of, with_values
+from harness import REGRID, SCAN, ToolTest, columns, config_of, read_bytes, with_values
 from harness.draws import REQUIREMENTS, DrawsTest, draws_config, merged
 from monte_carlo_test import ERRORS, VARY
 
@@ -31,9 +31,11 @@ TIMING = {f"scan.receiver.{key}": {"type": "uniform", "low": 0, "high": high} fo
 # or None if nothing varies; the draws that are compared)}.
 REDRAWS = {
     "every error": ({}, {"draws": 299, "scan": COMMANDED, "layers": False}, {}, (0, 7, 298)),
-    **{kind: ({**LIGHT, "receiver": {"type": kind, "threshold_pe": 40, "jitter_sigma_s": 1e-11}}, {"draws": 9, "scan": COMMANDED, "layers": False},
+    **{kind: ({**LIGHT, "receiver": {"type": kind, "threshold_pe": 40, "jitter_sigma_s": 1e-11}},
+              {"draws": 9, "scan": COMMANDED, "layers": False},
               TIMING, (0, 8)) for kind in ("leading_edge", "constant_fraction", "peak", "centroid")},
-    **{str(regrid): (LOSSES, {"draws": 2, "scan": {"noise": {"dropout_frac": 0.02}, "seed": 90}, "regrid": {**REGRID, **regrid}}, None, (1,))
+    **{str(regrid): (LOSSES, {"draws": 2, "scan": {"noise": {"dropout_frac": 0.02}, "seed": 90}, "regrid": {**REGRID, **regrid}},
+                     None, (1,))
        for regrid in ({"method": "bilinear4"}, {"method": "mean"}, {"method": "median"}, {"truth_at": "centroid"})},
 }
 
@@ -73,7 +75,8 @@ class Redraws(DrawsTest):
                 scan = self.source(changes) if changes else self.chain.scan
                 config = draws_config(**values, vary={} if varied is None else {**self.every_key(), **varied})
                 rows = self.draws(config, scan=scan)
-                self.assertEqual((set(rows["seed"]), list(rows["draw"])), ({values["scan"].get("seed", SCAN["seed"])}, list(range(values["draws"]))))
+                self.assertEqual((set(rows["seed"]), list(rows["draw"])),
+                                 ({values["scan"].get("seed", SCAN["seed"])}, list(range(values["draws"]))))
                 self.assertEqual({key for key in rows if key.split(".")[0] in ("scan", "regrid", "eval")}, set(config["vary"]))
                 self.assertEqual([key for key in config["vary"] if len(set(rows[key])) < values["draws"]], [])
                 for draw in draws:
@@ -86,7 +89,8 @@ class Verdicts(ToolTest):
     def scene(self, terrain, scan):
         """Makes terrain.h5 and scan.h5."""
         self.succeed("terrain-gen", "-c", self.config(terrain, "terrain.json"), "-o", self.path("terrain.h5"), "-O")
-        self.succeed("scan-sim", "-c", self.config(scan, "scan.json"), "--terrain", self.path("terrain.h5"), "-o", self.path("scan.h5"), "-O")
+        self.succeed("scan-sim", "-c", self.config(scan, "scan.json"), "--terrain", self.path("terrain.h5"),
+                     "-o", self.path("scan.h5"), "-O")
 
     def check_verdicts(self, config):
         """Returns the columns of `full`."""
@@ -112,11 +116,9 @@ class Verdicts(ToolTest):
 
     def test_cones_and_a_rocky_site(self):
         errors = {"noise": {"range_sigma_m": 0.0167, "dropout_frac": 0.01, "dead_pixel_frac": 0.01}}
-        with open(os.path.join(STUDIES, "cones.terrain.json"), encoding="utf-8") as file:
-            cones = merged(json.load(file), {"grid": {"half_width_m": 14}})
+        cones = merged(json.loads(read_bytes(os.path.join(STUDIES, "cones.terrain.json"))), {"grid": {"half_width_m": 14}})
         cones["patterns"][0]["radius_m"] = 8
-        with open(os.path.join(STUDIES, "europa-rocks.terrain.json"), encoding="utf-8") as file:
-            rocks = merged(json.load(file), {"grid": {"half_width_m": 14}})
+        rocks = merged(json.loads(read_bytes(os.path.join(STUDIES, "europa-rocks.terrain.json"))), {"grid": {"half_width_m": 14}})
         for name, terrain, limits in [("cones", cones, {"low": 0.02, "high": 0.15}), ("rocks", rocks, {"low": 0.02, "high": 0.036})]:
             with self.subTest(name):
                 self.scene(terrain, self.site_scan())

@@ -57,7 +57,8 @@ class DrawsReportTest(PageTest):
                                                       f"{rate['exact_lower_bound']:.4f}"] for rate in self.verdict["rates"]])
         self.assertIn(f"{passed} of 8 draws pass all requirements", self.text("#verdict"))
         for name in MAPS:
-            np.testing.assert_allclose(self.values(name, layers[name].shape), layers[name], rtol=0, atol=0.501 * self.step(name) + 1e-7, err_msg=name)
+            np.testing.assert_allclose(self.values(name, layers[name].shape), layers[name], rtol=0, atol=0.501 * self.step(name) + 1e-7,
+                                       err_msg=name)
         self.assertEqual(len(self.texts("#distributions figure")), 6)
         for name in PROBABILITIES:
             self.assertTrue(0.849 < self.window.run(BRIGHTNESS, name) <= 1, name)

@@ -131,7 +131,8 @@ class SpreadTest(ToolTest):
 
     def test_range_noise_that_is_not_uniform_is_refused(self):
         self.run_draws(0.3, scan_of(2.2, 20), {"draws": 2})
-        self.refuse(2, "monte-carlo", self.path("scan.h5"), "--terrain", self.path("terrain.h5"), "-c", self.path("mc.json"), "-o", self.path("no.h5"),
+        self.refuse(2, "monte-carlo", self.path("scan.h5"), "--terrain", self.path("terrain.h5"), "-c", self.path("mc.json"), "-o",
+                    self.path("no.h5"),
                     "--set", "scan.noise.range_sigma_per_m=0.001", words=["has range noise that is not uniform"], output=self.path("no.h5"))
 
 

@@ -10,15 +10,14 @@ import unittest
 import h5py
 import numpy as np
 
-from harness import ToolTest, clouds
+from harness import ToolTest, clouds, read_bytes
 
 OFFSET = (548351.0, 5389938.0, 235.0)
 
 
 def read_las(path):
     """Version, WKT, scale, offset and X, Y, Z of a file of point format 0 or 1."""
-    with open(path, "rb") as file:
-        content = file.read()
+    content = read_bytes(path)
     header, begin, count_of_records = struct.unpack_from("<HII", content, 94)
     size, legacy = struct.unpack_from("<HI", content, 105)
     scale, offset = (np.array(struct.unpack_from("<3d", content, at)) for at in (131, 155))
@@ -83,13 +82,11 @@ class ExportOnAMap(ToolTest):
         ply = self.imported(self.export(scan, "b.ply", "--columns", "status"), "--crs", "EPSG:32632", "--center", "548351,5389938", name="p.h5")
         self.assertEqual(self.said, "")
         np.testing.assert_allclose(self.site(ply), expected - (548351, 5389938, 0), atol=2e-9)
-        with open(self.path("b.ply"), "rb") as file:
-            self.assertIn(b"comment crs PROJCS[\"WGS 84 / UTM zone 32N\"", file.read())
+        self.assertIn(b"comment crs PROJCS[\"WGS 84 / UTM zone 32N\"", read_bytes(self.path("b.ply")))
         csv = self.imported(self.export(scan, "b.csv"), "--crs", "EPSG:32632", "--center", "548351,5389938", name="c.h5")
         self.assertEqual(self.said, "")
         np.testing.assert_allclose(self.site(csv), expected - (548351, 5389938, 0), atol=2e-9)
-        with open(self.export(scan, "b.pcd", "--columns", "status"), "rb") as file:
-            header, data = file.read().split(b"DATA binary\n")
+        header, data = read_bytes(self.export(scan, "b.pcd", "--columns", "status")).split(b"DATA binary\n")
         self.assertIn("relative to the translation of VIEWPOINT, 548351, 5389938, 200 in WGS 84 / UTM zone 32N", self.said)
         self.assertIn(b"VIEWPOINT 548351 5389938 200 1 0 0 0", header)
         table = np.frombuffer(data, [("xyz", "<f4", 3), ("status", "i1")])

@@ -501,8 +501,7 @@ class ViewTest(ExportTest):
         """With a plugin that cannot be loaded, pictures are written, and only a GeoTIFF fails."""
         plugins = self.path("plugins")
         os.mkdir(plugins)
-        with open(os.path.join(plugins, "landfall-gdal.so"), "w", encoding="ascii") as file:
-            file.write("no library")
+        self.write(os.path.join(plugins, "landfall-gdal.so"), "no library")
 
         def run_without_gdal(name, *arguments):
             result = subprocess.run([tool(name), *map(str, arguments)], capture_output=True, text=True, check=False,
@@ -520,9 +519,7 @@ class ViewTest(ExportTest):
         self.assertIn("cannot load the GDAL plugin", geotiff.stderr)
 
     def test_a_failed_run_writes_no_picture(self):
-        scan = self.path("scan.h5")
-        with open(scan, "wb") as file:
-            file.write(read_bytes(CHAIN.scan)[:5000])
+        scan = self.write("scan.h5", read_bytes(CHAIN.scan)[:5000])
         self.refuse(1, "regrid", scan, "-o", self.path("d.h5"), "--view", self.path("a.png"), output=self.path("a.png"))
 
 

@@ -32,8 +32,7 @@ VARIANTS = [
 
 
 def example(page):
-    with open(page, encoding="utf-8") as file:
-        return json.loads(re.search(r"```json\n(.*?)```", file.read(), re.DOTALL).group(1))
+    return json.loads(re.search(r"```json\n(.*?)```", read_bytes(page).decode(), re.DOTALL).group(1))
 
 
 def rise_of(f):

@@ -8,7 +8,7 @@ import unittest
 import h5py
 import numpy as np
 
-from harness import ToolTest, columns, run
+from harness import ToolTest, columns, read_bytes, run
 
 DATA = os.path.join(os.environ.get("LANDFALL_DATA", os.path.join(os.environ["LANDFALL_ROOT"], "..", "shared", "data")), "strangers")
 NAMES = ["t_s", "x_m", "y_m", "z_m", "vx_mps", "vy_mps", "vz_mps", "roll_deg", "pitch_deg", "yaw_deg"]
@@ -88,8 +88,7 @@ class Trajectories(ToolTest):
             path = self.path("scan.las")
             result = run("landfall-export", "-O", scan, "-o", path, *options)
             self.assertEqual(result.returncode, 0, result.stderr)
-            with open(path, "rb") as file:
-                content = file.read()
+            content = read_bytes(path)
             begin, count = struct.unpack_from("<I", content, 96)[0], struct.unpack_from("<I", content, 107)[0]
             times = [struct.unpack_from("<d", content, begin + 28 * i + 20)[0] for i in range(count)]
             return struct.unpack_from("<H", content, 6)[0], np.array(times), result.stderr
@@ -147,11 +146,8 @@ class Meshes(ToolTest):
 
     def test_shape_models_and_other_elements(self):
         shape = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n"
-        path = self.path("shape.tab")
         for content in (shape, shape.replace("\n", "\r"), shape.replace("\n", "\r\n")):
-            with open(path, "w", encoding="ascii", newline="") as file:
-                file.write(content)
-            self.succeed("terrain-gen", "-O", "--from", path, "-o", self.path("m.h5"))
+            self.succeed("terrain-gen", "-O", "--from", self.write("shape.tab", content), "-o", self.path("m.h5"))
         ply = ("ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\nelement face 1\n"
                "property list uchar int vertex_indices\nelement camera 1\nproperty float f\nend_header\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n5\n")
         self.write("m.ply", ply)

@@ -10,7 +10,7 @@ import unittest
 import h5py
 import numpy as np
 
-from harness import ToolTest
+from harness import ToolTest, read_bytes
 
 JOINTS = os.path.join(os.environ.get("LANDFALL_DATA", os.path.join(os.environ["LANDFALL_ROOT"], "..", "shared", "data")), "joints")
 MOON_M = 1737400.0
@@ -292,13 +292,10 @@ class Colours(Frames):
     def test_palettes_and_truths(self):
         vrt = self.path("palette.vrt")
         self.translate("-b", "1", "-of", "VRT", self.picture, vrt)
-        with open(vrt, encoding="utf-8") as file:
-            text = file.read()
+        text = read_bytes(vrt).decode()
         table = '<ColorInterp>Palette</ColorInterp><ColorTable><Entry c1="1" c2="2" c3="3" c4="255"/></ColorTable>'
         start, end = text.index("<ColorInterp>"), text.index("</ColorInterp>") + len("</ColorInterp>")
-        with open(vrt, "w", encoding="utf-8") as file:
-            file.write(text[:start] + table + text[end:])
-        self.translate(vrt, self.path("palette.tif"))
+        self.translate(self.write(vrt, text[:start] + table + text[end:]), self.path("palette.tif"))
         self.refused(self.path("palette.tif"), "is a colour (Palette)")
         grey = self.path("grey.tif")
         self.translate("-b", "1", "-colorinterp", "gray", self.picture, grey)
@@ -316,8 +313,9 @@ class Fills(Frames):
     """One value, repeated exactly, at an end and farther from all others than these are from each other."""
 
     VALUES = (-10000, -99999.9, -100000, 1e10, -88888, -9999.9, -9998, 99999.99, -3276.8, -12345, -32000, 8888, -1e5)
-    SAMPLES = ((-9999, "Float64"), (-32768, "Int16"), (-32767, "Float32"), (-99999, "Int32"), (9999, "Float32"), (1e6, "Float64"), (-3.4e38, "Float32"),
-               (-3.4028234663852886e38, "Float32"), (3.4e38, "Float64"), (32767, "Int16"), (-2147483647, "Int32"), (-99999.9, "Float64"), (-3276.8, "Float64"))
+    SAMPLES = ((-9999, "Float64"), (-32768, "Int16"), (-32767, "Float32"), (-99999, "Int32"), (9999, "Float32"), (1e6, "Float64"),
+               (-3.4e38, "Float32"), (-3.4028234663852886e38, "Float32"), (3.4e38, "Float64"), (32767, "Int16"), (-2147483647, "Int32"),
+               (-99999.9, "Float64"), (-3276.8, "Float64"))
 
     def setUp(self):
         super().setUp()

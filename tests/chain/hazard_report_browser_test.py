@@ -118,8 +118,9 @@ class CommonReport(CommonPage, HazardReport):
         for value, color in ((2, [255, 0, 255]), (3, [0, 114, 178])):
             self.assertGreater(len(wrong[value]), 0)
             for row, col in wrong[value]:
-                at = (1 - (row + 0.5) / layers["outcome"].shape[0]) * len(pixels), (col + 0.5) / layers["outcome"].shape[1] * pixels.shape[1]
-                self.assertEqual(list(pixels[int(at[0]), int(at[1])]), color)
+                down = (1 - (row + 0.5) / layers["outcome"].shape[0]) * len(pixels)
+                right = (col + 0.5) / layers["outcome"].shape[1] * pixels.shape[1]
+                self.assertEqual(list(pixels[int(down), int(right)]), color)
 
     def test_the_sites_are_those_of_sites_json(self):
         _, sites = self.report()

@@ -4,6 +4,7 @@
 import json
 import os
 import resource
+import shutil
 import subprocess
 import sys
 import unittest
@@ -278,9 +279,7 @@ class Strips(ChainTest):
         self.assertIn(f"warning: {dem}: --layers leaves out its 1-sigmas: sites count safe places, without p_safe", result.stderr)
 
     def test_damaged_elevations_are_refused(self):
-        damaged = self.path("damaged.h5")
-        with open(damaged, "wb") as file:
-            file.write(read_bytes(self.chain.dem))
+        damaged = shutil.copy(self.chain.dem, self.path("damaged.h5"))
         with h5py.File(damaged, "r+") as file:
             file["z_est"][3, 4] = np.inf
         for options in ([], ["--layers", "safe"]):
@@ -376,8 +375,7 @@ class Interface(ChainTest):
         self.assertEqual(run("hazard-map", *self.arguments("-O", "--require-safe", *more)).returncode, 3 if best < 1 else 2)
 
     def test_outputs_are_refused_before_the_map_is_read(self):
-        with open(self.path("s.json"), "w", encoding="utf-8"):
-            pass
+        self.write("s.json", "")
         for option in ("--sites", "--report"):
             self.refuse_map(2, "/nowhere/dem.h5", "-o", self.path("h.h5"), option, self.path("s.json"), words=["s.json", "-O"])
         self.refuse_map(2, *self.arguments("--sites", self.path("a"), "--score", self.path("a")), words=["same file"])

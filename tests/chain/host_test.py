@@ -11,7 +11,7 @@ import unittest
 import h5py
 import numpy as np
 
-from harness import run
+from harness import run, write_file
 
 BUILD = os.environ["LANDFALL_BUILD"]
 EXAMPLE = os.path.join(os.environ["LANDFALL_ROOT"], "examples", "host_simulator")
@@ -90,8 +90,7 @@ class Host(unittest.TestCase):
     def test_a_host_may_draw_in_any_object_of_the_archive(self):
         """As hosts did that were compiled without optimisation: the linker takes the first copy of a function of the standard library."""
         os.mkdir(self.path("whole"))
-        with open(self.path("whole/whole.cpp"), "w", encoding="utf-8") as file:
-            file.write("int main() {}\n")
+        write_file(self.path("whole/whole.cpp"), "int main() {}\n")
         with open(self.path("whole/CMakeLists.txt"), "w", encoding="utf-8") as file:
             file.write("""
                 cmake_minimum_required(VERSION 3.25)
@@ -110,8 +109,7 @@ class Host(unittest.TestCase):
         self.assertEqual(headers, ["lidar.h"])
 
     def test_an_error_message_reaches_the_host(self):
-        with open(self.path("bad.json"), "w", encoding="utf-8") as file:
-            file.write('{"detector": {"rows": 0}}')
+        write_file(self.path("bad.json"), '{"detector": {"rows": 0}}')
         result = subprocess.run([self.path("build/host_simulator"), self.path("bad.json"), self.path("none.csv")],
                                 capture_output=True, text=True, check=False)
         self.assertEqual(result.returncode, 1)

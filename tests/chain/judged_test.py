@@ -10,7 +10,7 @@ import h5py
 import numpy as np
 from matplotlib.text import Text
 
-from harness import SCAN, Chain, ChainTest, columns, read_bytes, run, with_values
+from harness import SCAN, Chain, ChainTest, columns, read_bytes, run, with_values, write_file
 from harness.commands import run_command
 from harness.opencl import no_device
 
@@ -40,9 +40,7 @@ class Noisy(ChainTest):
         cls.terrain, cls.scan = cls.chain.path("plane.h5"), cls.chain.path("noisy.h5")
         for name, config, arguments in (("plane.json", PLANE, ["terrain-gen", "-o", cls.terrain]),
                                         ("noisy.json", LIDAR, ["scan-sim", "--terrain", cls.terrain, "--keep-misses", "-o", cls.scan])):
-            with open(cls.chain.path(name), "w", encoding="utf-8") as file:
-                json.dump(config, file)
-            Chain.make(arguments[0], [*arguments[1:], "-c", cls.chain.path(name)])
+            Chain.make(arguments[0], [*arguments[1:], "-c", write_file(cls.chain.path(name), json.dumps(config))])
 
     def dem(self, posting):
         path = self.path(f"dem-{posting}.h5")

@@ -165,15 +165,6 @@ class Truths(MeetingTest):
         self.refuse(1, "regrid", self.imported(a), "--terrain", self.path("far.h5"), "-o", self.path("e.h5"), *GRID,
                     words=["far.h5: has a CRS", "a.h5 has none"], output=self.path("e.h5"))
 
-    def test_a_raster_and_a_terrain_of_another_centre(self):
-        dem, truth = self.raster("dem.tif", (500000, 5400000), 31), self.raster("truth.tif", (499990, 5399980), 81)
-        self.warnings("terrain-gen", "--from", truth, "-o", self.path("t.h5"), "--datum", "none")
-        said = self.warnings("landfall-import", dem, "--terrain", self.path("t.h5"), "-o", self.path("d.h5"))
-        self.assertIn("t.h5: is moved by (15, 5, 0) m", said)
-        self.assertLess(np.nanmax(np.abs(self.errors(self.path("d.h5")))), 1e-6)
-        self.refuse(1, "landfall-import", self.raster("none", (500000, 5400000), 31, None), "--terrain", self.path("t.h5"), "-o", self.path("e.h5"),
-                    words=["has none", "--same-frame"])
-
     def test_a_raster_and_its_truth_on_other_vertical_datums(self):
         dem, truth = (self.raster(f"{name}.tif", (500000, 5400000), 31, f"EPSG:32632+{vertical}") for name, vertical in (("d", 3855), ("t", 5773)))
         self.refuse(1, "landfall-import", dem, "--truth", truth, "-o", self.path("d.h5"), words=["t.tif", "EGM96", "EGM2008"])

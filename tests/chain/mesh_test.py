@@ -86,10 +86,7 @@ def flash_directions(rows, pitch):
 def facets_of(path):
     """The facets, (facet, corner, xyz), of an OBJ or of a binary PLY as terrain-gen writes it."""
     if path.endswith(".obj"):
-        with open(path, encoding="ascii") as file:
-            lines = [line.split() for line in file]
-        points = np.array([line[1:] for line in lines if line and line[0] == "v"], float)
-        return points[np.array([line[1:] for line in lines if line and line[0] == "f"], int) - 1]
+        return obj_facets(path)
     data = read_bytes(path)
     head, body = data.split(b"end_header\n", 1)
     words = [line.split() for line in head.decode("ascii").splitlines()]
@@ -187,8 +184,7 @@ class MeshTest(ToolTest):
         vertices, faces = rolling_terrain_with_a_roof()
         plain, turned, said = self.path("plain.off"), self.path("turned.off"), self.path("said.off")
         for path, points, head in ((plain, vertices, ""), (turned, vertices[:, [0, 2, 1]] * [1, 1, -1], ""), (said, vertices, "# Blender v2.93\n")):
-            with open(path, "w", encoding="ascii") as file:
-                file.write(head + off_text(points, faces))
+            self.write(path, head + off_text(points, faces))
         h5 = self.path("t.h5")
 
         def terrain(*arguments):

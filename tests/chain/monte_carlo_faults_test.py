@@ -35,7 +35,8 @@ class FaultsTest(MonteCarloTest):
 
 class Samples(FaultsTest):
     def test_a_table_of_too_many_draws(self):
-        self.refuse_run(1, ["samples.csv", "100001 rows", "at most 100000 draws"], "--samples", self.config(BIAS + "\n" + 100001 * "0\n", "samples.csv"))
+        self.refuse_run(1, ["samples.csv", "100001 rows", "at most 100000 draws"], "--samples",
+                             self.config(BIAS + "\n" + 100001 * "0\n", "samples.csv"))
 
     def test_tables_in_hdf5(self):
         for code, words, columns in [

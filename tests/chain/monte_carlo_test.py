@@ -1,7 +1,7 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""monte-carlo: seeds and samples; parts and interruptions change nothing; the maps against numpy; the verdict and refusals. That each draw is the
-chain's is in draws_equality_test.py."""
+"""monte-carlo: seeds and samples; parts and interruptions change nothing; the maps against numpy; the verdict and refusals.
+draws_equality_test.py compares each draw with the chain."""
 import itertools
 import json
 import math
@@ -11,7 +11,7 @@ import unittest
 import h5py
 import numpy as np
 
-from harness import EVAL, HAZARD, SCAN, columns, config_of, read_bytes, run, with_values
+from harness import EVAL, HAZARD, SCAN, columns, config_of, read_bytes, run, with_values, write_file
 from harness.draws import DISPERSED, FRACTAL, LAYERS, REQUIREMENTS, DrawsTest, draws_config
 
 NORMAL = {"type": "normal", "mean": 0}
@@ -95,7 +95,7 @@ class Division(DrawsTest):
     CONFIG = draws_config(draws=9, scan={"noise": {"dropout_frac": 0.2}}, vary={"scan.navigation_error.velocity_mps.0": {**NORMAL, "sigma": 0.1}})
 
     RUNS = {"maps": CONFIG, "no maps": {**CONFIG, "layers": False},
-                 "hazards": draws_config(draws=4, hazard={**HAZARD, "requirements": [{"name": "missed", "metric": "missed_hazard_frac", "max": 0.1}]},
+            "hazards": draws_config(draws=4, hazard={**HAZARD, "requirements": [{"name": "missed", "metric": "missed_hazard_frac", "max": 0.1}]},
                                      metrics="verdict", vary={"scan.noise.range_sigma_m": {"type": "uniform", "low": 0, "high": 0.1}}),
                  **{f"traced, {seed} ground": draws_config(draws=5, scan=SCAN, vary=vary, metrics="verdict", terrain=FRACTAL, terrain_seed=seed)
                     for seed, vary in (("fixed", DISPERSED), ("each", {**DISPERSED, "terrain.base.0.slope_x": {**NORMAL, "sigma": 0.05}}))}}
@@ -139,8 +139,7 @@ class Division(DrawsTest):
                  "half a file": (0, begin[:len(begin) // 2], "begins again"), "empty": (0, b"", "begins again")}
         for name, (first, content, warning) in cases.items():
             with self.subTest(name):
-                with open(state, "wb") as file:
-                    file.write(content)
+                write_file(state, content)
                 span = [] if first == 0 else ["--draws", f"{first}:9"]
                 result = run("monte-carlo", *self.arguments(self.CONFIG, "draws.h5", "-O", "-v", *span))
                 self.assertEqual(result.returncode, 0, result.stderr)

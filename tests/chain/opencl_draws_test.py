@@ -34,7 +34,8 @@ RULES = (EVAL, {**EVAL, "footprint_shape": "disc"}, {**EVAL, "footprint_m": 0.1}
 RUNS = [
     *({"scan": ERRORS, "vary": VARY, "metrics": metrics} for metrics in ("verdict", "full")),
     *({"draws": 2, "scan": ERRORS, "regrid": {**REGRID, **regrid}, "metrics": metrics} for metrics in ("verdict", "full")
-      for regrid in ({"method": "bilinear4"}, {"method": "mean"}, {"truth_at": "centroid"}, {"method": "bilinear4", "truth_at": "centroid"})),
+      for regrid in ({"method": "bilinear4"}, {"method": "mean"}, {"truth_at": "centroid"},
+                     {"method": "bilinear4", "truth_at": "centroid"})),
     *({"scan": ERRORS, "vary": JUDGED, "eval": rule, "metrics": "verdict", "layers": layers} for rule in RULES for layers in (True, False)),
     {"draws": 2, "scan": {"noise": {"dropout_frac": 0.02}}, "hazard": HAZARD, "metrics": "verdict"},
 ]

@@ -12,7 +12,7 @@ import h5py
 import netCDF4
 import numpy as np
 
-from harness import ChainTest, attributes, run
+from harness import ChainTest, attributes, read_bytes, run
 
 # Loads the packages of a program, and all engines of xarray, whose own warnings do not matter here; from then on, a warning is an error.
 # It is about our file then, or about the program. What a package says of its own code later is ignored.
@@ -114,7 +114,8 @@ class Opens(ChainTest):
                     found = [float(field) for field in fields[5:7]]
                     np.testing.assert_allclose(found, [values.min(), values.max()] if values.size else [0, 0], rtol=1e-15, atol=0)
                     if path == self.chain.dem:
-                        np.testing.assert_allclose([float(v) for v in (*fields[1:5], *fields[7:11])], [-5, 5, -5, 5, 0.1, 0.1, 101, 101], atol=1e-9)
+                        np.testing.assert_allclose([float(v) for v in (*fields[1:5], *fields[7:11])], [-5, 5, -5, 5, 0.1, 0.1, 101, 101],
+                                                   atol=1e-9)
 
     def test_a_layer_of_nan_has_no_range(self):
         """CF-1.8 forbids one; GMT then shows 0 to 0."""
@@ -163,8 +164,7 @@ class Opens(ChainTest):
         self.succeed("hazard-map", dem, "-c", self.chain.config("hazard-map"), "-o", hazards)
         self.succeed("terrain-gen", "--from", terrain, "-o", self.path("t.tif"))
         for made, known in ((terrain, self.chain.terrain), (dem, self.chain.dem), (evaluation, self.chain.eval), (hazards, self.chain.hazards)):
-            with open(made, "rb") as a, open(known, "rb") as b:
-                self.assertEqual(a.read(), b.read())  # the name changes nothing
+            self.assertEqual(read_bytes(made), read_bytes(known))  # the name changes nothing
 
     def test_a_mesh_may_not(self):
         self.write("m.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n")
@@ -172,9 +172,8 @@ class Opens(ChainTest):
                     output=self.path("m.nc"))
 
     def test_warnings_about_our_files_count_and_those_of_packages_about_themselves_do_not(self):
-        with open(self.path("noisy.py"), "w", encoding="ascii") as file:
-            file.write("import warnings\nwarnings.warn('at import')\ndef old(): warnings.warn('an old function', DeprecationWarning)\n"
-                       "def read(): warnings.warn('the file has no frame')\n")
+        self.write("noisy.py", "import warnings\nwarnings.warn('at import')\ndef read(): warnings.warn('the file has no frame')\n"
+                               "def old(): warnings.warn('an old function', DeprecationWarning)\n")
         self.assertEqual(self.python("import noisy\nnoisy.old()\nprint(1)"), "1")
         for ours in ("noisy.read()", "import warnings; warnings.warn('x', DeprecationWarning)"):
             with self.assertRaises(AssertionError):

@@ -148,8 +148,8 @@ class Las(Imports):
     def test_feet_become_metres(self):
         foot = 1200 / 3937
         points = [{**p, "xyz": xyz} for p, xyz in zip(clouds.las_points(3), [(0, 0, 0), (100000, 0, 5000), (0, 100000, 0)])]
-        data, _ = self.imported("a.las", clouds.las(points, offset=(6000000.0, 2100000.0, 0.0)), "--crs", "EPSG:2227", "--center", "6000000,2100000",
-                                silent=False)
+        data, _ = self.imported("a.las", clouds.las(points, offset=(6000000.0, 2100000.0, 0.0)), "--crs", "EPSG:2227", "--center",
+                                "6000000,2100000", silent=False)
         np.testing.assert_allclose(data["x_est"], [0, 100 * foot, 0], atol=1e-9)
         np.testing.assert_allclose(data["z_est"], [0, 5, 0], atol=1e-9)
         self.assertIn("the unit of its heights is not declared", self.said)
@@ -168,8 +168,7 @@ class Las(Imports):
                 self.skipTest(f"{path} is not there")
             done = self.succeed("landfall-import", path, "-o", self.path("real.h5"), "-O")
             self.assertEqual("has no CRS" in done.stderr, not has_crs)
-            with open(path, "rb") as file:
-                content = file.read()
+            content = read_bytes(path)
             begin, = struct.unpack_from("<I", content, 96)
             size, = struct.unpack_from("<H", content, 105)
             scale = struct.unpack_from("<3d", content, 131)
@@ -220,8 +219,6 @@ class Axes(Imports):
         np.testing.assert_array_equal(data["x_est"], expected["x_est"])
         np.testing.assert_array_equal(data["y_est"], expected["y_est"])
         self.assertAlmostEqual(attributes["origin_x"], -83.4, places=4)
-        self.refused("a.las", content, "mutually exclusive", "--axis-order", "yx", "--up", "y", code=2)
-        self.refused("a.las", content, "--up", "--up", "x", code=2)
 
     def test_a_crs_that_contradicts_the_file_is_said(self):
         keys = struct.pack("<16H", 1, 1, 0, 3, 1024, 0, 1, 1, 3072, 0, 1, 32632, 3076, 0, 1, 9001)
@@ -442,12 +439,10 @@ class Chain(Imports):
     def test_reports_hazards_and_exports_say_where_the_data_come_from(self):
         self.regrid("--terrain", self.terrain)
         self.evaluate("--report", self.path("report.html"))
-        with open(self.path("report.html"), encoding="utf-8") as file:
-            self.assertIn("imported from points.csv (text with a header)", file.read())
+        self.assertIn("imported from points.csv (text with a header)", read_bytes(self.path("report.html")).decode())
         self.succeed("hazard-map", self.dem, "--terrain", self.terrain, "-o", self.path("hazards.h5"), "--report", self.path("hazards.html"),
                      "--score", self.path("score.json"))
-        with open(self.path("hazards.html"), encoding="utf-8") as file:
-            self.assertIn("points.csv", file.read())
+        self.assertIn("points.csv", read_bytes(self.path("hazards.html")).decode())
         shown = self.succeed("landfall-info", self.scan).stdout
         self.assertIn("text with a header, origin at 0, 0, 0", shown)
         self.assertIn("40000, one per point", shown)

@@ -7,7 +7,7 @@ import os
 import re
 import unittest
 
-from harness import ToolTest
+from harness import ToolTest, read_bytes
 
 ROOT = os.environ["LANDFALL_ROOT"]
 PAGE = os.path.join(ROOT, "docs", "user", "lidar", "presets.md")
@@ -15,8 +15,7 @@ ROW = re.compile(r"^\| `([\w-]+)` \| ([\d,]+) \| ([\d.]+) \| ([\d.]+) m, ([\d.]+
 
 
 def rows():
-    with open(PAGE, encoding="utf-8") as file:
-        return ROW.findall(file.read())
+    return ROW.findall(read_bytes(PAGE).decode())
 
 
 def leaves(value, key=""):
@@ -73,8 +72,7 @@ class PatternPages(ToolTest):
     def test_the_uncovered_shares_are_those_of_plans(self):
         for page, pattern, words, uncovered_percent, rounding in UNCOVERED:
             with self.subTest(pattern):
-                with open(os.path.join(ROOT, "docs", "user", "lidar", page), encoding="utf-8") as file:
-                    self.assertIn(words, file.read())
+                self.assertIn(words, read_bytes(os.path.join(ROOT, "docs", "user", "lidar", page)).decode())
                 plan = json.loads(self.succeed("scan-sim", "--plan", "--json", "--set", "scanner=" + FSM % pattern).stdout)
                 self.assertAlmostEqual(100 * plan["plan"]["coverage"]["uncovered_frac"], uncovered_percent, delta=rounding)
 

@@ -1,6 +1,6 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""scan-sim --ranges-from: the errors of an earlier scan are drawn again. redraw_keys_test.py changes every key, receiver_test.py redraws echoes."""
+"""scan-sim --ranges-from draws the errors of an earlier scan again. redraw_keys_test.py changes all keys, receiver_test.py has echoes."""
 import json
 import unittest
 
@@ -16,7 +16,8 @@ OTHER = ["--seed", "11", "--set", "noise.range_sigma_m=0.02", "--set", "noise.dr
          "--set", "navigation_error.velocity_mps=[0.1,0.2,0.3]"]
 LOSSLESS = with_values(SCAN, noise__dead_pixel_frac=0, noise__dropout_frac=0)
 WIDE = with_values(LOSSLESS, scanner__pattern__half_width_m=6)
-FALSE = scan_config(["pointing_error.jitter_sigma_rad", "pointing_error.mirror_time_sigma_s", "noise.dropout_frac", "noise.dead_pixel_frac"])
+FALSE = scan_config(["pointing_error.jitter_sigma_rad", "pointing_error.mirror_time_sigma_s", "noise.dropout_frac",
+                     "noise.dead_pixel_frac"])
 KEPT = ([], ["--keep-misses"])
 # {name: (configuration, options of the source, options of the redraw)}; a redraw of noise by incidence needs the terrain.
 REDRAWS = {
@@ -28,14 +29,17 @@ REDRAWS = {
     "pulses that lack pixels": (WIDE, ([],), [[*kept, "--seed", "3"] for kept in KEPT]),
     "several chunks": (with_values(LOSSLESS, laser={"pulse_rate_hz": 10000, "scan_time_s": 0.3}), ([],), (["--seed", "3"],)),
     "all errors": (ALL_ERRORS, (["--keep-misses"],), (
-        [], ["--keep-misses"], ["--set", "noise.false_return_frac=0.3", "--keep-misses"], ["--set", "noise.false_return_frac=0", "--keep-misses"],
+        [], ["--keep-misses"], ["--set", "noise.false_return_frac=0.3", "--keep-misses"],
+        ["--set", "noise.false_return_frac=0", "--keep-misses"],
         ["--set", "pointing_error.time_stamp_bias_s=0", "--set", "navigation_error.random_walk={}"])),
     "without false returns": (FALSE, KEPT, [[*kept, "--seed", "12", "--set", "noise.false_return_frac=0"] for kept in KEPT]),
     "with false returns": (with_values(FALSE, noise__false_return_frac=0), KEPT,
                            [[*kept, "--seed", "12", "--set", "noise.false_return_frac=0.1"] for kept in KEPT]),
     "mesh": (with_values(SCAN, noise={}), ([],), (["--set", "noise.range_sigma_m=0.02", "--set", "noise.incidence_sigma_rad=1e-3"],)),
-    "risley": ({**LOSSLESS, "scanner": {"type": "risley", "wedge_deg": [2, 2], "encoder_sigma_rad": 1e-3}}, ([],), (["--set", "noise.range_sigma_m=0.02"],)),
-    "tilts that are not drawn": ({**LOSSLESS, "scanner": {"type": "polygon", "facet_tilt_rad": [1e-4] * 48}}, (["--keep-misses"],), (["--seed", "9"],)),
+    "risley": ({**LOSSLESS, "scanner": {"type": "risley", "wedge_deg": [2, 2], "encoder_sigma_rad": 1e-3}}, ([],),
+               (["--set", "noise.range_sigma_m=0.02"],)),
+    "tilts that are not drawn": ({**LOSSLESS, "scanner": {"type": "polygon", "facet_tilt_rad": [1e-4] * 48}}, (["--keep-misses"],),
+                                 (["--seed", "9"],)),
 }
 
 
@@ -50,7 +54,8 @@ class RangesFrom(ChainTest):
     def check_redraw(self, arguments, terrain, what):
         self.succeed("scan-sim", *arguments, *terrain, "-O", "-o", self.path("traced.h5"))
         needs_terrain = any("incidence" in word for word in arguments) or "errors" in what or "false" in what
-        self.succeed("scan-sim", *arguments, *(terrain if needs_terrain else []), "--ranges-from", self.path("source.h5"), "-O", "-o", self.path("replayed.h5"))
+        self.succeed("scan-sim", *arguments, *(terrain if needs_terrain else []), "--ranges-from", self.path("source.h5"),
+                     "-O", "-o", self.path("replayed.h5"))
         self.assertEqual(read_bytes(self.path("replayed.h5")), read_bytes(self.path("traced.h5")), f"{what} {arguments}")
 
     def test_each_equals_a_traced_scan_byte_for_byte(self):
@@ -65,7 +70,8 @@ class RangesFrom(ChainTest):
                     self.check_redraw(["-c", self.config(config), *options], terrain, f"{name} {source}")
 
     def test_a_redraw_of_noise_by_incidence_needs_the_terrain(self):
-        self.succeed("scan-sim", "-c", self.config(ALL_ERRORS), "--terrain", self.chain.terrain, "--keep-misses", "-o", self.path("source.h5"))
+        self.succeed("scan-sim", "-c", self.config(ALL_ERRORS), "--terrain", self.chain.terrain, "--keep-misses",
+                     "-o", self.path("source.h5"))
         self.refuse(2, "scan-sim", "-c", self.config(ALL_ERRORS), "--ranges-from", self.path("source.h5"), "-o", self.path("out.h5"),
                     words=["--terrain", "/noise/incidence_sigma_rad"], output=self.path("out.h5"))
 

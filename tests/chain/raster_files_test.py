@@ -17,7 +17,7 @@ import netCDF4
 import numpy as np
 
 import raster_readers as readers
-from harness import SANITIZED, ToolTest, read_bytes, tool, without_warnings
+from harness import SANITIZED, ToolTest, read_bytes, tool, without_warnings, write_file
 from raster_readers import Cells, Degrees, Rotated
 
 ROOT = os.environ["LANDFALL_ROOT"]
@@ -66,7 +66,8 @@ READERS = {
     "rasters/float16.tif": (readers.tiff, Cells((10, 10), 60)),
     "rasters/gmt_holes.grd": (readers.gmt_grid, Cells((15, 15), 111195 / 3)),
     "rasters/grey_8bit.png": (scaled(0.25, readers.pillow), Cells((16, 16), 2)),
-    "rasters/latlon_scaled_int16.tif": (lambda path: 0.5 * nodata(-32768, readers.tiff)(path) + 200, Degrees((30, 0.5), 1737400, 0.05, (28, 2), 7200)),
+    "rasters/latlon_scaled_int16.tif": (lambda path: 0.5 * nodata(-32768, readers.tiff)(path) + 200,
+                                        Degrees((30, 0.5), 1737400, 0.05, (28, 2), 7200)),
     "rasters/mars_big_endian.vrt": (lambda path: readers.raw(path.replace(".vrt", ".img"), ">i2", (36, 72)),
                                     Degrees((-133.8, 18.65), 3396190, 5, (2.5, 87.5), 72)),
     "rasters/mosaic.vrt": (tiles, Cells((20, 15), 10)),
@@ -124,8 +125,7 @@ class Run:
 
 def sections():
     """{title: text} of the page's sections; the head of the page has an empty title."""
-    with open(TABLE, encoding="utf-8") as file:
-        head, *rest = re.split(r"^## (.*)\n", file.read(), flags=re.M)
+    head, *rest = re.split(r"^## (.*)\n", read_bytes(TABLE).decode(), flags=re.M)
     return {"": head.rstrip() + "\n"} | {title: text.rstrip() + "\n" for title, text in zip(rest[::2], rest[1::2])}
 
 
@@ -263,8 +263,7 @@ class ClassicNetcdf(ToolTest):
             whole = read_bytes(path)
             # 35 values of 2 bytes end with 2 bytes of padding, so the smallest cut, of 3 bytes, damages the last value.
             for size in (len(whole) - 3, len(whole) - 100, len(whole) // 2):
-                with open(path, "wb") as file:
-                    file.write(whole[:size])
+                write_file(path, whole[:size])
                 self.refuse(1, "terrain-gen", *self.arguments(path, "z", output), words=[path, f"holds {size} of the", "truncated"],
                             output=output)
 

@@ -16,8 +16,7 @@ LINKS = {"pulse_energy_J", "wavelength_m", "aperture_m", "efficiency"}  # exclud
 
 
 def schema():
-    with open(os.path.join(os.environ["LANDFALL_ROOT"], "schemas", "scan.schema.json"), encoding="utf-8") as file:
-        return json.load(file)
+    return json.loads(read_bytes(os.path.join(os.environ["LANDFALL_ROOT"], "schemas", "scan.schema.json")))
 
 
 ROOT_SCHEMA = schema()

@@ -9,7 +9,7 @@ import unittest
 import h5py
 import numpy as np
 
-from harness import EVAL, HAZARD, SCAN, TERRAIN, ChainTest, ToolTest, read_bytes, with_values
+from harness import EVAL, HAZARD, SCAN, TERRAIN, ChainTest, ToolTest, read_bytes, with_values, write_file
 
 RASTER = os.path.join(os.environ["LANDFALL_ROOT"], "testdata", "rasters", "polar_stereographic.tif")
 CENTER = np.array([-53005.0, -51002.5])
@@ -32,9 +32,7 @@ def geojson(path, crs="none", shift=(0, 0), parts=((OUTER, HOLE), (APART,)), kin
         {"type": "Feature", "properties": {}, "geometry": {"type": kind, "coordinates": coordinates if kind == "MultiPolygon" else coordinates[0]}}]}
     if crs == "none":
         content["crs"] = None
-    with open(path, "w", encoding="utf-8") as file:
-        json.dump(content, file)
-    return path
+    return write_file(path, json.dumps(content))
 
 
 def winds(vertices, x, y):
@@ -148,16 +146,10 @@ class OnAMap(ToolTest):
         self.refuse(2, "dem-eval", self.dem, *region_set(shape="polygon", path=far), "--table", words=["far.geojson: the polygon reaches beyond the map", "the map covers x -8.25 to 8.25"])
 
     def lines(self):
-        path = self.path("line.geojson")
-        with open(path, "w", encoding="utf-8") as file:
-            json.dump({"type": "LineString", "coordinates": OUTER, "crs": None}, file)
-        return path
+        return self.config({"type": "LineString", "coordinates": OUTER, "crs": None}, "line.geojson")
 
     def empty(self):
-        path = self.path("empty.geojson")
-        with open(path, "w", encoding="utf-8") as file:
-            json.dump({"type": "FeatureCollection", "features": [], "crs": None}, file)
-        return path
+        return self.config({"type": "FeatureCollection", "features": [], "crs": None}, "empty.geojson")
 
 
 class InTheFrame(ChainTest):

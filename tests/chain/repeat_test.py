@@ -8,7 +8,7 @@ import unittest
 import h5py
 
 from errors_test import SCAN as ALL_ERRORS
-from harness import DRAWS, HAZARD, SCAN, TERRAIN, TOOLS, ChainTest, columns, read_bytes, with_values
+from harness import DRAWS, HAZARD, SCAN, TERRAIN, TOOLS, ChainTest, columns, read_bytes, with_values, write_file
 from harness.draws import DISPERSED, FRACTAL
 from mesh_test import off_text, rolling_terrain_with_a_roof
 
@@ -19,7 +19,8 @@ SIGMAS = "--uncertainty --corrected --navigation-sigma position_m=0.1 --navigati
 DRAWS_CONFIG = "monte-carlo source.h5 --terrain terrain.h5 -c monte-carlo.json --set draws=9 -o OUT/d.h5"
 OPTIONS = ("-t 1", "-t 2", "-t 7")
 BATCHES = (*OPTIONS, "-t 7 --batch-points 1", "-t 2 --batch-points 100", "-t 1 --batch-points 70000", "-t 2 --batch-points 16777216")
-MANY = "scan-sim --terrain terrain.h5 -c scan-sim.json --set laser.pulse_rate_hz=10000 --set laser.scan_time_s=0.3 -o OUT/s.h5"  # 192,000 points
+# A scan of 192,000 points.
+MANY = "scan-sim --terrain terrain.h5 -c scan-sim.json --set laser.pulse_rate_hz=10000 --set laser.scan_time_s=0.3 -o OUT/s.h5"
 ERRORS = "scan-sim --terrain terrain.h5 -c errors.json -o OUT/s.h5"
 # Commands in the folder of the chain's files, which write into the folder OUT, and the options that change none of their bytes.
 COMMANDS = [
@@ -38,7 +39,8 @@ COMMANDS = [
     *((DRAWS_CONFIG + more, OPTIONS) for more in (" --set metrics=full", " --set metrics=verdict", " --set metrics=verdict -c hazard.json")),
     ("monte-carlo -c traced.json -o OUT/d.h5", OPTIONS),
     *((f"landfall-export {source} -o OUT/a.{kind}", OPTIONS)
-      for source, kind in (("eval.h5 --layers all", "tif"), ("scan.h5", "png"), ("dem.h5", "png"), ("scan.h5", "csv"), ("scan.h5 --max-points 2000", "html"))),
+      for source, kind in (("eval.h5 --layers all", "tif"), ("scan.h5", "png"), ("dem.h5", "png"), ("scan.h5", "csv"),
+                           ("scan.h5 --max-points 2000", "html"))),
     ("landfall-import points.csv -o OUT/s.h5 -q", OPTIONS),
 ]
 
@@ -52,11 +54,11 @@ class Repeat(ChainTest):
             **DRAWS, "draws": 5, "scan": SCAN, "terrain": FRACTAL, "terrain_seed": "each", "vary": DISPERSED}}
         for method in ("contact", "plane", "range_difference", "lmeds"):
             configs[method] = with_values(HAZARD, z_sigma_m=0.02, method=method, limits__roughness_m=0.1)
-        texts = {**{name + ".json": json.dumps(config) for name, config in configs.items()}, "mesh.off": off_text(*rolling_terrain_with_a_roof()),
+        texts = {**{name + ".json": json.dumps(config) for name, config in configs.items()},
+                 "mesh.off": off_text(*rolling_terrain_with_a_roof()),
                  "points.csv": "x,y,z\n" + "".join(f"{i % 173 / 7:.3f},{i % 97 / 5:.3f},{i % 13 / 3:.3f}\n" for i in range(30000))}
         for name, text in texts.items():
-            with open(chain.path(name), "w", encoding="utf-8") as file:
-                file.write(text)
+            write_file(chain.path(name), text)
         chain.make("terrain-gen", ["--from", chain.path("mesh.off"), "-o", chain.path("mesh.h5")])
         assert os.path.exists(chain.source)
 

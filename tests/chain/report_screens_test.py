@@ -11,7 +11,7 @@ import re
 import subprocess
 import unittest
 
-from harness import EVAL, HAZARD, REGRID, browser, with_values
+from harness import EVAL, HAZARD, REGRID, browser, read_bytes, with_values, write_file
 from harness.page import CANVAS, WIDTHS, PageTest
 
 ROOT = os.environ["LANDFALL_ROOT"]
@@ -48,8 +48,7 @@ class ScreensTest(PageTest):
         folder = os.environ.get("LANDFALL_SCREENS")
         if folder:
             os.makedirs(folder, exist_ok=True)
-            with open(os.path.join(folder, name), "wb") as file:
-                file.write(content)
+            write_file(os.path.join(folder, name), content)
 
     def picture(self, name):
         """Keeps a picture of the whole page; to take one costs more than all checks."""
@@ -57,8 +56,7 @@ class ScreensTest(PageTest):
             return
         path = self.path("screen.png")
         self.window.picture(path)
-        with open(path, "rb") as file:
-            self.keep(name, file.read())
+        self.keep(name, read_bytes(path))
 
     def check_boxes(self, where):
         super().check_boxes(where)
@@ -121,8 +119,7 @@ class ScreensTest(PageTest):
         waited = base64.b64decode(self.window.driver.execute_cdp_cmd("Page.printToPDF", {"printBackground": True, "preferCSSPageSize": True})["data"])
         subprocess.run([browser.CHROMIUM, "--headless", "--no-sandbox", f"--user-data-dir={self.path('profile')}", "--no-pdf-header-footer", "--virtual-time-budget=20000",
                         f"--print-to-pdf={self.path('report.pdf')}", self.path("report.html")], check=True, capture_output=True, timeout=120)
-        with open(self.path("report.pdf"), "rb") as file:
-            printed = file.read()
+        printed = read_bytes(self.path("report.pdf"))
         self.assertGreater(images_in(printed), 10)
         self.assertEqual(images_in(printed), images_in(waited))
 

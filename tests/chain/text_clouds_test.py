@@ -9,7 +9,7 @@ import unittest
 import h5py
 import numpy as np
 
-from harness import ToolTest
+from harness import ToolTest, read_bytes
 
 SHARED = os.environ.get("LANDFALL_DATA", os.path.join(os.environ["LANDFALL_ROOT"], "..", "shared", "data"))
 PLANE = [(x, y, 0.1 * x) for y in range(-10, 11, 2) for x in range(-10, 11, 2)]
@@ -147,8 +147,7 @@ class Formats(Imports):
 
     def qfit(self, path):
         """Longitude, latitude, height, GPS time of day and reflected pulse of each shot, by an own decoder."""
-        with open(path, "rb") as file:
-            content = file.read()
+        content = read_bytes(path)
         order = ">" if content[:3] == b"\0\0\0" else "<"
         length, = struct.unpack_from(order + "i", content, 0)
         begin, = struct.unpack_from(order + "i", content, length + 4)

@@ -19,7 +19,8 @@ AIM = with_values(SCAN, scanner__pattern=dict(PATTERN, aim="estimate"), navigati
     "gauss_markov": {"velocity_sigma_mps": [0.2, 0.2, 0.1]}, "random_walk": {"rpy_rad_per_sqrt_s": [1e-3] * 3}})
 LIGHT = {"beam": {"divergence_rad": 0.01}, "surface": {"albedo": "terrain"}, "link": {"reference_pe": 150, "reference_range_m": 50},
          "detector": {**SCAN["detector"], "subpixels": 2}}
-PATCHES = {**TERRAIN, "albedo": {"ground": {"type": "patches", "albedo": 0.9, "albedo_between": 0.4, "cover_frac": 0.4, "longest_wavelength_m": 4}}}
+PATCHES = {**TERRAIN, "albedo": {"ground": {"type": "patches", "albedo": 0.9, "albedo_between": 0.4, "cover_frac": 0.4,
+                                            "longest_wavelength_m": 4}}}
 SPIRAL = {"type": "fsm", "pattern": {"type": "spiral", "radius_m": 4, "pitch_m": 0.4}}
 REACH = {"height_m": 20, "descent_mps": 4, "tilt_deg": 2, "thrust_accel_mps2": 3, "gravity_mps2": 1.3}
 NONE = {"position_m": [0, 0, 0], "velocity_mps": [0, 0, 0], "rpy_rad": [0, 0, 0], "rpy_rate_radps": [0, 0, 0]}
@@ -38,8 +39,10 @@ RUNS = {
     # Echoes of which several are reported, and a geiger mode, which no scan can be redrawn with.
     **{f"receiver {receiver['type']}": ({"scan": {**SCAN, **LIGHT, "receiver": receiver}, "terrain": PATCHES, "draws": 2,
                                          "vary": {"scan.beam.divergence_rad": {"type": "uniform", "low": 0.005, "high": 0.015}}}, (1,))
-       for receiver in ({"type": "leading_edge", "threshold_pe": 30}, {"type": "centroid", "threshold_pe": 20, "returns": "all"}, {"type": "geiger"})},
-    **{str(regrid): ({"regrid": {**REGRID, **regrid}, "draws": 1, "scan": {key: value for key, value in SCAN.items() if key != "navigation_error"},
+       for receiver in ({"type": "leading_edge", "threshold_pe": 30}, {"type": "centroid", "threshold_pe": 20, "returns": "all"},
+                        {"type": "geiger"})},
+    **{str(regrid): ({"regrid": {**REGRID, **regrid}, "draws": 1,
+                      "scan": {key: value for key, value in SCAN.items() if key != "navigation_error"},
                       "vary": {"scan.navigation_error.position_m.1": listed(0.4)}}, (0,))  # an index of a default
        for regrid in ({"method": "median"}, {"method": "bilinear4"}, {"truth_at": "centroid"})},
     # Hazards have p_safe, and metrics.json judges the sigmas.
@@ -47,10 +50,12 @@ RUNS = {
                       "vary": {**TERRAIN_KEYS, "scan.trajectory_dispersion.position_m.0": {"type": "normal", "sigma": 0.2}},
                       "regrid": {**REGRID, "uncertainty": {"range_sigma_m": 0.01, "navigation_sigma": NONE}}}, (1,)),
     # The drift at the start of the divert varies, so that draws have other sites; also in the landing.
-    "reach": ({"hazard": with_values({**HAZARD, "region_radius_m": 3}, sites__reach={**REACH, "position_m": [-1, 0]}), "landing": {"yaw_deg": 10},
+    "reach": ({"hazard": with_values({**HAZARD, "region_radius_m": 3}, sites__reach={**REACH, "position_m": [-1, 0]}),
+               "landing": {"yaw_deg": 10},
                "vary": {"hazard.sites.reach.velocity_mps.0": listed(0.3, -0.3, 0)}}, (0, 1, 2)),
     # The period of a spiral follows the scan time of the draw.
-    "a value that decides a default": ({"scan": {**SCAN, "scanner": SPIRAL}, "draws": 2, "vary": {"scan.laser.scan_time_s": listed(0.2, 0.1)}}, (1,)),
+    "a value that decides a default": ({"scan": {**SCAN, "scanner": SPIRAL}, "draws": 2,
+                                        "vary": {"scan.laser.scan_time_s": listed(0.2, 0.1)}}, (1,)),
 }
 
 
@@ -60,7 +65,7 @@ def draws_config(**values):
 
 class Equality(DrawsTest):
     def test_each_draw_is_that_of_the_chain(self):
-        self.config("t_s,angle_1_rad,angle_2_rad\n0,-0.05,0.02\n1,0.05,0.01\n2,0.04,-0.03\n", "sweep.csv")
+        self.config("t_s,angle_1_rad,angle_2_rad\n0,-0.02,0.02\n0.1,0.02,0.01\n0.3,-0.02,-0.03\n", "sweep.csv")
         checks = {"everything": self.check_everything, "one ground": self.check_one_ground, "scanner table": self.check_table,
                   "1-sigma maps": self.check_sigmas, "reach": self.check_sites}
         self.assertEqual({*SCANNERS, "fsm"}, scanner_types())
@@ -72,6 +77,7 @@ class Equality(DrawsTest):
                 rows = self.draws(config)
                 self.assertEqual((list(rows["seed"]), list(rows["draw"])), ([7] * config["draws"], list(range(config["draws"]))))
                 self.assertEqual([key for key in config["vary"] if len(set(rows[key])) < config["draws"]], [])
+                self.assertLess(rows["coverage.invalid_frac"].max(), 1)
                 for draw in draws:
                     self.check_draw(config, rows, draw)
                 checks.get(name, lambda *_: None)(config, rows)
@@ -113,14 +119,6 @@ class Equality(DrawsTest):
         self.assertEqual(config["hazard"]["lander"]["legs"], 4)
         rows = self.draws(draws_config(draws=1), "--set", "scan.navigation_error.velocity_mps.1=0.5", "--seed", 11)
         self.assertEqual(list(rows["seed"]), [11])
-
-    def test_sequential(self):
-        config = draws_config(draws=100, metrics="verdict", layers=False, eval={**EVAL, "limits": dict.fromkeys(EVAL["limits"], 1000)},
-                          stop={"type": "sprt", "p0": 0.9, "p1": 0.5})
-        config["eval"]["limits"].update(invalid_frac=1, absolute_horizontal_frac=0)
-        rows = self.draws(config)
-        self.assertLess(len(rows["seed"]), 10)
-        self.assertEqual(self.verdict()["sprt"], "accepted")
 
 
 class Refusals(DrawsTest):

@@ -12,7 +12,7 @@ import unittest
 import h5py
 import numpy as np
 
-from harness import CONFIGS, ToolTest, columns, returns_of
+from harness import CONFIGS, ToolTest, columns, read_bytes, returns_of
 from oracle import surface
 from oracle.frames import about, matrix_of_quaternion
 
@@ -21,8 +21,7 @@ PAGE = os.path.join(os.environ["LANDFALL_ROOT"], "docs", "reference", "attitudes
 
 
 def blocks(language):
-    with open(PAGE, encoding="utf-8") as file:
-        return re.findall(rf"```{language}\n(.*?)```", file.read(), re.DOTALL)
+    return re.findall(rf"```{language}\n(.*?)```", read_bytes(PAGE).decode(), re.DOTALL)
 
 
 DOC = {}

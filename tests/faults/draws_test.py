@@ -201,8 +201,7 @@ class FullDisk(DrawsFaultsTest):
         fault = {"FAULT_UNDER": self.path("out"), "FAULT_CALLS": "write", "FAULT_ACTION": str(errno.ENOSPC), "FAULT_STICKY": "1"}
         self.finish(self.start(FAULT_LOG=log, **fault))
         os.remove(self.out())
-        with open(log, encoding="utf-8") as file:
-            count = int(file.read().split()[0])
+        count = int(read_bytes(log).decode().split()[0])
         before = []
         for i in range(6):
             code, message = self.finish(self.start(FAULT_AT=str(1 + i * count // 8), **fault))

@@ -303,8 +303,7 @@ class ForeignHdf5(ChainTest):
             content = bytearray(contents[source][:None if is_sealed else seal_begin(contents[source])])
             at, bit = choose.choice(places[source]), choose.randrange(8)
             content[at] ^= 1 << bit
-            with open(damaged, "wb") as file:
-                file.write(content)
+            self.write(damaged, content)
             name, *arguments = choose.choice([*readers[source], ["landfall-info"], ["landfall-export", "-o", out + ".csv", "-O"]])
             with self.subTest(source=os.path.basename(source), name=name, at=at, bit=bit, is_sealed=is_sealed):
                 code, message, peak_kb = measured(name, *arguments, damaged)
@@ -344,8 +343,7 @@ class ForeignHdf5(ChainTest):
         while int.from_bytes(content[at + 24:at + 28], "little") != size:
             at = content.index(b"TREE\x01\x00", at + 1)
         content[at + 27] = 0xfa
-        with open(path, "wb") as file:
-            file.write(content)
+        self.write(path, content)
         for name, *arguments in [("landfall-info", path), ("scan-sim", "-o", self.path("out.h5"), "--terrain", path)]:
             code, message, peak_kb = measured(name, *arguments)
             self.assertEqual((code, message), (1, f"{name}: {path}: /z cannot be read: it is damaged\n"))
@@ -359,8 +357,7 @@ class ForeignHdf5(ChainTest):
         content = bytearray(read_bytes(self.chain.terrain)[:seal_begin(read_bytes(self.chain.terrain))])
         at = content.index(struct.pack("<III", rows, columns, 8))
         content[at:at + 4] = struct.pack("<I", 200_000_000 // (8 * columns))
-        with open(path, "wb") as file:
-            file.write(content)
+        self.write(path, content)
         code, message, peak_kb = measured("landfall-info", path)
         self.assertEqual((code, message), (1, f"landfall-info: {path}: /z cannot be read: it is damaged\n"))
         self.assertLess(peak_kb, 100_000)

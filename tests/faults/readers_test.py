@@ -56,10 +56,8 @@ class UnknownCodes(ToolTest):
     def check(self, content, name, tool, *arguments):
         key = struct.pack("<HHHH", 3072, 0, 1, surroundings.FEET)
         self.assertEqual(content.count(key), 1)
-        path = self.path(name)
         for code, fault in self.CODES.items():
-            with open(path, "wb") as file:
-                file.write(content.replace(key, key[:6] + struct.pack("<H", code)))
+            path = self.write(name, content.replace(key, key[:6] + struct.pack("<H", code)))
             self.refuse(1, tool, *arguments, path, "-o", self.path("out.h5"), output=self.path("out.h5"),
                         words=[f"{path}: {fault}: give the CRS (--crs)"])
             self.succeed(tool, *arguments, path, "-O", "-o", self.path("other.h5"), "--crs", f"EPSG:{surroundings.FEET}", "--vertical-scale", 1)

@@ -14,12 +14,14 @@ LAYERS = ["p_invalid", "p_fail_rel_x", "p_fail_rel_y", "p_fail_rel_z", "p_fail_a
 REQUIREMENTS = ["coverage", "hole_size", "hole_distance", "relative_elevation", "relative_horizontal", "absolute_horizontal"]
 # Values of draws that trace: paths, attitudes, errors and a rule.
 DISPERSED = {**{f"scan.trajectory_dispersion.{key}.{i}": {"type": "normal", "sigma": sigma}
-                for key, sigma in (("position_m", 0.2), ("velocity_mps", 0.3), ("rpy_rad", 2e-3), ("rpy_rate_radps", 5e-3)) for i in range(3)},
+                for key, sigma in (("position_m", 0.2), ("velocity_mps", 0.3), ("rpy_rad", 2e-3), ("rpy_rate_radps", 5e-3))
+                for i in range(3)},
              "scan.pointing_error.jitter_sigma_rad": {"type": "uniform", "low": 0, "high": 2e-4},
              "scan.navigation_error.velocity_mps.0": {"type": "normal", "sigma": 0.3},
              "scan.trajectory.velocity_mps.2": {"type": "uniform", "low": -6, "high": -4},
              "eval.quantile": {"type": "uniform", "low": 0.8, "high": 1}}
-FRACTAL = {**TERRAIN, "base": [{"type": "plane", "slope_x": 0.03}, {"type": "fractal", "hurst_exponent": 0.7, "rms_deviation_m": 0.05, "reference_length_m": 1}]}
+FRACTAL = {**TERRAIN, "base": [{"type": "plane", "slope_x": 0.03},
+                               {"type": "fractal", "hurst_exponent": 0.7, "rms_deviation_m": 0.05, "reference_length_m": 1}]}
 
 
 def draws_config(**values):
@@ -73,8 +75,8 @@ class DrawsTest(MonteCarloTest):
         terrain = terrain or self.chain.terrain
         tool("scan", merged(config_of(scan), config["scan"]) if scan else config["scan"], *(["--ranges-from", scan] if scan else []),
              "--terrain", terrain, "--set", f"draw={draw}", "-o", out["s.h5"])
-        tool("regrid", config["regrid"], out["s.h5"], "--terrain", terrain, *(["--uncertainty"] if config.get("uncertainty") else []), *regrid,
-             "-o", out["d.h5"])
+        tool("regrid", config["regrid"], out["s.h5"], "--terrain", terrain, *(["--uncertainty"] if config.get("uncertainty") else []),
+             *regrid, "-o", out["d.h5"])
         tool("eval", config["eval"], out["d.h5"], "--metrics", out["m.json"], "-o", out["e.h5"])
         found = flat(json.loads(read_bytes(out["m.json"])))
         if config.get("hazard") is not None:

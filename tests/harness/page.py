@@ -165,7 +165,8 @@ class PageTest(ToolTest):
     def values_under_cursor(self, layer, place):
         """{layer: text} of the values at a place, where all maps have a cursor."""
         self.point(layer, place)
-        drawn = self.window.run("return panels.filter((p) => p.options.region && p.svg.querySelector('.cursor')).map((p) => p.raster.layer.name)")
+        drawn = self.window.run("return panels.filter((p) => p.options.region && p.svg.querySelector('.cursor'))"
+                                ".map((p) => p.raster.layer.name)")
         self.assertEqual(drawn, self.maps())
         shown = self.window.run("return Object.fromEntries([...document.querySelectorAll('#values [data-value-of]')].map("
                                 "(e) => [e.dataset.valueOf, e.querySelector('output').textContent]))")
@@ -177,6 +178,7 @@ class PageTest(ToolTest):
         command = functools.partial(self.window.driver.execute_cdp_cmd, "Emulation.setEmulatedMedia")
         command({"media": media, "features": [{"name": "prefers-color-scheme", "value": name}]})
         self.addCleanup(command, {"features": []})
+        self.settle()
 
     def check_contrast(self, texts, where):
         for selector, contrast in zip(texts, self.window.run(CONTRAST, texts)):

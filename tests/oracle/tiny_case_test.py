@@ -62,8 +62,7 @@ class TinyCase(ToolTest):
         self.assertGreater(len(columns("scan.h5", "points")["status"]), 20000)
         for bit in (1, 2, 4, 8, 16, 32):
             self.assertTrue((columns("eval.h5")["fail"] & bit).any(), f"no flag {bit}")
-        with open("metrics.json", encoding="utf-8") as file:
-            metrics = json.load(file)
+        metrics = json.loads(read_bytes("metrics.json"))
         self.assertEqual({entry["pass"] for entry in metrics["requirements"].values()}, {True, False})
         self.assertIs(metrics["pass"], False)
 
