@@ -23,7 +23,7 @@ DRAWS_CONFIG = {"draws": 8, "metrics": "full", "sigma": True, "regrid": {**REGRI
 # The least brightness of a probability above 0, over that of its colour in the colour bar.
 BRIGHTNESS = """
 const panel = panels.find((one) => one.raster.layer.name === arguments[0]);
-const blocks = blocksOf(panel.raster, 1), colors = panel.chanceColors(blocks);
+const blocks = blocksOf(panel.raster, 1), colors = panel.shadedColors(blocks);
 return Math.min(...Array.from(blocks.values).map((value, i) => value > 0 ? colors[3 * i + 1] / colorOf(panel.scale, value)[1] : 1));
 """
 SET_VALUE = "const e = document.getElementById(arguments[0]); e.value = arguments[1]; e.dispatchEvent(new Event(arguments[2]));"
