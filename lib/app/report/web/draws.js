@@ -319,8 +319,9 @@ async function fillMaps(section) {
   const {groups, all} = await loadGroups();
   const region = await rasterOf(layerNamed("in_region"), report.grid);
   const relief = all.find(({layer}) => layer.style === "elevation") ?? null;
-  for (const raster of all.filter(({layer}) => layer.style === "magnitude"))
+  for (const raster of all.filter(({layer}) => layer.style === "magnitude")) {
     raster.peers = all.filter(({layer}) => layer.quantity === raster.layer.quantity);  // they have one scale
+  }
   section.append(htmlElement("p", {class: "note"}, mapsNote()), valuesBar(all));
   for (const [title, rasters] of groups) {
     appendFigures(section, title, rasters.map((raster) => new MapPanel(raster, {region, relief}).element));
