@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <memory>
+#include <optional>
 
 #include "app/python/module.h"
 #include "store/files/landfall_file.h"
@@ -45,21 +46,26 @@ py::array array_of(std::shared_ptr<const h5::MemoryArray> values) {
   return array;
 }
 
+/// Nothing for a type that no tool writes.
+std::optional<h5::Type> plain_type(const h5::Handle& type) {
+  using enum h5::Type;
+  for (const h5::Type candidate : {float64, float32, int64, int32, int8})
+    if (H5Tequal(type.get(), h5::native(candidate)) > 0) return candidate;
+  return std::nullopt;
+}
+
 /// A copy of the values that HDF5 holds; None for a text.
 py::object values_in(const h5::Handle& dataset) {
   const h5::Handle type(H5Dget_type(dataset.get()), H5Tclose);
   const h5::Handle space(H5Dget_space(dataset.get()), H5Sclose);
   std::vector<hsize_t> shape(static_cast<std::size_t>(std::max(H5Sget_simple_extent_ndims(space.get()), 0)));
   H5Sget_simple_extent_dims(space.get(), shape.data(), nullptr);
-  for (const h5::Type candidate :
-       {h5::Type::float64, h5::Type::float32, h5::Type::int64, h5::Type::int32, h5::Type::int8}) {
-    if (H5Tequal(type.get(), h5::native(candidate)) <= 0) continue;
-    py::array array(dtype_of(candidate), std::vector<py::ssize_t>(shape.begin(), shape.end()));
-    if (array.size() > 0 && !h5::read_values(dataset.get(), h5::native(candidate), array.mutable_data()))
-      h5::fail_reading(dataset.get());
-    return array;
-  }
-  return py::none();
+  const auto plain = plain_type(type);
+  if (!plain) return py::none();
+  py::array array(dtype_of(*plain), std::vector<py::ssize_t>(shape.begin(), shape.end()));
+  if (array.size() > 0 && !h5::read_values(dataset.get(), h5::native(*plain), array.mutable_data()))
+    h5::fail_reading(dataset.get());
+  return array;
 }
 
 /// An attribute as Python's str, int, float or an array; None for a reference.
@@ -69,25 +75,15 @@ py::object attribute_of(hid_t object, const std::string& name) {
   const h5::Handle space(H5Aget_space(attribute.get()), H5Sclose);
   const bool is_scalar = H5Sget_simple_extent_type(space.get()) == H5S_SCALAR;
   const auto count = static_cast<py::ssize_t>(H5Sget_simple_extent_npoints(space.get()));
-  switch (H5Tget_class(type.get())) {
-    case H5T_STRING: {
-      const auto text = h5::read_text_attribute(object, name);
-      return text ? py::object(py::str(*text)) : py::none();
-    }
-    case H5T_INTEGER:
-    case H5T_FLOAT: {
-      for (const h5::Type candidate :
-           {h5::Type::float64, h5::Type::float32, h5::Type::int64, h5::Type::int32, h5::Type::int8}) {
-        if (H5Tequal(type.get(), h5::native(candidate)) <= 0) continue;
-        py::array array(dtype_of(candidate), std::vector<py::ssize_t>{count});
-        H5Aread(attribute.get(), h5::native(candidate), array.mutable_data());
-        return is_scalar ? array[py::int_(0)] : py::object(std::move(array));
-      }
-      return py::none();
-    }
-    default:
-      return py::none();
+  if (H5Tget_class(type.get()) == H5T_STRING) {
+    const auto text = h5::read_text_attribute(object, name);
+    return text ? py::object(py::str(*text)) : py::none();
   }
+  const auto plain = plain_type(type);
+  if (!plain) return py::none();
+  py::array array(dtype_of(*plain), std::vector<py::ssize_t>{count});
+  H5Aread(attribute.get(), h5::native(*plain), array.mutable_data());
+  return is_scalar ? array[py::int_(0)] : py::object(std::move(array));
 }
 
 /// wait_for_turn(), while others may have the GIL: the run that ends the waiting may need it.

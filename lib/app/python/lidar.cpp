@@ -39,8 +39,6 @@ class Surface {
     scene_ = open_scene({.terrain = file});
   }
 
-  [[nodiscard]] const std::string& crs_wkt() const { return scene_.crs_wkt; }
-
   [[nodiscard]] Numbers elevation(const Numbers& x_m, const Numbers& y_m, std::size_t threads) const {
     Numbers z_m(x_m.size());
     const double *const x = x_m.data(), *const y = y_m.data();
@@ -202,7 +200,6 @@ class Lidar {
 void bind_lidar(py::module_& module) {
   py::class_<Surface, std::shared_ptr<Surface>>(module, "Surface")
       .def(py::init<const std::string&>())
-      .def_property_readonly("crs_wkt", &Surface::crs_wkt)
       .def("elevation", &Surface::elevation)
       .def("first_hit", &Surface::first_hit);
   py::class_<Lidar, std::shared_ptr<Lidar>>(module, "Lidar")

@@ -75,7 +75,7 @@ void run(const ToolProgram& tool, const ToolCommand& command, Shared& shared, To
   shared.ended.notify_one();
 }
 
-/// Ends the run at the end of a scope, whatever ends that.
+/// Ends the run when it goes out of scope, also by an exception.
 class JoinedRun {
  public:
   JoinedRun(std::thread thread, Shared& shared) : thread_(std::move(thread)), shared_(shared) {}
