@@ -16,12 +16,21 @@ namespace {
 
 namespace fs = std::filesystem;
 
+/// The shared library that has this code; empty in a program that has it itself.
+fs::path own_library() {
+  Dl_info info{};
+  if (dladdr(reinterpret_cast<const void*>(&own_library), &info) == 0 || info.dli_fname == nullptr) return {};
+  const fs::path file = info.dli_fname;
+  return file.extension() == ".so" ? file : fs::path();
+}
+
 std::vector<fs::path> plugin_folders() {
   std::vector<fs::path> folders;
   // getenv is safe here because the program never changes the environment.
   if (const char* chosen = std::getenv("LANDFALL_PLUGIN_DIR");  // NOLINT(concurrency-mt-unsafe)
       chosen != nullptr && *chosen != '\0')
     folders.emplace_back(chosen);
+  if (const fs::path library = own_library(); !library.empty()) folders.push_back(library.parent_path());
   std::error_code unreadable;
   const fs::path program = fs::read_symlink("/proc/self/exe", unreadable);
   if (!unreadable) {

@@ -17,8 +17,9 @@ struct PluginFile {
   const char* remedy{""};  ///< ends the message if a library that the plugin needs is missing
 };
 
-/// The plugin's object. The plugin is searched for in $LANDFALL_PLUGIN_DIR, then next to the running program
-/// (../lib/landfall and ../<libdir>/landfall), then in the installation folder. It is never unloaded because
+/// The plugin's object. The plugin is searched for in $LANDFALL_PLUGIN_DIR, then beside the library that
+/// has this code, then next to the running program (../lib/landfall and ../<libdir>/landfall), then in the
+/// installation folder. It is never unloaded because
 /// its libraries keep pointers into themselves; a caller keeps the result, since each call searches again.
 ///
 /// Throws IoError, naming the paths tried, if there is none, if it cannot be loaded, or if it is of another
