@@ -3,8 +3,8 @@
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
-#include <iostream>
 #include <optional>
+#include <ostream>
 #include <utility>
 #include <vector>
 
@@ -14,6 +14,7 @@
 #include "app/cli/result_tables.h"
 #include "app/cli/tool.h"
 #include "app/report/evaluation_page.h"
+#include "base/output/standard_streams.h"
 #include "formats/gdal/gdal_loader.h"
 #include "store/config/dem_config.h"
 #include "store/files/evaluation_file.h"
@@ -75,8 +76,9 @@ void check(const cli::CommonOptions& common, const Options& o) {
 }
 
 /// The DEM and, if the configuration has one, the mask of its region.
-DemInput read_inputs(cli::Session& session, const Options& o, Provenance& provenance) {
-  DemInput dem = read_dem(o.dem);
+DemInput read_inputs(cli::Session& session, const Options& o, Provenance& provenance,
+                     const ProgressCallback& progress) {
+  DemInput dem = read_dem(o.dem, progress);
   provenance.add_input("dem", dem.file_id, dem.chain);
   dem.layers.region_mask = cli::read_judged_region(
       session, {o.dem, dem.layers.z_est.spec(), dem.crs_wkt, false, o.rules}, provenance);
@@ -88,9 +90,9 @@ void print(const cli::CommonOptions& common, const Options& o, const Metrics& me
            const EvaluationLimits& limits) {
   const bool has_file = !o.metrics.empty() || !o.report.empty() || !common.output_path.empty();
   if (o.metrics_only && !has_file && !common.json_summary && !o.table && isatty(STDOUT_FILENO) == 0)
-    std::cout << metrics_json(metrics).dump(2) << '\n';
+    standard_output() << metrics_json(metrics).dump(2) << '\n';
   else if (common.shows_table(o.table))
-    std::cout << cli::verdict_table(metrics, limits);
+    standard_output() << cli::verdict_table(metrics, limits);
 }
 
 ExitCode run(cli::Session& session, const Options& o) {
@@ -105,7 +107,8 @@ ExitCode run(cli::Session& session, const Options& o) {
   if (o.metrics_only) provenance.options = {{"metrics_only", true}};
   cli::add_meeting_options(provenance.options, o.rules);
   DemInput dem;
-  session.phase("read", [&](const ProgressCallback&) { dem = read_inputs(session, o, provenance); });
+  session.phase(
+      "read", [&](const ProgressCallback& progress) { dem = read_inputs(session, o, provenance, progress); });
   const GridSpec grid = dem.layers.z_est.spec();
   const BinBox scanned = valid_box(dem.layers.z_est);
   const bool from_import = is_imported(dem.chain);

@@ -191,23 +191,28 @@ std::optional<double> stored_limit(const LandfallFileReader& evaluation, const s
   return std::isfinite(limit) && limit >= 0 ? std::optional(limit) : std::nullopt;
 }
 
-DemInput read_dem(const std::filesystem::path& path) {
+DemInput read_dem(const std::filesystem::path& path, const ProgressCallback& progress) {
+  constexpr double kMostLayers = 6;
   const LandfallFileReader file(path, {"dem"});
   const GridLayerReader layers(file);
-  DemInput dem{{.z_est = layers.read<double>("z_est"), .truth = std::nullopt},
-               layers.crs_wkt(),
-               file.file_id(),
-               file.chain()};
+  int done = 0;
+  const auto read = [&](const char* name) {
+    Grid<double> layer = layers.read<double>(name);
+    report(progress, ++done / kMostLayers);
+    return layer;
+  };
+  DemInput dem{
+      {.z_est = read("z_est"), .truth = std::nullopt}, layers.crs_wkt(), file.file_id(), file.chain()};
   if (layers.has("count") && maker_of(dem.chain) != "landfall-import")
     dem.layers.count = layers.read_checked<std::int32_t>("count", LayerValues::not_negative);
   if (!layers.has("z_true")) return dem;
   dem.layers.truth_spacing_m = layers.truth_spacing_m();
-  dem.layers.truth = TrueLayers{.x = {}, .y = {}, .z = layers.read<double>("z_true")};
+  dem.layers.truth = TrueLayers{.x = {}, .y = {}, .z = read("z_true")};
   if (layers.has("x_true") && layers.has("y_true")) {
-    dem.layers.truth->x = layers.read<double>("x_true");
-    dem.layers.truth->y = layers.read<double>("y_true");
+    dem.layers.truth->x = read("x_true");
+    dem.layers.truth->y = read("y_true");
   }
-  if (layers.has("z_corrected")) dem.layers.z_corrected = layers.read<double>("z_corrected");
+  if (layers.has("z_corrected")) dem.layers.z_corrected = read("z_corrected");
   return dem;
 }
 

@@ -24,7 +24,7 @@ struct DemInput {
 /// Reads z_est of a dem.h5 and, if they exist, count and z_true, then also z_corrected if
 /// it exists, and x_true and y_true if both do. The layer `count` of a DEM that landfall-import made says
 /// nothing about returns and is left out. Throws FormatError.
-[[nodiscard]] DemInput read_dem(const std::filesystem::path& path);
+[[nodiscard]] DemInput read_dem(const std::filesystem::path& path, const ProgressCallback& progress = {});
 
 /// Reads parts of a DEM, one at a time.
 class DemWindowReader {
