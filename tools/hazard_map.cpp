@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // hazard-map: finds safe places to land on a DEM or terrain.
 #include <CLI/CLI.hpp>
-#include <iostream>
 #include <optional>
+#include <ostream>
 #include <string>
 #include <utility>
 #include <vector>
@@ -14,6 +14,7 @@
 #include "app/cli/result_tables.h"
 #include "app/cli/tool.h"
 #include "app/report/hazard_page.h"
+#include "base/output/standard_streams.h"
 #include "chain/hazards/sharp_relief.h"
 #include "formats/gdal/gdal_loader.h"
 #include "store/config/hazard_config.h"
@@ -132,7 +133,8 @@ ExitCode conclude(cli::Session& session, const Options& o, const HazardMap& map,
                  " m: p_safe is less sure");
   if (is_sharp)
     session.warn(o.map + ": rocks or steps stand out of the relief: next to them p_safe is less sure");
-  if (session.options().shows_table(o.table)) std::cout << cli::hazard_table(map) << cli::own_table(own);
+  if (session.options().shows_table(o.table))
+    standard_output() << cli::hazard_table(map) << cli::own_table(own);
   std::optional<double> required;
   if (o.require_safe) required = parameters.sites.min_p;
   return cli::report_hazards(session, o.map, map, own, required);

@@ -13,10 +13,10 @@
 #include <string>
 #include <vector>
 
-#include "app/cli/standard_streams.h"
 #include "app/cli/umbrella_page.h"
 #include "base/core/error.h"
 #include "base/dictionary/tables/tools.h"
+#include "base/output/standard_streams.h"
 #include "base/text/shown_text.h"
 #include "store/config/schema.h"
 #include "store/files/provenance.h"
@@ -51,11 +51,11 @@ int print_completion() {
   int code = 0;
   std::string own;
   {
-    const cli::CapturedOutput output;
+    const CapturedOutput output;
     code = landfall_run::start(2, argv.data(), nullptr);
     own = output.text();
   }
-  std::cout << cli::umbrella_completion(own) << std::flush;
+  standard_output() << cli::umbrella_completion(own) << std::flush;
   return code;
 }
 
@@ -74,12 +74,12 @@ int start(const std::string& name, const std::vector<std::string>& words) {
   if (name == "study") return landfall_study::run(words);
   if (name == "help" || name == "-h" || name == "--help") return help(words);
   if (name == "-V" || name == "--version") {
-    std::cout << source_line("landfall") << std::endl;
+    standard_output() << source_line("landfall") << std::endl;
     return 0;
   }
   if (name == "--print-completion") return print_completion();
   if (name == "--print-man") {
-    std::cout << cli::umbrella_manual() << std::flush;
+    standard_output() << cli::umbrella_manual() << std::flush;
     return 0;
   }
   if (name == "run") return run_watched(words);
@@ -99,7 +99,7 @@ int start(const std::string& name, const std::vector<std::string>& words) {
 
 int help(const std::vector<std::string>& words) {
   if (!words.empty() && words[0] != "help") return start(words[0], {"--help"});
-  std::cout << cli::umbrella_help() << std::flush;
+  standard_output() << cli::umbrella_help() << std::flush;
   return 0;
 }
 

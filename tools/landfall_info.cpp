@@ -11,6 +11,7 @@
 #include "app/cli/devices.h"
 #include "app/cli/meeting_options.h"
 #include "app/cli/tool.h"
+#include "base/output/standard_streams.h"
 #include "base/text/parsed_number.h"
 #include "base/text/shown_text.h"
 #include "base/text/trimmed.h"
@@ -101,7 +102,7 @@ ExitCode list_devices(const Options& o) {
   if (!o.files.empty() || o.no_statistics || o.config || o.check || o.seal || o.compare || !o.at.empty())
     throw UsageError("--devices describes no file; omit files, --no-statistics, --config and --check");
   const nlohmann::ordered_json list = cli::device_list();
-  std::cout << shown_lines(o.json ? list.dump(2) + "\n" : cli::devices_text(list));
+  standard_output() << shown_lines(o.json ? list.dump(2) + "\n" : cli::devices_text(list));
   return ExitCode::done;
 }
 
@@ -137,10 +138,10 @@ ExitCode describe_files(cli::Session& session, const Options& o) {
     if (o.json)
       all.push_back(description);
     else
-      std::cout << gap << cli::description_text(description) << std::flush;
+      standard_output() << gap << cli::description_text(description) << std::flush;
     gap = "\n";
   });
-  if (o.json) std::cout << shown_lines((o.files.size() == 1 ? all.at(0) : all).dump(2)) << '\n';
+  if (o.json) standard_output() << shown_lines((o.files.size() == 1 ? all.at(0) : all).dump(2)) << '\n';
   return code;
 }
 
@@ -149,14 +150,14 @@ ExitCode describe_files(cli::Session& session, const Options& o) {
 ExitCode print_config(const Options& o) {
   if (o.json) throw UsageError("--config prints JSON, and --json the configuration with all else; omit one");
   if (o.files.size() != 1) throw UsageError("--config needs one file");
-  std::cout << cli::config_text(describe_file(o.files[0], {.statistics = false}));
+  standard_output() << cli::config_text(describe_file(o.files[0], {.statistics = false}));
   return ExitCode::done;
 }
 
 /// The output of --compare and --at.
 template <class Text>
 ExitCode print_json(const Options& o, const nlohmann::ordered_json& json, const Text& text) {
-  std::cout << (o.json ? shown_lines(json.dump(2)) + "\n" : text(json));
+  standard_output() << (o.json ? shown_lines(json.dump(2)) + "\n" : text(json));
   return ExitCode::done;
 }
 

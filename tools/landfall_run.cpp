@@ -3,19 +3,19 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <filesystem>
-#include <iostream>
 #include <map>
 #include <optional>
+#include <ostream>
 #include <vector>
 
 #include "app/cli/chain.h"
 #include "app/cli/chain_record.h"
 #include "app/cli/meeting_options.h"
-#include "app/cli/standard_streams.h"
 #include "app/cli/tool.h"
 #include "app/exports/terrain_output.h"
 #include "base/dictionary/tables/stages.h"
 #include "base/output/output_path.h"
+#include "base/output/standard_streams.h"
 #include "base/text/joined.h"
 #include "store/config/chain_config.h"
 #include "store/config/import_config.h"
@@ -133,7 +133,7 @@ StageResult run_tool(const cli::Session& session, const cli::ChainStage& stage,
   const std::string section =
       std::ranges::find(dictionary::kStages, stage.tool, &dictionary::Stage::tool)->name;
   cli::Invocation invocation{.keep_same = keep_same, .section = session.config_name() + ": /" + section};
-  const cli::CapturedOutput text;
+  const CapturedOutput text;
   // A single output is known by its file_id.
   const BeforeNaming note(stage.side_outputs.empty() ? std::function<void()>()
                                                      : [&] { record.announce(stage); });
@@ -239,7 +239,7 @@ ExitCode run(cli::Session& session, const Options& o) {
   const cli::ChainRequest request = request_of(session, o);
   const std::vector<cli::ChainStage> stages = cli::chain_stages(session.config(), request);
   if (o.print_commands) {
-    for (const cli::ChainStage& stage : stages) std::cout << cli::shell_command(stage) << '\n';
+    for (const cli::ChainStage& stage : stages) standard_output() << cli::shell_command(stage) << '\n';
     return ExitCode::done;
   }
   if (o.replaces_terrain) session.warn("--from replaces the section terrain of " + session.config_name());
@@ -261,7 +261,7 @@ ExitCode run(cli::Session& session, const Options& o) {
     if (result.kept) session.conclude(stage.output.string() + " is up to date");
     summary[stage.tool] = {{"made", !result.kept}, {"wall_s", session.elapsed_s() - start_s}};
     if (result.table.empty() || session.options().json_summary) continue;
-    std::cout << gap << result.table << std::flush;
+    standard_output() << gap << result.table << std::flush;
     gap = "\n";
   }
   record.save();

@@ -18,6 +18,7 @@
 #include <vector>
 
 #include "base/core/error.h"
+#include "base/output/standard_streams.h"
 #include "base/text/shown_text.h"
 #include "tools.h"
 #include "watched_child.h"
@@ -175,7 +176,7 @@ describes studies.
 
 int run(const std::vector<std::string>& words) {
   if (!words.empty() && (words[0] == "-h" || words[0] == "--help")) {
-    std::cout << kStudyHelp << std::flush;
+    standard_output() << kStudyHelp << std::flush;
     return 0;
   }
   ChildEnd end = end_of_make(study_command(words));

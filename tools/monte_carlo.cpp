@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // monte-carlo: draws a scan or its errors many times, and counts how often its DEM passes.
 #include <algorithm>
-#include <iostream>
 #include <memory>
 #include <optional>
+#include <ostream>
 #include <vector>
 
 #include "app/cli/draws_options.h"
@@ -15,6 +15,7 @@
 #include "app/report/draws_page.h"
 #include "app/runs/draw_series.h"
 #include "app/runs/draws_run.h"
+#include "base/output/standard_streams.h"
 #include "store/config/dem_config.h"
 #include "store/config/draws_config.h"
 #include "store/config/import_config.h"
@@ -68,7 +69,7 @@ void write_report(OutputPath& file, const std::string& title, const Draws& draws
 
 ExitCode conclude(cli::Session& session, const cli::DrawsOptions& o, const nlohmann::ordered_json& verdict) {
   session.count("verdict", verdict);
-  if (session.options().shows_table(o.table)) std::cout << cli::draws_table(verdict);
+  if (session.options().shows_table(o.table)) standard_output() << cli::draws_table(verdict);
   const nlohmann::ordered_json& all = verdict.at("rates").back();
   const bool passed =
       verdict.contains("sprt") ? verdict.at("sprt") == "accepted" : all.at("passed") == all.at("draws");

@@ -4,12 +4,13 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cmath>
-#include <iostream>
 #include <optional>
+#include <ostream>
 #include <utility>
 
 #include "app/cli/print.h"
 #include "app/runs/scene.h"
+#include "base/output/standard_streams.h"
 #include "base/text/parameter_check.h"
 #include "chain/evaluation/parameters.h"
 #include "store/config/scan_config.h"
@@ -107,7 +108,7 @@ ExitCode run_plan(Session& session, const PlanOptions& o, std::int64_t batch_poi
     if (file) write_plan(*file, *plan, summary);
   });
   session.count("plan", fields_json(summary.metrics));
-  if (!session.options().json_summary) std::cout << plan_table(summary.metrics);
+  if (!session.options().json_summary) standard_output() << plan_table(summary.metrics);
   warn_of_posting(session, summary.metrics);
   return ExitCode::done;
 }

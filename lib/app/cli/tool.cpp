@@ -14,9 +14,9 @@
 #include "app/cli/option_view.h"
 #include "app/cli/print.h"
 #include "app/cli/run_log.h"
-#include "app/cli/standard_streams.h"
 #include "base/core/parallel.h"
 #include "base/dictionary/tables/tools.h"
+#include "base/output/standard_streams.h"
 #include "base/output/temporary_files.h"
 #include "base/text/json_text.h"
 #include "base/text/shown_text.h"
@@ -36,8 +36,7 @@ const EarlyMemoryCleanup early_memory_cleanup __attribute__((init_priority(101))
 
 /// Fails if stdout could not be written, so that a reader does not mistake partial output for the whole.
 void flush_stdout() {
-  std::cout.flush();
-  if (!std::cout) throw IoError("writing to standard output failed");
+  if (!standard_output().flush()) throw IoError("writing to standard output failed");
 }
 
 // The groups in which help and man page list the options; a tool's own are in CLI11's "Options".
@@ -163,14 +162,14 @@ ExitCode run_session(const Tool& tool, Session& session) {
   session.require_output_for_view();
   const ExitCode code = run_naming_output(tool, session);
   session.view_output();
-  if (session.options().json_summary) std::cout << shown_lines(session.summary().dump(2)) << '\n';
+  if (session.options().json_summary) standard_output() << shown_lines(session.summary().dump(2)) << '\n';
   return code;
 }
 
 ExitCode run_tool(const Tool& tool, const CommonOptions& options, RunLog& log, const Host* host) {
   if (options.print_schema || options.list_presets) {
-    std::cout << (options.print_schema ? embedded_schema(tool.schema).dump(2) + "\n"
-                                       : preset_list(tool.schema));
+    standard_output() << (options.print_schema ? embedded_schema(tool.schema).dump(2) + "\n"
+                                               : preset_list(tool.schema));
     return ExitCode::done;
   }
   Session session(tool, options, log, host);
@@ -178,7 +177,7 @@ ExitCode run_tool(const Tool& tool, const CommonOptions& options, RunLog& log, c
     session.resolve_config(tool);
     tool.check(session);
   }
-  if (options.print_config) std::cout << shown_lines(session.config().dump(2)) << '\n';
+  if (options.print_config) standard_output() << shown_lines(session.config().dump(2)) << '\n';
   if (options.print_config || options.check_only) return ExitCode::done;
   if (host != nullptr) {
     const ThreadLimit limit(options.threads);
@@ -228,14 +227,14 @@ ExitCode parse_and_run(CLI::App& app, int argc, const char* const* argv, const T
     app.parse(argc, argv);
     require_values(app);
   } catch (const CLI::CallForHelp&) {
-    std::cout << app.help();
+    standard_output() << app.help();
     return ExitCode::done;
   } catch (const CLI::CallForVersion&) {
-    std::cout << source_line(tool.name) << '\n';
+    standard_output() << source_line(tool.name) << '\n';
     return ExitCode::done;
   }
   if (options.print_man || options.print_completion) {
-    std::cout << (options.print_man ? manual_page(app, tool) : bash_completion(app, tool));
+    standard_output() << (options.print_man ? manual_page(app, tool) : bash_completion(app, tool));
     return ExitCode::done;
   }
   if (!options.log_path.empty()) {

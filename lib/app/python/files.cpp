@@ -86,29 +86,15 @@ py::object attribute_of(hid_t object, const std::string& name) {
   return is_scalar ? array[py::int_(0)] : py::object(std::move(array));
 }
 
-/// wait_for_turn(), while others may have the GIL: the run that ends the waiting may need it.
-std::unique_lock<std::timed_mutex> own_turn() {
-  const py::gil_scoped_release unlock;
-  return wait_for_turn();
-}
-
 /// A file in memory.
 class File {
  public:
-  explicit File(const std::string& name) : file_(std::make_unique<h5::MemoryFile>(name)) {}
-  ~File() {
-    const auto turn = own_turn();
-    file_.reset();
-  }
-  File(const File&) = delete;
-  File& operator=(const File&) = delete;
-
-  [[nodiscard]] const std::string& name() const { return file_->name(); }
+  explicit File(const std::string& name) : file_(name) {}
+  [[nodiscard]] const std::string& name() const { return file_.name(); }
 
   /// The names of a group's members, in their order, and whether each is a group.
   [[nodiscard]] std::vector<std::pair<std::string, bool>> members(const std::string& group) const {
-    const auto turn = own_turn();
-    const h5::Handle root = file_->open();
+    const h5::Handle root = file_.open();
     const h5::Handle opened(H5Gopen2(root.get(), group.c_str(), H5P_DEFAULT), H5Gclose);
     std::vector<std::pair<std::string, bool>> names;
     const auto add = [](hid_t parent, const char* name, const H5L_info_t* /*info*/, void* target) -> herr_t {
@@ -122,8 +108,7 @@ class File {
   }
 
   [[nodiscard]] py::dict attributes(const std::string& path) const {
-    const auto turn = own_turn();
-    const h5::Handle root = file_->open();
+    const h5::Handle root = file_.open();
     const h5::Handle object(H5Oopen(root.get(), path.c_str(), H5P_DEFAULT), H5Oclose);
     std::vector<std::string> names;
     const auto add = [](hid_t, const char* name, const H5A_info_t*, void* target) -> herr_t {
@@ -141,28 +126,29 @@ class File {
 
   /// The values of a dataset: an array, or the text.
   [[nodiscard]] py::object values(const std::string& path) const {
-    if (auto array = file_->array(path)) return array_of(std::move(array));
-    const auto turn = own_turn();
-    const h5::Handle root = file_->open();
+    if (auto array = file_.array(path)) return array_of(std::move(array));
+    const h5::Handle root = file_.open();
     const h5::Handle dataset = h5::open_dataset(root.get(), path);
-    if (!dataset) throw FormatError(file_->name() + ": has no dataset " + path);
+    if (!dataset) throw FormatError(file_.name() + ": has no dataset " + path);
     if (const auto text = h5::read_text(root.get(), path)) return py::str(*text);
     return values_in(dataset);
   }
 
   void save(const std::filesystem::path& path, bool overwrite) const {
     const py::gil_scoped_release unlock;
-    const auto turn = wait_for_turn();
-    save_file(*file_, {path, overwrite});
+    save_file(file_, {path, overwrite});
   }
 
  private:
-  std::unique_ptr<h5::MemoryFile> file_;
+  h5::MemoryFile file_;
 };
 
 }  // namespace
 
 void bind_files(py::module_& module) {
+  hbool_t is_safe = 0;
+  if (H5is_library_threadsafe(&is_safe) < 0 || is_safe == 0)
+    throw py::import_error("runs of several threads need an HDF5 that was built with --enable-threadsafe");
   py::class_<File, std::shared_ptr<File>>(module, "File")
       .def(py::init<const std::string&>())
       .def_property_readonly("name", &File::name)

@@ -35,7 +35,6 @@ class Surface {
   /// A terrain.h5, or the name of a file in memory.
   explicit Surface(const std::string& file) {
     const py::gil_scoped_release unlock;
-    const auto turn = wait_for_turn();
     scene_ = open_scene({.terrain = file});
   }
 

@@ -4,13 +4,12 @@
 #include <atomic>
 #include <chrono>
 #include <condition_variable>
-#include <iostream>
-#include <sstream>
+#include <mutex>
 #include <thread>
 #include <utility>
 
-#include "app/cli/standard_streams.h"
 #include "app/cli/tool.h"
+#include "base/output/standard_streams.h"
 
 namespace landfall {
 namespace {
@@ -37,26 +36,6 @@ cli::Host host_of(Shared& shared, ToolResult& result) {
               }};
 }
 
-std::timed_mutex& turns() {
-  static std::timed_mutex one_at_a_time;
-  return one_at_a_time;
-}
-
-/// While it exists, std::cin gives this text.
-class GivenInput {
- public:
-  explicit GivenInput(const std::string& text) : text_(text), before_(std::cin.rdbuf(text_.rdbuf())) {
-    std::cin.clear();
-  }
-  ~GivenInput() { std::cin.rdbuf(before_); }
-  GivenInput(const GivenInput&) = delete;
-  GivenInput& operator=(const GivenInput&) = delete;
-
- private:
-  std::istringstream text_;
-  std::streambuf* before_;
-};
-
 void run(const ToolProgram& tool, const ToolCommand& command, Shared& shared, ToolResult& result) {
   std::vector<const char*> argv;
   for (const std::string& word : command.words) argv.push_back(word.c_str());
@@ -64,7 +43,7 @@ void run(const ToolProgram& tool, const ToolCommand& command, Shared& shared, To
   cli::Invocation invocation{.host = &host};
   try {
     const GivenInput input(command.standard_input);
-    const cli::CapturedOutput text;
+    const CapturedOutput text;
     result.code = tool(static_cast<int>(argv.size()), argv.data(), &invocation);
     result.printed = text.text();
   } catch (const cli::Interrupted&) {
@@ -93,13 +72,8 @@ class JoinedRun {
 
 }  // namespace
 
-std::unique_lock<std::timed_mutex> wait_for_turn() { return std::unique_lock(turns()); }
-
 ToolResult run_tool(const ToolProgram& tool, const ToolCommand& command, const WaitingFunction& waiting) {
   using namespace std::chrono_literals;
-  std::unique_lock turn(turns(), std::defer_lock);
-  while (!turn.try_lock_for(20ms))
-    if (waiting("", 0)) return {.interrupted = true};
   Shared shared;
   ToolResult result;
   const JoinedRun running(std::thread([&] { run(tool, command, shared, result); }), shared);

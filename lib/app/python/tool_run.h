@@ -2,7 +2,6 @@
 #pragma once
 
 #include <functional>
-#include <mutex>
 #include <string>
 #include <vector>
 
@@ -33,12 +32,10 @@ struct ToolCommand {
   std::string standard_input{};
 };
 
-/// Runs a tool on a thread of its own, while this one waits. One run at a time, because HDF5 is not
-/// reentrant: others wait for it. Exceptions of `waiting` end the run and are passed on.
+/// Runs a tool on a thread of its own, while this one waits. Runs of several threads go side by side; each
+/// file has one writer, and no reader before that has ended. Exceptions of `waiting` end the run and are
+/// passed on.
 [[nodiscard]] ToolResult run_tool(const ToolProgram& tool, const ToolCommand& command,
                                   const WaitingFunction& waiting);
-
-/// Waits for the end of a run, and keeps others from beginning: for work with files outside of run_tool().
-[[nodiscard]] std::unique_lock<std::timed_mutex> wait_for_turn();
 
 }  // namespace landfall

@@ -22,6 +22,7 @@
 #include <system_error>
 
 #include "base/core/error.h"
+#include "base/output/standard_streams.h"
 #include "base/text/json_text.h"
 #include "base/text/shown_text.h"
 #include "store/config/config_path.h"
@@ -49,7 +50,7 @@ std::string read_to_end(std::istream& stream, const std::string& name) {
 }
 
 std::string read_text(const std::string& path) {
-  if (path == "-") return read_to_end(std::cin, "standard input");
+  if (path == "-") return read_to_end(standard_input(), "standard input");
   std::error_code error;
   if (!std::filesystem::exists(path, error)) throw UsageError(path + ": no such file");
   if (std::filesystem::is_directory(path, error)) throw UsageError(path + ": is a directory");

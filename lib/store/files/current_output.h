@@ -12,8 +12,8 @@ namespace landfall {
 struct OutputIsCurrent {};
 
 /// While an object lives, an existing output is left if it is a complete file with the file_id that the new
-/// one would have: LandfallFileWriter throws OutputIsCurrent instead of replacing or refusing it. For the
-/// whole process; objects do not nest.
+/// one would have: LandfallFileWriter throws OutputIsCurrent instead of replacing or refusing it. For writers
+/// of the same thread.
 class CurrentOutputsAreKept {
  public:
   explicit CurrentOutputsAreKept(bool kept) : before_(are_kept()) { are_kept() = kept; }
@@ -22,7 +22,7 @@ class CurrentOutputsAreKept {
   CurrentOutputsAreKept& operator=(const CurrentOutputsAreKept&) = delete;
 
   [[nodiscard]] static bool& are_kept() {
-    static bool kept = false;
+    thread_local bool kept = false;
     return kept;
   }
 

@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <cstddef>
 #include <functional>
+#include <mutex>
 #include <set>
 #include <span>
 #include <utility>
@@ -71,17 +72,25 @@ class LargeChunks {
       are_large_ = false;
   }
   [[nodiscard]] bool has(const std::vector<hsize_t>& offset) const {
-    return are_large_ && whole().contains({object_, offset});
+    if (!are_large_) return false;
+    const std::lock_guard lock(whole().lock);
+    return whole().chunks.contains({object_, offset});
   }
   void add(const std::vector<hsize_t>& offset) const {
-    if (are_large_) whole().insert({object_, offset});
+    if (!are_large_) return;
+    const std::lock_guard lock(whole().lock);
+    whole().chunks.insert({object_, offset});
   }
 
  private:
   static constexpr std::size_t kSmall = std::size_t{1} << 20U;
   using Object = std::pair<unsigned long, haddr_t>;
-  static std::set<std::pair<Object, std::vector<hsize_t>>>& whole() {
-    static std::set<std::pair<Object, std::vector<hsize_t>>> all;
+  struct Whole {
+    std::mutex lock;
+    std::set<std::pair<Object, std::vector<hsize_t>>> chunks;
+  };
+  static Whole& whole() {
+    static Whole all;
     return all;
   }
 

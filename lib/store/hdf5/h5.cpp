@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <utility>
 
 #include "base/core/error.h"
 #include "base/memory/available_memory.h"
@@ -82,7 +83,7 @@ void keep_creation_order(hid_t group_properties) {
 std::mutex close_lock;
 std::string close_failure;  // NOLINT(*-avoid-non-const-global-variables)
 
-/// H5Dclose that remembers its first failure; closing an already closed object is not a failure.
+/// H5Dclose whose first failure close_file() reports; closing an already closed object is not a failure.
 herr_t close_written(hid_t dataset) {
   if (H5Iis_valid(dataset) <= 0) return -1;
   const herr_t result = H5Dclose(dataset);
@@ -107,7 +108,8 @@ void initialise() {
 std::optional<std::string> close_file(Handle& file) {
   if (H5Fflush(file.get(), H5F_SCOPE_GLOBAL) < 0 || !file.reset()) return failure_reason();
   const std::lock_guard lock(close_lock);
-  return close_failure.empty() ? std::nullopt : std::optional(close_failure);
+  std::string failure = std::exchange(close_failure, "");
+  return failure.empty() ? std::nullopt : std::optional(std::move(failure));
 }
 
 std::mutex& library_lock() {
