@@ -199,12 +199,19 @@ class Terrain:
             self._file = _run("terrain-gen", source, (), options, threads, progress)
 
     @classmethod
-    def from_array(cls, z: typing.Any, resolution_m: float, *, threads: int = 0) -> "Terrain":
+    def from_array(cls, z: typing.Any, resolution_m: float, *, crs: str | None = None, center: typing.Sequence[float] | None = None,
+                   threads: int = 0) -> "Terrain":
         """The terrain of an array of elevations, metres, NaN for holes: rows from south to north, columns from west to east, `resolution_m` apart, the
-        origin of frame D at z[rows // 2, columns // 2]."""
+        origin of frame D at z[rows // 2, columns // 2]. `center`: that node's place in `crs`, a map or geographic CRS such as "EPSG:32632": x and y or
+        longitude and latitude."""
         z = _array(z, "z", 2)
+        if (crs is None) != (center is None):
+            raise UsageError("crs and center belong together: the place of the origin in a CRS")
+        place = [0.0, 0.0] if center is None else _array(center, "center", 1).tolist()
+        if len(place) != 2 or not np.isfinite(place).all():
+            raise UsageError(f"center: two finite numbers are expected, not {place}")
         file = _new_file("terrain")
-        engine.write_terrain(file.name, z, float(resolution_m))
+        engine.write_terrain(file.name, z, float(resolution_m), crs or "", place)
         return cls(file, threads=threads)
 
     @property

@@ -2,6 +2,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """landfall in memory: every array equals the dataset of the file that the tool writes, and so does each saved file."""
 import gc
+import json
 import os
 import sys
 import tempfile
@@ -54,7 +55,6 @@ class Case:
 
     @staticmethod
     def tool(name, config, *arguments):
-        import json
         done = run(name, "-c", "-", *arguments, stdin=json.dumps(config))
         if done.returncode != 0:
             raise AssertionError(done.stderr)
@@ -147,6 +147,23 @@ class InMemory(unittest.TestCase):
         again.to_file(self.path("again.h5"))
         np.testing.assert_array_equal(landfall.Terrain(self.path("again.h5")).elevation(x, y), z)
 
+    def test_an_array_has_the_site_of_points_at_the_same_place(self):
+        points = self.path("points.xyz")
+        for crs, place in {"EPSG:32632": (500123.5, 5200456.25), "EPSG:4326": (9.25, 47.5)}.items():
+            np.savetxt(points, [[*place, 0]], fmt="%.17g")
+            imported = self.path("scan.h5")
+            self.assertEqual(run("landfall-import", points, "-o", imported, "-O", "--crs", crs, "--center", f"{place[0]},{place[1]}").returncode, 0)
+            landfall.Terrain.from_array(np.zeros((4, 4)), 1, crs=crs, center=place).to_file(self.path("placed.h5"), overwrite=True)
+            with h5py.File(imported) as expected, h5py.File(self.path("placed.h5")) as found:
+                self.assertEqual(found["crs"].attrs["crs_wkt"], expected["crs"].attrs["crs_wkt"])
+
+    def test_a_raster_becomes_a_terrain(self):
+        raster = os.path.join(os.environ["LANDFALL_ROOT"], "testdata/rasters/relief_europa_10m.tif")
+        config = {"base": {"type": "dem", "path": raster}, "grid": {"half_width_m": 20, "resolution_m": 1}}
+        terrain = landfall.Terrain(config)
+        self.assertEqual(run("terrain-gen", "-c", "-", "-o", self.path("raster.h5"), stdin=json.dumps(config)).returncode, 0)
+        np.testing.assert_array_equal(terrain.z, datasets(self.path("raster.h5"))["z"][0])
+
     def test_a_lidar_equals_the_scan(self):
         terrain = landfall.Terrain(TERRAIN)
         scan = landfall.scan(SCAN, terrain, keep_misses=True)
@@ -182,6 +199,10 @@ class InMemory(unittest.TestCase):
                 "is not finite": lambda: landfall.grid([np.nan, 0], [1, 0], [1, 0]),
                 "(N, 3) is expected": lambda: terrain.first_hit(np.zeros((2, 2)), np.zeros((2, 2))),
                 "unit vectors": lambda: terrain.first_hit(np.zeros((2, 3)), np.zeros((2, 3))),
+                "crs and center belong together": lambda: landfall.Terrain.from_array(np.zeros((4, 4)), 1, crs="EPSG:32632"),
+                "two finite numbers": lambda: landfall.Terrain.from_array(np.zeros((4, 4)), 1, crs="EPSG:32632", center=[1, np.nan]),
+                "is geocentric": lambda: landfall.Terrain.from_array(np.zeros((4, 4)), 1, crs="EPSG:4978", center=[9, 47]),
+                "'EPSG:1' is not a CRS": lambda: landfall.Terrain.from_array(np.zeros((4, 4)), 1, crs="EPSG:1", center=[9, 47]),
                 "2 x 2 elevations": lambda: landfall.Terrain.from_array(np.zeros((1, 1)), 1),
                 "weight: no gridding": lambda: landfall.grid([1], [1], [1], weight=[1]),
                 "resolution_m is missing": lambda: landfall.hazards(np.zeros((9, 9))),
@@ -208,6 +229,20 @@ class InMemory(unittest.TestCase):
             thread.join()
         np.testing.assert_array_equal(found[1], found[2])
         self.assertEqual(os.listdir(self.folder), [])
+
+    def test_threads_run_side_by_side(self):
+        """Each of two runs waits within its progress until the other has come as far."""
+        terrain, meeting, found = landfall.Terrain(TERRAIN), threading.Barrier(2, timeout=300), {}
+        long = with_values(SCAN, detector__rows=64, detector__columns=64)
+        def scan(number):
+            once = iter([meeting.wait])
+            found[number] = landfall.scan(long, terrain, progress=lambda phase, fraction: next(once, int)())["z_est"]
+        threads = [threading.Thread(target=scan, args=(number,)) for number in (1, 2)]
+        for thread in threads:
+            thread.start()
+        for thread in threads:
+            thread.join()
+        np.testing.assert_array_equal(found[1], found[2])
 
     def test_a_saved_file_is_not_replaced(self):
         terrain = landfall.Terrain(TERRAIN)

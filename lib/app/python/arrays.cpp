@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Arrays become files in memory of the kinds that the tools read, so that the tools need not know of arrays.
 #include <pybind11/numpy.h>
+#include <pybind11/stl.h>
 
 #include <algorithm>
 #include <span>
@@ -10,6 +11,7 @@
 #include "base/core/hash.h"
 #include "base/raster/grid_spec.h"
 #include "chain/terrain/relief/terrain_generator.h"
+#include "formats/gdal/gdal_loader.h"
 #include "store/files/crs.h"
 #include "store/files/imported_scan.h"
 #include "store/files/terrain_file.h"
@@ -38,16 +40,26 @@ Provenance provenance_of(const std::string& tool, nlohmann::json config, const s
   return provenance;
 }
 
+/// The frame of a site at this place, x and y or longitude and latitude, of a CRS.
+std::string site_wkt_of(const std::string& crs, const std::array<double, 2>& center) {
+  const MapPoint place{center[0], center[1]};
+  const PointFrame frame =
+      point_frame({.name = "crs", .crs = {.option = crs}, .low = place, .high = place, .center = place});
+  if (frame.body_fixed)
+    throw UsageError("crs: " + crs + " is geocentric; a map or a geographic CRS is expected");
+  return frame.crs_wkt;
+}
+
 /// The terrain of an array (rows, columns), south to north; its node at half of its rows and columns is the
-/// origin.
-void write_array_terrain(const std::string& name, const Numbers& z, double resolution_m) {
+/// origin, at `center` of the CRS if there is one.
+void write_array_terrain(const std::string& name, const Numbers& z, double resolution_m,
+                         const std::string& crs, const std::array<double, 2>& center) {
   if (!(resolution_m > 0) || !std::isfinite(resolution_m))
     throw UsageError("resolution_m: " + std::to_string(resolution_m) + " is not above 0");
   const std::int64_t rows = z.shape(0), cols = z.shape(1);
   if (rows < 2 || cols < 2) throw UsageError("z: a terrain needs 2 x 2 elevations");
   const GridSpec spec{resolution_m, -(rows / 2), -(cols / 2), rows, cols};
   const std::span<const double> values = values_of(z);
-  const auto turn = wait_for_turn();
   if (std::ranges::any_of(values, [](double value) { return std::isinf(value); }))
     throw UsageError("z: an elevation is infinite");
   if (std::ranges::all_of(values, [](double value) { return std::isnan(value); }))
@@ -55,9 +67,11 @@ void write_array_terrain(const std::string& name, const Numbers& z, double resol
   Grid<double> nodes(spec);
   std::ranges::copy(values, nodes.values().begin());
   const std::array arrays = {values};
-  LandfallFileWriter file({name}, "terrain",
-                          provenance_of("terrain-gen", {{"resolution_m", resolution_m}}, id_of(arrays)));
-  write_terrain(file, {std::move(nodes), kLocalSiteCrsWkt, {}, {}});
+  nlohmann::json config = {{"resolution_m", resolution_m}};
+  if (!crs.empty()) config.update({{"crs", crs}, {"center", center}});
+  const std::string site_wkt = crs.empty() ? kLocalSiteCrsWkt : site_wkt_of(crs, center);
+  LandfallFileWriter file({name}, "terrain", provenance_of("terrain-gen", std::move(config), id_of(arrays)));
+  write_terrain(file, {std::move(nodes), site_wkt, {}, {}});
 }
 
 /// Points without a lidar, as landfall-import writes them.
@@ -68,7 +82,6 @@ void write_array_points(const std::string& name, const Numbers& x, const Numbers
         bad != values.end())
       throw UsageError("point " + std::to_string(bad - values.begin()) +
                        " has a coordinate that is not finite");
-  const auto turn = wait_for_turn();
   LandfallFileWriter file({name}, "scan",
                           provenance_of("landfall-import", {{"format", "array"}}, id_of(arrays)));
   ImportedScanWriter writer(file, {}, kLocalSiteCrsWkt);

@@ -17,7 +17,8 @@ namespace landfall::python {
 void bind_tools(pybind11::module_& module, std::map<std::string, ToolProgram> tools);
 /// Adds File, a file in memory.
 void bind_files(pybind11::module_& module);
-/// Adds write_terrain(name, z, resolution_m) and write_points(name, x, y, z), which make files in memory.
+/// Adds write_terrain(name, z, resolution_m, crs, center) and write_points(name, x, y, z), which make files
+/// in memory.
 void bind_arrays(pybind11::module_& module);
 /// Adds Surface, a terrain that answers questions, and Lidar, the lidar within a simulation.
 void bind_lidar(pybind11::module_& module);
