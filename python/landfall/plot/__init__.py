@@ -4,15 +4,17 @@
 # matplotlib's defaults and the package's settings, whatever a matplotlibrc or the notebook set; the notebook's settings hold for its other figures.
 """Figures of landfall's files, as matplotlib Figures: landfall.plot.dem(landfall.open("dem.h5")).
 
-Each function takes a file as its path or as landfall.open() returned it. A dataset whose values were changed since is refused, because the
+Each function takes a file as its path or as landfall.open() returned it, or a result in memory, landfall.grid(...). A dataset whose values were changed since is refused, because the
 figure would not show them. Options are those of the command of the same name (plot_dem.py --limit-m 0.03: limit_m=0.03).
 
 Lengths are metres in the frame of the file (x to the right, y up on the map), angles degrees, `dpi` 50 to 600 pixels per inch. Every function
 raises DataError, naming the file, if it is missing, damaged, of another kind or without a layer that the figure needs, and UsageError if an
 option is out of its bounds.
 """
+import contextlib
 import importlib
 import os
+import tempfile
 import typing
 
 import matplotlib
@@ -81,8 +83,7 @@ def evaluation(source: Source, figure: str | None = None, *, data_only: bool = F
     with the figures that there are, if the evaluation lacks what `figure` shows.
     """
     module = _module("plot_eval")
-    path = _path(source)
-    with _style(dpi), files.drawing([path]):
+    with _drawing([source], dpi) as (path,):
         read = module.Evaluation(path, data_only)
         chosen = module.figures_of(read)
         figure = figure or next(name for name in ("accuracy", "elevation_error", "coverage") if f"{name}.png" in chosen)
@@ -97,7 +98,7 @@ def hazards(source: Source, *, dem: Source | None = None, data_only: bool = Fals
     `dem`: the DEM that was judged, whose relief shades the places; DataError unless its bins are those of the hazard map. With `data_only`
     scales end where the data does, even if limits lie outside.
     """
-    return _figure("plot_hazards", [source], dpi, dem=None if dem is None else _path(dem), data_only=data_only)
+    return _figure("plot_hazards", [source], dpi, named={} if dem is None else {"--dem": dem}, data_only=data_only)
 
 
 def plan(source: Source, *, dpi: int = 100) -> Figure:
@@ -145,12 +146,23 @@ def _style(dpi: int) -> typing.ContextManager[None]:
     return plt.style.context(["default", {**_module("maps").STYLE, "figure.dpi": dpi}])
 
 
-def _figure(name: str, sources: list[Source], dpi: int, **options: typing.Any) -> Figure:
-    module = _module(name)
+def _figure(name: str, sources: list[Source], dpi: int, named: typing.Any = None, **options: typing.Any) -> Figure:
+    """`named`: {option: the source that it names}."""
+    module, named = _module(name), named or {}
     words = [word for key, value in options.items() for word in tools.option_words("--" + key.replace("_", "-"), value)]
-    paths = [*map(_path, sources)]
-    with _style(dpi), files.drawing(paths):
-        return _closed(module.figure_of(module.parse([*paths, "--dpi", str(dpi), *words])))
+    with _drawing([*sources, *named.values()], dpi) as paths:
+        words += [word for pair in zip(named, paths[len(sources):]) for word in pair]
+        return _closed(module.figure_of(module.parse([*paths[:len(sources)], "--dpi", str(dpi), *words])))
+
+
+@contextlib.contextmanager
+def _drawing(sources: list[Source], dpi: int) -> typing.Iterator[list[str]]:
+    """The paths of the sources while a figure is made of them."""
+    with contextlib.ExitStack() as stack:
+        paths = [_path(source, stack) for source in sources]
+        stack.enter_context(_style(dpi))
+        stack.enter_context(files.drawing(paths))
+        yield paths
 
 
 def _closed(figure: matplotlib.figure.Figure) -> Figure:
@@ -159,13 +171,17 @@ def _closed(figure: matplotlib.figure.Figure) -> Figure:
     return typing.cast(Figure, figure)
 
 
-def _path(source: Source) -> str:
-    """The path of a file that is given as its path or as landfall.open returned it."""
+def _path(source: Source, stack: contextlib.ExitStack) -> str:
+    """The path of a file that is given as its path or as landfall.open returned it; of a result in memory that of a file during `stack`."""
     if isinstance(source, (str, bytes, os.PathLike)):
         return os.fsdecode(source)
+    if hasattr(source, "to_file"):
+        saved = os.path.join(stack.enter_context(tempfile.TemporaryDirectory(prefix="landfall-figure-")), f"{type(source).__name__.lower()}.h5")
+        source.to_file(saved)
+        return saved
     path = getattr(source, "encoding", {}).get("source")
     if path is None:
-        raise UsageError(f"a figure needs the path of a file, or what landfall.open returned for one, not a {type(source).__name__}")
+        raise UsageError(f"a figure needs the path of a file, what landfall.open returned for one, or a result in memory, not a {type(source).__name__}")
     _require_unchanged(source, path)
     return path
 
