@@ -10,6 +10,7 @@ import os
 import pathlib
 import shutil
 import subprocess
+import sys
 import tempfile
 import unittest
 
@@ -17,6 +18,8 @@ import h5py
 import numpy as np
 
 ROOT = pathlib.Path(os.environ["LANDFALL_ROOT"])
+sys.path.insert(0, str(ROOT / "python"))
+import landfall  # pylint: disable=wrong-import-position
 BIN = pathlib.Path(os.environ["LANDFALL_BIN"])
 EUROPA = pathlib.Path(os.environ.get("LANDFALL_DATA", ROOT / "../shared/data")) / "dem/europa_e26_terminator_10m.tif"
 
@@ -67,6 +70,35 @@ class Example(unittest.TestCase):
             cls.e_z = judged["e_z"][:]
             cls.region = judged["in_region"][:] == 1
             cls.fail = judged["fail"][:]
+
+    def config(self, name):
+        """The whole configuration of a file of the example."""
+        shown = subprocess.run([BIN / "landfall-info", self.runs / self.name / name, "--config"], capture_output=True, text=True, check=True)
+        return json.loads(shown.stdout)
+
+    def assert_same(self, name, result):
+        """A result in memory has each dataset of the file."""
+        with h5py.File(self.runs / self.name / name) as file:
+            stored = []
+            file.visititems(lambda path, item: stored.append(path) if isinstance(item, h5py.Dataset) and not path.startswith("provenance") else None)
+            self.assertTrue(stored)
+            for path in stored:
+                values = file[path].asstr()[()] if h5py.check_string_dtype(file[path].dtype) else file[path][()]
+                np.testing.assert_array_equal(result._file.values("/" + path), values, f"{name}:{path}")  # pylint: disable=protected-access
+
+    def test_the_chain_in_memory_gives_each_dataset(self):
+        config = self.config("terrain.h5")
+        if config["base"]["type"] == "dem":  # the file has the raster's name without its folder
+            config["base"]["path"] = f'NETCDF:"{self.runs}/terrain/relief-12.5m.h5":z'
+        terrain = landfall.Terrain(config)
+        self.assert_same("terrain.h5", terrain)
+        scan = landfall.scan(self.config("scan.h5"), terrain)
+        self.assert_same("scan.h5", scan)
+        dem = landfall.grid(scan, terrain, self.config("dem.h5"))
+        self.assert_same("dem.h5", dem)
+        evaluation = landfall.evaluate(dem, self.config("eval.h5"))
+        self.assert_same("eval.h5", evaluation)
+        self.assertEqual(evaluation.metrics, self.metrics)
 
     def violations(self):
         return {axis: self.metrics["accuracy"]["relative"][axis]["violation_count"] for axis in "xyz"}
