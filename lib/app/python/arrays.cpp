@@ -43,8 +43,9 @@ Provenance provenance_of(const std::string& tool, nlohmann::json config, const s
 /// The frame of a site at this place, x and y or longitude and latitude, of a CRS.
 std::string site_wkt_of(const std::string& crs, const std::array<double, 2>& center) {
   const MapPoint place{center[0], center[1]};
-  const PointFrame frame =
-      point_frame({.name = "crs", .crs = {.option = crs}, .low = place, .high = place, .center = place});
+  PointFrameRequest request{.name = "crs", .crs = {}, .low = place, .high = place, .center = place};
+  request.crs.option = crs;
+  const PointFrame frame = point_frame(request);
   if (frame.body_fixed)
     throw UsageError("crs: " + crs + " is geocentric; a map or a geographic CRS is expected");
   return frame.crs_wkt;
