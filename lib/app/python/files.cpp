@@ -3,13 +3,12 @@
 #include <pybind11/stl.h>
 #include <pybind11/stl/filesystem.h>
 
-#include <algorithm>
 #include <memory>
-#include <optional>
+#include <utility>
+#include <variant>
 
 #include "app/python/module.h"
 #include "store/files/landfall_file.h"
-#include "store/hdf5/dataset_list.h"
 #include "store/hdf5/memory_file.h"
 
 namespace landfall::python {
@@ -46,44 +45,9 @@ py::array array_of(std::shared_ptr<const h5::MemoryArray> values) {
   return array;
 }
 
-/// Nothing for a type that no tool writes.
-std::optional<h5::Type> plain_type(const h5::Handle& type) {
-  using enum h5::Type;
-  for (const h5::Type candidate : {float64, float32, int64, int32, int8})
-    if (H5Tequal(type.get(), h5::native(candidate)) > 0) return candidate;
-  return std::nullopt;
-}
-
-/// A copy of the values that HDF5 holds; None for a text.
-py::object values_in(const h5::Handle& dataset) {
-  const h5::Handle type(H5Dget_type(dataset.get()), H5Tclose);
-  const h5::Handle space(H5Dget_space(dataset.get()), H5Sclose);
-  std::vector<hsize_t> shape(static_cast<std::size_t>(std::max(H5Sget_simple_extent_ndims(space.get()), 0)));
-  H5Sget_simple_extent_dims(space.get(), shape.data(), nullptr);
-  const auto plain = plain_type(type);
-  if (!plain) return py::none();
-  py::array array(dtype_of(*plain), std::vector<py::ssize_t>(shape.begin(), shape.end()));
-  if (array.size() > 0 && !h5::read_values(dataset.get(), h5::native(*plain), array.mutable_data()))
-    h5::fail_reading(dataset.get());
-  return array;
-}
-
-/// An attribute as Python's str, int, float or an array; None for a reference.
-py::object attribute_of(hid_t object, const std::string& name) {
-  const h5::Handle attribute(H5Aopen(object, name.c_str(), H5P_DEFAULT), H5Aclose);
-  const h5::Handle type(H5Aget_type(attribute.get()), H5Tclose);
-  const h5::Handle space(H5Aget_space(attribute.get()), H5Sclose);
-  const bool is_scalar = H5Sget_simple_extent_type(space.get()) == H5S_SCALAR;
-  const auto count = static_cast<py::ssize_t>(H5Sget_simple_extent_npoints(space.get()));
-  if (H5Tget_class(type.get()) == H5T_STRING) {
-    const auto text = h5::read_text_attribute(object, name);
-    return text ? py::object(py::str(*text)) : py::none();
-  }
-  const auto plain = plain_type(type);
-  if (!plain) return py::none();
-  py::array array(dtype_of(*plain), std::vector<py::ssize_t>{count});
-  H5Aread(attribute.get(), h5::native(*plain), array.mutable_data());
-  return is_scalar ? array[py::int_(0)] : py::object(std::move(array));
+py::object object_of(h5::MemoryFile::Content content) {
+  if (const auto* const text = std::get_if<std::string>(&content)) return py::str(*text);
+  return array_of(std::get<std::shared_ptr<const h5::MemoryArray>>(std::move(content)));
 }
 
 /// A file in memory.
@@ -94,45 +58,25 @@ class File {
 
   /// The names of a group's members, in their order, and whether each is a group.
   [[nodiscard]] std::vector<std::pair<std::string, bool>> members(const std::string& group) const {
-    const h5::Handle root = file_.open();
-    const h5::Handle opened(H5Gopen2(root.get(), group.c_str(), H5P_DEFAULT), H5Gclose);
     std::vector<std::pair<std::string, bool>> names;
-    const auto add = [](hid_t parent, const char* name, const H5L_info_t* /*info*/, void* target) -> herr_t {
-      const h5::Handle object(H5Oopen(parent, name, H5P_DEFAULT), H5Oclose);
-      static_cast<decltype(names)*>(target)->emplace_back(name, H5Iget_type(object.get()) == H5I_GROUP);
-      return 0;
-    };
-    hsize_t place = 0;
-    if (opened) H5Literate(opened.get(), H5_INDEX_CRT_ORDER, H5_ITER_INC, &place, add, &names);
+    for (h5::MemoryFile::Member& member : file_.members(group))
+      names.emplace_back(std::move(member.name), member.is_group);
     return names;
   }
 
+  /// Attributes as Python's str, numpy's numbers or arrays.
   [[nodiscard]] py::dict attributes(const std::string& path) const {
-    const h5::Handle root = file_.open();
-    const h5::Handle object(H5Oopen(root.get(), path.c_str(), H5P_DEFAULT), H5Oclose);
-    std::vector<std::string> names;
-    const auto add = [](hid_t, const char* name, const H5A_info_t*, void* target) -> herr_t {
-      static_cast<std::vector<std::string>*>(target)->emplace_back(name);
-      return 0;
-    };
-    hsize_t place = 0;
-    if (object) H5Aiterate2(object.get(), H5_INDEX_NAME, H5_ITER_INC, &place, add, &names);
     py::dict result;
-    for (const std::string& name : names)
-      if (const py::object value = attribute_of(object.get(), name); !value.is_none())
-        result[name.c_str()] = value;
+    for (auto& [name, content] : file_.attributes(path)) {
+      const py::object value = object_of(std::move(content));
+      const bool is_scalar = py::isinstance<py::array>(value) && py::cast<py::array>(value).ndim() == 0;
+      result[name.c_str()] = is_scalar ? value[py::tuple()] : value;
+    }
     return result;
   }
 
   /// The values of a dataset: an array, or the text.
-  [[nodiscard]] py::object values(const std::string& path) const {
-    if (auto array = file_.array(path)) return array_of(std::move(array));
-    const h5::Handle root = file_.open();
-    const h5::Handle dataset = h5::open_dataset(root.get(), path);
-    if (!dataset) throw FormatError(file_.name() + ": has no dataset " + path);
-    if (const auto text = h5::read_text(root.get(), path)) return py::str(*text);
-    return values_in(dataset);
-  }
+  [[nodiscard]] py::object values(const std::string& path) const { return object_of(file_.values(path)); }
 
   void save(const std::filesystem::path& path, bool overwrite) const {
     const py::gil_scoped_release unlock;
@@ -146,8 +90,7 @@ class File {
 }  // namespace
 
 void bind_files(py::module_& module) {
-  hbool_t is_safe = 0;
-  if (H5is_library_threadsafe(&is_safe) < 0 || is_safe == 0)
+  if (!h5::is_built_for_threads())
     throw py::import_error("runs of several threads need an HDF5 that was built with --enable-threadsafe");
   py::class_<File, std::shared_ptr<File>>(module, "File")
       .def(py::init<const std::string&>())

@@ -17,10 +17,7 @@ namespace {
 std::optional<h5::Type> stored_type(hid_t dataset) {
   if constexpr (std::endian::native != std::endian::little) return std::nullopt;
   const h5::Handle type(H5Dget_type(dataset), H5Tclose);
-  using enum h5::Type;
-  for (const h5::Type candidate : {float64, float32, int64, int32, int8})
-    if (H5Tequal(type.get(), h5::native(candidate)) > 0) return candidate;
-  return std::nullopt;
+  return h5::type_of(type.get());
 }
 
 bool has_chunks(hid_t properties, std::span<const hsize_t> chunk) {

@@ -112,6 +112,11 @@ std::optional<std::string> close_file(Handle& file) {
   return failure.empty() ? std::nullopt : std::optional(std::move(failure));
 }
 
+bool is_built_for_threads() {
+  hbool_t has_lock = 0;
+  return H5is_library_threadsafe(&has_lock) >= 0 && has_lock != 0;
+}
+
 std::mutex& library_lock() {
   static std::mutex lock;
   return lock;
@@ -148,6 +153,19 @@ hid_t native(Type type) {
       return H5T_STD_I8LE;
   }
   return H5I_INVALID_HID;
+}
+
+std::optional<Type> type_of(hid_t datatype) {
+  using enum Type;
+  for (const Type candidate : {float64, float32, int64, int32, int8})
+    if (H5Tequal(datatype, native(candidate)) > 0) return candidate;
+  return std::nullopt;
+}
+
+std::vector<hsize_t> extent_of(hid_t dataspace) {
+  std::vector<hsize_t> extent(static_cast<std::size_t>(std::max(H5Sget_simple_extent_ndims(dataspace), 0)));
+  H5Sget_simple_extent_dims(dataspace, extent.data(), nullptr);
+  return extent;
 }
 
 std::size_t size_of(Type type) {

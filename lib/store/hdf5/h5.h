@@ -48,6 +48,8 @@ class Handle {
 /// Disables HDF5's own error output and the loading of filter plug-ins; call before any other use.
 /// failure_reason() gives the reasons for the user. Throws std::bad_alloc if memory is short.
 void initialise();
+/// Whether HDF5 has a lock of its own, so that two runs of one process may use it at the same time.
+[[nodiscard]] bool is_built_for_threads();
 /// HDF5 is not reentrant. Where several threads may call it (the readers and writers of a pipeline), each
 /// call is made under this lock, and no long work is done while it is held.
 [[nodiscard]] std::mutex& library_lock();
@@ -66,6 +68,10 @@ inline constexpr std::size_t kHeadroom = std::size_t{8} << 20U;
 enum class Type { float64, float32, int64, int32, int8 };
 [[nodiscard]] hid_t native(Type type);
 [[nodiscard]] std::size_t size_of(Type type);
+/// The type of these values; nothing for one that no tool writes, such as a text.
+[[nodiscard]] std::optional<Type> type_of(hid_t datatype);
+/// The extent of a dataset or attribute; empty for a scalar.
+[[nodiscard]] std::vector<hsize_t> extent_of(hid_t dataspace);
 template <class T>
 struct TypeOf;
 template <>

@@ -45,13 +45,6 @@ std::string name_text(hid_t object, ssize_t (*get)(hid_t, char*, std::size_t)) {
   return text;
 }
 
-std::vector<hsize_t> extent_of(hid_t dataset) {
-  const Handle space(H5Dget_space(dataset), H5Sclose);
-  std::vector<hsize_t> shape(static_cast<std::size_t>(std::max(H5Sget_simple_extent_ndims(space.get()), 0)));
-  H5Sget_simple_extent_dims(space.get(), shape.data(), nullptr);
-  return shape;
-}
-
 std::vector<hsize_t> memory_chunk_of(hid_t dataset) {
   const Handle properties(H5Dget_create_plist(dataset), H5Pclose);
   std::vector<hsize_t> chunk(H5S_MAX_RANK, 0);
@@ -64,12 +57,20 @@ std::size_t element_count(std::span<const hsize_t> numbers) {
   return std::accumulate(numbers.begin(), numbers.end(), std::size_t{1}, std::multiplies<>());
 }
 
-Type type_of(hid_t dataset) {
-  const Handle type(H5Dget_type(dataset), H5Tclose);
-  using enum Type;
-  for (const Type candidate : {float64, float32, int64, int32, int8})
-    if (H5Tequal(type.get(), native(candidate)) > 0) return candidate;
-  throw std::logic_error("a dataset in memory of a type that no tool writes");
+/// Uninitialised values of the type and extent of a dataset or attribute; null for a type that no tool
+/// writes.
+std::shared_ptr<MemoryArray> room_for(const Handle& type, const Handle& space) {
+  const auto plain = type_of(type.get());
+  if (!plain) return nullptr;
+  auto array = std::make_shared<MemoryArray>();
+  array->type = *plain;
+  array->shape = extent_of(space.get());
+  array->values.resize(element_count(array->shape) * size_of(*plain));
+  return array;
+}
+
+std::shared_ptr<MemoryArray> room_for(hid_t dataset) {
+  return room_for(Handle(H5Dget_type(dataset), H5Tclose), Handle(H5Dget_space(dataset), H5Sclose));
 }
 
 /// A chunk and its array as rows of bytes: a dataset of one dimension is one row.
@@ -215,13 +216,61 @@ std::shared_ptr<const MemoryArray> MemoryFile::array(const std::string& path) co
   return found == arrays_.end() ? nullptr : found->second;
 }
 
+std::vector<MemoryFile::Member> MemoryFile::members(const std::string& group) const {
+  const Handle root = open();
+  const Handle opened = open_group(root.get(), group);
+  std::vector<Member> found;
+  const auto add = [](hid_t parent, const char* name, const H5L_info_t* /*info*/, void* target) -> herr_t {
+    const Handle object(H5Oopen(parent, name, H5P_DEFAULT), H5Oclose);
+    static_cast<decltype(found)*>(target)->push_back({name, H5Iget_type(object.get()) == H5I_GROUP});
+    return 0;
+  };
+  hsize_t place = 0;
+  if (opened) H5Literate(opened.get(), H5_INDEX_CRT_ORDER, H5_ITER_INC, &place, add, &found);
+  return found;
+}
+
+std::map<std::string, MemoryFile::Content> MemoryFile::attributes(const std::string& path) const {
+  const Handle root = open();
+  const Handle object(H5Oopen(root.get(), path.c_str(), H5P_DEFAULT), H5Oclose);
+  std::vector<std::string> names;
+  const auto add = [](hid_t /*owner*/, const char* name, const H5A_info_t* /*info*/, void* target) -> herr_t {
+    static_cast<decltype(names)*>(target)->emplace_back(name);
+    return 0;
+  };
+  hsize_t place = 0;
+  if (object) H5Aiterate2(object.get(), H5_INDEX_NAME, H5_ITER_INC, &place, add, &names);
+  std::map<std::string, Content> found;
+  for (const std::string& name : names) {
+    const Handle attribute(H5Aopen(object.get(), name.c_str(), H5P_DEFAULT), H5Aclose);
+    const auto values = room_for(Handle(H5Aget_type(attribute.get()), H5Tclose),
+                                 Handle(H5Aget_space(attribute.get()), H5Sclose));
+    if (values && H5Aread(attribute.get(), native(values->type), values->values.data()) >= 0)
+      found.emplace(name, values);
+    else if (const auto text = read_text_attribute(object.get(), name))
+      found.emplace(name, *text);
+  }
+  return found;
+}
+
+MemoryFile::Content MemoryFile::values(const std::string& path) const {
+  if (auto held = array(path)) return held;
+  const Handle root = open();
+  const Handle dataset = open_dataset(root.get(), path);
+  if (!dataset) throw FormatError(name_ + ": has no dataset " + path);
+  if (auto text = read_text(root.get(), path)) return *std::move(text);
+  const std::shared_ptr<MemoryArray> array = room_for(dataset.get());
+  if (!array) throw FormatError(name_ + ": " + path + " has a type that no tool writes");
+  if (array->values.size() > 0 && !read_values(dataset.get(), native(array->type), array->values.data()))
+    fail_reading(dataset.get());
+  return array;
+}
+
 void MemoryFile::put_chunk(hid_t dataset, std::span<const hsize_t> offset, std::span<const std::byte> bytes) {
   std::shared_ptr<MemoryArray>& array = arrays_[name_text(dataset, H5Iget_name)];
-  if (!array) {
-    array = std::make_shared<MemoryArray>();
-    array->type = type_of(dataset);
-  }
-  array->shape = extent_of(dataset);
+  if (!array) array = room_for(dataset);
+  if (!array) throw std::logic_error("a dataset in memory of a type that no tool writes");
+  array->shape = extent_of(Handle(H5Dget_space(dataset), H5Sclose).get());
   array->values.resize(element_count(array->shape) * size_of(array->type));
   const Rows rows = rows_of(*array, memory_chunk_of(dataset), offset);
   for (std::size_t r = 0; r < rows.count; ++r)

@@ -8,6 +8,7 @@
 #include <memory>
 #include <span>
 #include <string>
+#include <variant>
 #include <vector>
 
 #include "base/memory/large_memory.h"
@@ -68,6 +69,18 @@ class MemoryFile {
   /// The values of the dataset at a path such as "/points/x_est"; null if it has none here: HDF5 then holds
   /// its values. Whoever keeps them may outlive the file.
   [[nodiscard]] std::shared_ptr<const MemoryArray> array(const std::string& path) const;
+  struct Member {
+    std::string name;
+    bool is_group = false;
+  };
+  /// The members of a group, as they were created.
+  [[nodiscard]] std::vector<Member> members(const std::string& group) const;
+  /// A text, or values.
+  using Content = std::variant<std::string, std::shared_ptr<const MemoryArray>>;
+  /// The attributes of an object by name, without references; a scalar has an empty shape.
+  [[nodiscard]] std::map<std::string, Content> attributes(const std::string& path) const;
+  /// A dataset. Throws FormatError if there is none of this path.
+  [[nodiscard]] Content values(const std::string& path) const;
   /// Takes a chunk in plain form, with which write_chunk() was called; its part beyond the dataset's extent
   /// is left out.
   void put_chunk(hid_t dataset, std::span<const hsize_t> offset, std::span<const std::byte> bytes);
