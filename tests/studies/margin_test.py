@@ -4,15 +4,21 @@
 import copy
 import json
 import os
+import re
 import signal
 import subprocess
 import time
 import unittest
 
 from case import BIN, StudyTest, read
+from harness.commands import run_command
+from matplotlib.table import Cell
+from matplotlib.text import Text
 
 # pylint: disable=wrong-import-order
+import landfall
 from landfall.answers import margin
+from landfall.plot import verdict_page
 
 NOISE, POSITION, VELOCITY, ATTITUDE = (margin.NOISE, *(f"scan.navigation_error.{name}" for name in ("position_m.0", "velocity_mps.1", "rpy_rad.1")))
 # 40 x 40 bins; the scan is 3 m wider than the judged region on each side. The detector is turned, so that returns do not line up with the bins.
@@ -111,6 +117,28 @@ class Margins(StudyTest):
         self.assertLess(answer["requirements"]["relative_elevation"]["margin_frac"], 0)
         self.assertEqual(answer["requirements"]["returns"]["margin_frac"], answer["requirements"]["returns"]["worst"] / 2 - 1)
         self.assertFalse(answer["postings"][0]["pass"])
+
+    def test_the_page_of_a_verdict(self):
+        self.write(CHAIN, "chain")
+        metrics = self.judge(NOISE, 0.06)
+        pages = []
+        for name in ("a.pdf", "b.pdf"):
+            result = run_command("plot_eval", self.path("run", "eval.h5"), "--page", self.path(name))
+            self.assertEqual((result.returncode, result.stdout), (0, self.path(name) + "\n"), result.stderr)
+            pages.append(read(self.path(name)))
+        self.assertEqual(pages[0], pages[1])
+        self.assertEqual(len(re.findall(rb"/Type /Page\b", pages[0])), 1)
+        page = verdict_page.Page(self.path("run", "eval.h5"))
+        shown = verdict_page.draw(page)
+        texts = [found.get_text() for found in shown.findobj(Text)] + [found.get_text().get_text() for found in shown.findobj(Cell)]
+        worst = metrics["accuracy"]["relative"]["z"]["max_m"]
+        tools = ("terrain", "scan", "dem", "eval")
+        for expected in ("Verdict: pass" if metrics["pass"] else "Verdict: FAIL", f"{worst:.4g} m", f"{100 * (1 - worst / 0.05):+.1f} %",
+                         *(landfall.open(self.path("run", f"{tool}.h5"), check=False).attrs["file_id"] for tool in tools)):
+            self.assertIn(expected, texts)
+        self.assertIn(f"{metrics['assumptions']['median_returns_per_bin']:g} returns per bin (median)", "".join(texts))
+        self.assertIn("must end in .pdf", run_command("plot_eval", self.path("run", "eval.h5"), "--page", self.path("a.png")).stderr)
+        self.assertIn("a.pdf exists", run_command("plot_eval", self.path("run", "eval.h5"), "--page", self.path("a.pdf")).stderr)
 
     def test_what_is_refused(self):
         for arguments, message in ((["--postings", "0.1,x"], "--postings 0.1,x: is not a list of numbers"), (["--postings", "0.1,-1"], "not all are > 0 m"),

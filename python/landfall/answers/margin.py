@@ -9,7 +9,7 @@ import shlex
 import shutil
 import sys
 
-from landfall import command, dictionary, scan_keys, tools
+from landfall import command, requirements, scan_keys, tools
 from landfall.answers import margin_page, model, runs
 from landfall.errors import UsageError, printable_lines, ToolError
 from landfall.study import stages
@@ -71,45 +71,7 @@ class Judge:
 
     def verdicts(self, changes):
         """{requirement: whether it passes, None where it is not judged}, the user's own ones last."""
-        return verdicts_of(self.numbers(changes))
-
-
-def verdicts_of(numbers):
-    paths = {**{name: f"requirements.{name}" for name in dictionary.requirements()}, **dictionary.own_paths(numbers)}
-    return {name: None if numbers[path + ".pass"] is None else numbers[path + ".pass"] == 1 for name, path in paths.items()}
-
-
-def all_of(verdicts):
-    """Whether all pass: None where none fails and some are not judged."""
-    return False if False in verdicts.values() else None if None in verdicts.values() else True
-
-
-# Requirements
-
-
-def requirements(judge):
-    """{requirement: {"worst", "limit", "margin_frac"}} of the chain as it is; numbers are None where it is not judged."""
-    numbers, limits = judge.numbers({}), judge.base["eval"]["limits"]
-    found, verdicts = {}, verdicts_of(numbers)
-    for name, requirement in dictionary.requirements().items():
-        worst = [numbers[metric] for metric in requirement.worst]
-        is_known = None not in worst and verdicts[name] is not None
-        found[name] = _margin(max(worst) if is_known else None, limits[requirement.worst_limit])
-    own = {one["name"]: one for one in judge.base["eval"].get("requirements", [])}
-    for name, path in dictionary.own_paths(numbers).items():
-        value, bound = numbers[path + ".value"], numbers[path + ".limit"]
-        found[name] = _margin(value, bound, "min" in own[name])
-    return found
-
-
-def _margin(worst, limit, at_least=False):
-    """1 - worst/limit; of a number that is to be at least its limit worst/limit - 1. None where the limit is not > 0, unless both are 0."""
-    margin = None
-    if worst is not None and limit > 0:
-        margin = worst / limit - 1 if at_least else 1 - worst / limit
-    elif worst == limit == 0:
-        margin = 0.0
-    return {"worst": worst, "limit": limit, "margin_frac": margin}
+        return requirements.verdicts_of(self.numbers(changes))
 
 
 # Keys
@@ -226,7 +188,7 @@ def posting(judge, resolution_m):
         rounded = [bins * resolution_m for bins in whole]
         changes["regrid.half_width_m"] = rounded if isinstance(half, list) else rounded[0]
     verdicts = judge.verdicts(changes)
-    return {"resolution_m": resolution_m, "pass": all_of(verdicts), "fails": [name for name, passes in verdicts.items() if passes is False]}
+    return {"resolution_m": resolution_m, "pass": requirements.all_of(verdicts), "fails": [name for name, passes in verdicts.items() if passes is False]}
 
 
 def read_postings(text):
@@ -244,13 +206,13 @@ def read_postings(text):
 
 def margins(judge, postings, chosen=None):
     """The content of margins.json; `chosen`: some of the keys."""
-    found = requirements(judge)
+    numbers = judge.numbers({})
     verdicts = judge.verdicts({})
     judged = [name for name, passes in verdicts.items() if passes is not None]
     keys, progress = chosen_keys(error_keys(judge.base), chosen), judge.progress
     progress.start("keys and postings", len(keys) + len(postings))
     answer = {"format": "landfall.margins", "version": 1, "source": judge.runner.version.strip(), "seed": judge.base["scan"]["seed"], "draw": judge.base["scan"]["draw"],
-              "pass": all_of(verdicts), "requirements": found, "keys": {}, "postings": []}
+              "pass": requirements.all_of(verdicts), "requirements": requirements.margins_of(numbers, judge.base["eval"]), "keys": {}, "postings": []}
     for key, ends in keys.items():
         answer["keys"][key] = key_margin(judge, key, *ends, judged)
         progress.step()
