@@ -97,7 +97,7 @@ def figure_of(answer):
             axes.text(100 * value, place, f" {number(100 * value)} %", va="center", fontsize=8)
         axes.axvline(100, color="black", linestyle="--", linewidth=1)
         axes.set_xlim(0, 112 * max([1, *(value for _, value in bars)]))
-        axes.invert_yaxis()
+        axes.set_ylim(len(bars) - 0.4, -0.6)
         axes.tick_params(labelsize=9)
         axes.set_title(title, fontsize=10, loc="left")
         axes.set_xlabel("%, 100: the limit" if bars is used else "%, 100: the largest value that passes", fontsize=9)
