@@ -42,6 +42,16 @@ namespace fs = std::filesystem;
   throw IoError("cannot start " + arguments[0] + ": " + std::strerror(errno));
 }
 
+/// Replaces this process by a command of the Python package, of the installation or of the repository.
+[[noreturn]] void start_python(const std::string& script, const std::vector<std::string>& words) {
+  setenv("LANDFALL_BIN", own_folder().c_str(), 0);
+  const fs::path place = fs::path("python") / "commands" / script;
+  for (fs::path folder = own_folder(); folder != folder.root_path(); folder = folder.parent_path())
+    for (const fs::path& share : {folder / "share" / "landfall", folder})
+      if (fs::exists(share / place)) start_beside(share / place, words);
+  throw IoError("there is no " + place.string() + " above " + own_folder().string());
+}
+
 /// "landfall help", and "landfall help scan-sim" as `landfall scan-sim --help`.
 int help(const std::vector<std::string>& words);
 
@@ -72,6 +82,7 @@ int run_watched(const std::vector<std::string>& words) {
 
 int start(const std::string& name, const std::vector<std::string>& words) {
   if (name == "study") return landfall_study::run(words);
+  if (name == "margin") start_python("margin.py", words);
   if (name == "help" || name == "-h" || name == "--help") return help(words);
   if (name == "-V" || name == "--version") {
     standard_output() << source_line("landfall") << std::endl;

@@ -13,6 +13,7 @@ ROOT = pages.ROOT
 sys.path[:0] = [os.path.join(ROOT, "scripts"), os.path.join(ROOT, "scripts", "site")]
 # pylint: disable=wrong-import-position
 import check_includes
+import equations
 import stage
 
 COMMAND = re.compile(r"^ {4,}((terrain-gen|scan-sim|regrid|dem-eval|landfall-\w+|make|cmake|ctest|cpack|python3|\w+\.py|gdal\w+|gmt|"
@@ -108,6 +109,13 @@ class Structure(unittest.TestCase):
                 elif anchor and anchor not in (self.pages.get(name) or made[stage.MADE_FROM[name]]).anchors():
                     broken.append(f"{page.name}:{number}: no heading {anchor} in {name}")
         self.assertEqual(broken, [])
+
+    def test_each_equation_of_the_paper_is_tested(self):
+        """credibility.md has the table that equations.py makes, whose cells are all filled; other publications have equations too."""
+        shown, made = equations.page()
+        self.assertEqual(shown, made, "scripts/site/equations.py --write writes the table")
+        self.assertEqual([number for number, columns in equations.citations().items() if not all(columns.values())], [])
+        self.assertEqual(equations.cited("/// as in Eqs. 8-9 and Eq. 12;\n/// Eqs. 1 and 7 (Bortz 1971,\n/// Eq. 10), Eq. 3.151"), {1, 7, 8, 9, 12})
 
     def test_every_page_is_linked(self):
         linked = {os.path.normpath(os.path.join(os.path.dirname(page.name), target.partition("#")[0])) for page in self.pages.values()

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Layers, holes and metrics of an evaluation, from the layers of a DEM (docs/user/dem-eval.md)."""
+"""Layers, holes and metrics of an evaluation, from the layers of a DEM (Eqs. 10-12; docs/user/dem-eval.md)."""
 import numpy as np
 
 from oracle.regrid import windows

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The estimated pose of the lander (docs/user/lidar/error-navigation.md)."""
+"""The estimated pose of the lander (Eqs. 4-6; docs/user/lidar/error-navigation.md)."""
 import numpy as np
 
 from oracle import draws, trajectory

@@ -1,6 +1,6 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A real airborne scan through scan-sim: conventions of attitude, interpolation in time, transforms, table and polygon scanners.
+"""A real airborne scan through scan-sim (Eq. 1): conventions of attitude, interpolation in time, transforms, table and polygon scanners.
 
 `real_scan_test.py --figure FILE` also draws the figure of docs/quality/real-scan.md.
 """

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The layers of a DEM from the returns of a scan (docs/user/regrid.md, docs/reference/sigmas.md)."""
+"""The layers of a DEM from the returns of a scan (Eqs. 8-9; docs/user/regrid.md, docs/reference/sigmas.md)."""
 from statistics import NormalDist
 
 import numpy as np

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The columns of a scan with --keep-misses, from its configuration and the true surface (docs/user/scan-sim.md)."""
+"""The columns of a scan with --keep-misses, from its configuration and the true surface (Eqs. 1 and 7; docs/user/scan-sim.md)."""
 import copy
 
 import numpy as np

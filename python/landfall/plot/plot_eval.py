@@ -12,7 +12,7 @@ import os
 import numpy as np
 
 from landfall import command, dictionary, files
-from landfall.plot import captions, maps, plot_command, plot_dem, scales, scores
+from landfall.plot import captions, maps, plot_command, plot_dem, scales, scores, verdict_page
 
 LAYERS = ["e_z", "abs_x", "abs_y", "abs_z", "rel_x", "rel_y", "rel_z", "invalid", "in_region", "fail"]
 ZOOM_WIDTH_M = 6.0
@@ -25,6 +25,7 @@ def parse(arguments):
     parser.add_argument("-o", "--output", metavar="DIR|PREFIX",
                         help="a folder (made if the name ends with /), or the prefix of the figures' names "
                              "(default: EVAL-)")
+    parser.add_argument("--page", metavar="PDF", help="write this page instead: verdict, margins, assumptions, files and versions")
     plot_command.add_data_only_option(parser)
     plot_command.add_output_options(parser)
     options = parser.parse_args(arguments)
@@ -332,6 +333,9 @@ def figures_of(evaluation):
 
 def main(arguments):
     options = parse(arguments)
+    if options.page:
+        verdict_page.write(options.evaluation, options.page, options.overwrite)
+        return
     plot_command.use_dpi(options.dpi)
     evaluation = Evaluation(options.evaluation, options.data_only)
     chosen = figures_of(evaluation)

@@ -17,7 +17,7 @@ import math
 import os
 import re
 
-from landfall import command, files, tools
+from landfall import command, files, requirements, tools
 from landfall.errors import DataError, printable, UsageError
 from landfall.study import chain, names, page, results, session
 from landfall.study.model import STAGES, with_paths
@@ -26,9 +26,6 @@ from landfall.study.table import metric_label, Results
 # With more cases the page shows the first ones, and their number.
 MAX_CASES = 20_000
 DIGITS = 7
-# Assumptions of metrics.json: name, text, factor.
-ASSUMPTIONS = (("footprint_bins", "footprint of {} bins on an edge", 1), ("truth_spacing_m", "truth nodes every {} m", 1),
-               ("median_returns_per_bin", "{} returns per bin (median)", 1), ("single_return_frac", "{} % of the bins with a single return", 100))
 VERDICTS = {1: "pass", 0: "fail", None: "not judged"}
 
 
@@ -93,23 +90,13 @@ def report(folder, figures):
     return {
         "name": study.cases["name"], "title": study.cases["title"], "description": study.cases.get("description", ""),
         "tools": study.tools, "axes": axes(study), "limits": study.cases["limits"], "count": len(study.rows), "stale": study.stale,
-        "assumptions": assumptions(study), "verdicts": dict(collections.Counter(verdicts.values())), "columns": columns(study, shown, verdicts, seconds, numbers.metrics),
+        "assumptions": requirements.assumption_texts(lambda path: study.results.columns.get(path, [])), "verdicts": dict(collections.Counter(verdicts.values())), "columns": columns(study, shown, verdicts, seconds, numbers.metrics),
         "points": points(study, numbers), "quantile": numbers.quantile, "metrics": numbers.metrics,
         "requirements": study.results.requirements(),
         "metricLimits": {name: limit for name in study.results.columns if (limit := study.results.limit(name)) is not None},
         "configs": config_table.tree(), "caseConfigs": case_configs, "runs": run_table.rows, "caseRuns": case_runs,
         "options": list(dict.fromkeys(option for run in chains[0] for option in run.options)),
         "failures": failures(study, chains, verdicts), "caseNames": case_names(study, verdicts), "reports": reports(study, shown)}
-
-
-def assumptions(study):
-    """The assumptions of the verdicts, as far as the cases say them: texts with the smallest and the largest value of all cases."""
-    made = []
-    for name, text, factor in ASSUMPTIONS:
-        known = [value for value in study.results.columns.get(f"assumptions.{name}", []) if value is not None and not math.isnan(value)]
-        if known:
-            made.append(text.format(" to ".join(dict.fromkeys(names.number(factor * value) for value in (min(known), max(known))))))
-    return made
 
 
 def axes(study):

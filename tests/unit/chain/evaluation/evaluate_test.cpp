@@ -82,8 +82,8 @@ TEST(Evaluate, PerfectDemPasses) {
   EXPECT_TRUE(std::ranges::all_of(evaluation.layers.fail.values(), [](std::int8_t f) { return f == 0; }));
 }
 
-// One bin of e_z = 2.5 in footprints of 25: mean 0.1, deviations 24 of 0.1 and one of 2.4; h = 23.76, so
-// rel = 0.1 + 0.76 * 2.3 = 1.848, in the 25 footprints around it.
+// Eqs. 10-12 by hand: one bin of e_z = 2.5 in footprints of 25: mean 0.1, deviations 24 of 0.1 and one
+// of 2.4; h = 23.76, so rel = 0.1 + 0.76 * 2.3 = 1.848, in the 25 footprints around it.
 TEST(Evaluate, OneWrongElevation) {
   DemLayers dem = perfect_dem(5);
   dem.truth->z.at({5, 5}) += 2.5;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The shared tails of neighbouring windows against a selection in each window, to the last bit.
+// The shared tails of neighbouring windows (Eq. 12) against a selection in each window, to the last bit.
 #include <gtest/gtest.h>
 
 #include <algorithm>

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Window means and quantiles: by hand, and to the last bit against direct sums and a full sort.
+// Window means (Eq. 11) and quantiles (Eq. 12): by hand, and to the last bit against direct sums and a full
+// sort.
 #include <gtest/gtest.h>
 #include <hwy/targets.h>
 

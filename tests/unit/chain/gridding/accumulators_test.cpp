@@ -103,6 +103,7 @@ double weight_of(double x_m, double y_m) {
   return sum;
 }
 
+// Eq. 9.
 TEST(WeightedMeanAccumulator, WeightsByHand) {
   EXPECT_EQ(weight_of(0.5, -0.5), 1);             // on a centre
   EXPECT_EQ(weight_of(0.625, -0.5), 0.75);        // p = 1/4
@@ -138,6 +139,7 @@ TEST(WeightedMeanAccumulator, CountsWhatLiesOutside) {
   EXPECT_EQ(at(bins, {4, 4}).count, 1);
 }
 
+// Eq. 8, numerator and denominator.
 TEST(WeightedMeanAccumulator, SumsByHand) {
   // Weights 1 and 0.75 in the bin at (0.5, 0).
   const WeightedMeanAccumulator bins = accumulated(

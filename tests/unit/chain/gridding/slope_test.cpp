@@ -170,6 +170,7 @@ Grid<double> corrected_layer(const WeightedMeanAccumulator& bins) {
   return corrected;
 }
 
+// The error of Eq. 13 is gone.
 TEST(Corrected, OnAPlaneItIsThePlaneAtTheBinsCentre) {
   const GridSpec spec = GridSpec::centered(0.25, 0.05);
   const WeightedMeanAccumulator bins =
