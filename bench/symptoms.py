@@ -28,13 +28,13 @@ LIDAR = {"detector": {"ifov_rad": 0.0008, "roll_deg": 7.73}, "laser": {"pulse_ra
          "scanner": {"pattern": {"type": "line_search", "rows": 40, "columns": 40, "half_width_m": 7.5}},
          "trajectory": {"position_m": [0, 0, 100], "velocity_mps": [0, 0, -5]}}
 MAP = {"half_width_m": 6, "resolution_m": 0.1}
-# name: (layer of the evaluation or DEM, keys that make the pattern)
+# name: (what to look for, layer of the evaluation or DEM, keys that make the pattern)
 SYMPTOMS = {
-    "stripes": ("count", {"scanner.pattern.rows": 9}),
-    "holes": ("count", {"detector.roll_deg": 0, "detector.ifov_rad": 0.0012, "scanner.pattern.rows": 8, "scanner.pattern.columns": 8}),
-    "shift": ("abs_x", {"navigation_error.position_m": [1.2, 0, 0]}),
-    "tilt": ("e_z", {"navigation_error.rpy_rad": [0.0008, 0, 0]}),
-    "steps": ("e_z", {"pointing_error.jitter_sigma_rad": 0.001, "pointing_error.jitter_time_s": 0.02, "scanner.pattern.rows": 12}),
+    "stripes": ("empty stripes between the lines of the scan", "count", {"scanner.pattern.rows": 9}),
+    "holes": ("rows and columns of empty bins", "count", {"detector.roll_deg": 0, "detector.ifov_rad": 0.0012, "scanner.pattern.rows": 8, "scanner.pattern.columns": 8}),
+    "shift": ("one colour: the whole map is displaced", "abs_x", {"navigation_error.position_m": [1.2, 0, 0]}),
+    "tilt": ("the error grows from one side to the other", "e_z", {"navigation_error.rpy_rad": [0.0008, 0, 0]}),
+    "steps": ("bands along the lines of the scan", "e_z", {"pointing_error.jitter_sigma_rad": 0.001, "pointing_error.jitter_time_s": 0.02, "scanner.pattern.rows": 12}),
 }
 TITLES = {"count": "returns in each bin", "abs_x": "mean horizontal error of a footprint, x", "e_z": "elevation error, true − estimated"}
 
@@ -56,19 +56,20 @@ def layers(path, names):
 
 def draw(name, values, path):
     """The map of a layer with its colour bar, in a picture of less than 100 kB."""
-    layer, keys = SYMPTOMS[name]
+    caption, layer, keys = SYMPTOMS[name]
     figure, ax = plt.subplots(figsize=(4.6, 3.9), layout="constrained")
     is_error = layer != "count"
     factor = 100 if is_error else 1
     shown = factor * values
-    high = np.nanpercentile(np.abs(shown), 99.5)
+    high = 1.5 * np.nanmax(np.abs(shown)) if layer == "abs_x" else np.nanpercentile(np.abs(shown), 98 if is_error else 99.5)
     table = matplotlib.colors.ListedColormap(np.array(scales.color_table("error" if is_error else "count")) / 255)
     table.set_bad(scales.css(scales.NO_VALUE))
     edge = MAP["half_width_m"] + MAP["resolution_m"] / 2
     image = ax.imshow(shown, origin="lower", extent=(-edge, edge, -edge, edge), cmap=table, vmin=-high if is_error else 0, vmax=high, interpolation="nearest")
     figure.colorbar(image, ax=ax, label=f"{TITLES[layer]} (cm)" if is_error else TITLES[layer])
     ax.set(xlabel="x (m)", ylabel="y (m)")
-    ax.set_title("\n".join(f"{key} = {value}" for key, value in keys.items()), fontsize=9)
+    ax.set_title(caption, fontsize=10)
+    figure.supxlabel("\n".join(f"{key} = {value}" for key, value in keys.items()), fontsize=7.5, color="0.35")
     figure.savefig(path, dpi=90, metadata={"Software": None})
     plt.close(figure)
 
@@ -79,7 +80,7 @@ def main(arguments):
     options = parser.parse_args(arguments)
     with tempfile.TemporaryDirectory(prefix="landfall-symptoms-") as folder:
         landfall.run("terrain-gen", TERRAIN, output=os.path.join(folder, "terrain.h5"))
-        for name, (layer, keys) in SYMPTOMS.items():
+        for name, (_, layer, keys) in SYMPTOMS.items():
             path = os.path.join(options.output, f"symptom-{name}.png")
             draw(name, maps_of(keys, folder)[layer], path)
             print(path)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""MkDocs hooks of the site: the version in its heading, the navigation of docs/README.md, and Markdown as GitHub reads it.
+"""MkDocs hooks of the site: the version in its heading, the navigation of docs/README.md, titles as the texts of links, and Markdown as GitHub reads it.
 
 docs/README.md is the one list of the pages: each of its level-2 headings is a section of the navigation, each link below it a page, in
 order. A folder's README.md, where it is linked, adds the pages of its folder in the order of its own links.
@@ -19,7 +19,7 @@ import keys
 
 INDEX = "docs/README.md"
 LINK = re.compile(r"(?<!!)\[[^\[\]]*\]\(([^()\s#]+\.md)(?:#[^()\s]*)?\)")
-ANY_LINK = re.compile(r"(?<!!)\[([^\[\]]*)\]\(([^():\s#]+)\)")
+ANY_LINK = re.compile(r"(?<!!)\[([^\[\]]*)\]\(([^():\s#]+(?:#[^()\s]*)?)\)")
 ITEM = re.compile(r" *(?:[-*]|\d+\.) ")
 # A comment of a page: for the tests of its commands, or for the site: <!-- site: DIRECTIVE -->.
 SITE = re.compile(r"<!-- site: (.*) -->")
@@ -40,9 +40,14 @@ def linked_pages(page, text):
     return list(dict.fromkeys(os.path.normpath(os.path.join(os.path.dirname(page), target)) for target in LINK.findall(text)))
 
 
+def title_of(page):
+    """The page's first heading."""
+    return re.search(r"(?m)^# (.*)$", read(page))[1].replace("`", "")
+
+
 def titled(page):
-    """An entry of the navigation: the page's first heading, and its path."""
-    return {re.search(r"(?m)^# (.*)$", read(page))[1].replace("`", ""): page}
+    """An entry of the navigation."""
+    return {title_of(page): page}
 
 
 def with_folder(page, listed):
@@ -116,37 +121,60 @@ def with_lists(text):
     return "\n".join(kept)
 
 
-def without_folders(text, page):
-    """The text without links to folders and hidden files of the repository, which the site does not hold."""
+def with_titles(text, page):
+    """The text without links to folders and hidden files of the repository, which the site does not hold; the name of a page as the text of a
+    link becomes its title."""
     def shown(link):
-        path = os.path.normpath(os.path.join(os.path.dirname(page), link[2]))
-        return link[1] if path.startswith(".") or os.path.isdir(os.path.join(ROOT, path)) else link[0]
+        target, _, anchor = link[2].partition("#")
+        path = os.path.normpath(os.path.join(os.path.dirname(page), target))
+        if path.startswith(".") or os.path.isdir(os.path.join(ROOT, path)):
+            return link[1]
+        is_name = link[1].endswith((".md", "/")) and path.endswith(".md")
+        return f"[{title_of(path)}]({link[2]})" if is_name else link[0]
     return ANY_LINK.sub(shown, text)
 
 
+def with_headings(text):
+    """The text with a heading for the second column of each table that names only the first one."""
+    return re.sub(r"(?m)^(\| [^|\n]+ \|) \|(?=\n\|[-|]+\|$)", r"\1 description |", text)
+
+
 def on_page_markdown(markdown, page, **_):
-    if page.file.src_path.startswith("docs/reference/keys/"):
-        page.meta["hide"] = ["toc"]
-    return without_folders(with_lists(without_comments(markdown)), page.file.src_path)
+    return with_titles(with_headings(with_lists(without_comments(markdown))), page.file.src_path)
 
 
 STAGES = {f"{keys.FOLDER}/{page}.html": kind for kind, page in keys.PAGES.items()}
+ROW = re.compile(r"(?m)^\| \[[^\]]*\]\(([^()\s#]+\.md)\) \| (.*) \|$")
+WORD = re.compile(r"\w[\w.+]*")
 
 
-def in_search(entry):
-    """An entry of the search. That of a configuration key has the words of the key too, so that range_sigma_m finds noise.range_sigma_m; a key
-    without a dot gets its stage, as in studies, so that footprint finds no footprint_m before the page that explains it."""
+def subjects():
+    """{path of a user page on the site: the words of its title, four times, and of what docs/README.md says about it}. The search prefers them to any text."""
+    found = {}
+    for link, about in ROW.findall(read(INDEX)):
+        page = os.path.normpath(os.path.join(os.path.dirname(INDEX), link))
+        if page.startswith("docs/user/"):
+            found[re.sub(r"README\.md$", "index.md", page)[:-len("md")] + "html"] = WORD.findall(f"{4 * (title_of(page) + ' ')} {LINK.sub('', about)}".lower())
+    return found
+
+
+def in_search(entry, words):
+    """An entry of the search, with the subject of its page. That of a configuration key has the last part of the key too, so that range_sigma_m
+    finds noise.range_sigma_m; a key without a dot gets its stage, as in studies, so that footprint finds no footprint_m before the page that explains it."""
     page, _, anchor = entry["location"].partition("#")
-    if page not in STAGES or not anchor:
+    if not anchor and page in words:
+        return {**entry, "tags": words[page]}
+    if not anchor or page not in STAGES or " " in entry["title"]:
         return entry
     name = entry["title"]
-    return {**entry, "title": name if "." in name else f"{STAGES[page]}.{name}", "text": " ".join([entry["text"], name, *name.split(".")])}
+    return {**entry, "title": name if "." in name else f"{STAGES[page]}.{name}", "text": f"{entry['text']} {name.split('.')[-1]}"}
 
 
 def on_post_build(config):
     path = os.path.join(config["site_dir"], "search", "search_index.json")
     with open(path, encoding="utf-8") as file:
         index = json.load(file)
-    index["docs"] = [in_search(entry) for entry in index["docs"]]
+    words = subjects()
+    index["docs"] = [in_search(entry, words) for entry in index["docs"] if not entry["location"].startswith("paper/")]
     with open(path, "w", encoding="utf-8") as file:
         json.dump(index, file, sort_keys=True, separators=(",", ":"))

@@ -105,6 +105,48 @@ class CloudTest(PageTest):
         self.assertEqual(self.share("#points", MAGENTA), 0)
         self.check_log_and_requests()
 
+    def test_it_opens_on_elevations_from_above(self):
+        self.cloud()
+        self.assertEqual(self.window.run("return [document.getElementById('points').dataset.color, document.getElementById('color').value]"), ["z_est"] * 2)
+        self.assertIn("Elevation", self.text("#points-legend"))
+        places = []
+        for x, y in ((0.4, 0.5), (0.6, 0.5), (0.5, 0.4)):
+            self.click(x, y)
+            places.append([self.number(self.chosen()[name]) for name in ("x_est", "y_est")])
+        west, east, north = places
+        self.assertGreater(east[0], west[0])
+        self.assertGreater(north[1], (west[1] + east[1]) / 2)
+
+    def noisy(self, change):
+        """The page of a scan whose elevations are the true ones and change(random numbers, their count), with large points seen from the side."""
+        def noise(file):
+            points, count = file["points"], len(file["points/z_est"])
+            points["z_est"][...] = points["z_true"][()] + change(np.random.default_rng(1), count)
+        self.cloud(self.changed("noisy.h5", noise))
+        self.window.run("const field = document.getElementById('dots'); field.value = '0.5'; field.dispatchEvent(new Event('input'));")
+        self.window.run(POINTER, [0.5, 0.5], [0.5, 0.35], False)
+
+    def test_points_in_front_are_not_those_with_the_largest_errors(self):
+        self.noisy(lambda random, count: random.normal(0, 0.1, count))
+        self.color("e_z")
+        shown = self.window.run("const column = columnOf('e_z'), scale = scaleOf(column);"
+                                "return Array.from({length: report.count}, (_, i) => colorOf(scale, column.value(i)))")
+        pixels = self.pixels("#points").reshape(-1, 3).astype(float)
+        pixels = pixels[(pixels != pixels[0]).any(-1)]
+        red = [(colors[:, 0] > colors[:, 2]).mean() for colors in (np.array(shown, float), pixels)]
+        self.assertGreater(len(pixels), 20000)
+        self.assertAlmostEqual(red[0], red[1], delta=0.06)  # 0.16 where the nearest of some depths is in front
+
+    def test_near_points_hide_far_ones(self):
+        self.noisy(lambda random, count: 4.0 * random.integers(0, 2, count))
+        self.window.run("document.querySelector('#cloud button:last-child').click()")  # from above again
+        self.settle()
+        low, high = self.window.run("const scale = scaleOf(columnOf('z_est')); return [colorOf(scale, scale.low + 0.5), colorOf(scale, scale.high - 0.5)]")
+        pixels = self.pixels("#points").reshape(-1, 3).astype(float)
+        pixels = pixels[(pixels != pixels[0]).any(-1)]
+        below = np.abs(pixels - low).sum(-1) < np.abs(pixels - high).sum(-1)
+        self.assertLess(below.mean(), 0.05)
+
     def test_a_box_cuts_the_cloud(self):
         self.cloud()
         whole = self.drawn()
@@ -115,7 +157,12 @@ class CloudTest(PageTest):
         inside = [int(((points["x_est"] >= 0.5 + d) & (points["y_est"] <= -0.25 - d)).sum()) for d in (step, -step)]
         shown = int(self.text("#inside").split()[0].replace(",", ""))
         self.assertTrue(inside[0] <= shown <= inside[1], f"{shown} {inside}")
-        self.assertLess(self.drawn(), 0.5 * whole)
+        self.assertGreater(self.drawn(), 0.5 * whole, "the box fills the view")
+        inside = points["z_est"][(points["x_est"] >= 0.5) & (points["y_est"] <= -0.25)]
+        ends = self.window.run("const scale = scaleOf(columnOf('z_est')); return [scale.low, scale.high]")
+        legend = [float(text.replace("\u2212", "-")) for text in self.texts("#points-legend text")]
+        self.assertLess(np.ptp(inside), np.ptp(ends))
+        self.assertTrue(all(inside.min() - 0.01 <= value <= inside.max() + 0.01 for value in legend), (legend, inside.min(), inside.max()))
         self.window.run("document.getElementById('whole').click()")
         self.assertAlmostEqual(self.drawn(), whole, delta=0.001)
         self.click()

@@ -197,19 +197,18 @@ class CommonReport(CommonPage, ReportCase):
         self.assertEqual(maps, {name: [list(map(int, c)) for c in scales.color_table(name)] for name in scales.ANCHORS})
         self.assertEqual(self.window.run("return NO_VALUE_COLOR"), list(scales.NO_VALUE))
         self.assertEqual(self.window.run("return MARK_COLOR"), "rgb({},{},{})".format(*scales.MARK))
-        self.assertEqual(self.window.run("return [OUTLIERS, LIMIT_INSIDE, MAX_MARKED]"),
-                         [scales.OUTLIERS, scales.LIMIT_INSIDE, reduction.MAX_MARKED])
-        with h5py.File(self.path("eval.h5")) as file:
-            values = {name: file[name][()].astype(float) for name in ("e_x", "e_z", "rel_x", "rel_z", "abs_x", "abs_z")}
-        self.addCleanup(self.choose_scales, self.window.run("return document.querySelector('#scales').value"))
-        self.choose_scales("all")
-        for name, value in values.items():
-            limit_m = {"e_x": 0.05, "e_z": 0.05, "rel_x": 0.05, "rel_z": 0.05, "abs_x": 1}.get(name)
-            make = scales.magnitude_scale if name.startswith("rel") else scales.error_scale
-            expected, found = make(value, value, limit_m), self.window.run(SCALES)[name]
-            step = self.step(name)
-            self.assertAlmostEqual(found["low"], expected.low, delta=step)
-            self.assertAlmostEqual(found["high"], expected.high, delta=step)
+        self.assertEqual(self.window.run("return [OUTLIERS, LIMIT_INSIDE, NEAR, MAX_MARKED]"),
+                         [scales.OUTLIERS, scales.LIMIT_INSIDE, scales.LIMIT_NEAR, reduction.MAX_MARKED])
+        found = self.window.run(SCALES)
+        for kind, limits in (("e", [0.05] * 3), ("rel", [0.05] * 3), ("abs", [1, 1, None])):
+            names = [f"{kind}_{axis}" for axis in "xyz"]
+            with h5py.File(self.path("eval.h5")) as file:
+                values = [file[name][()].astype(float) for name in names]
+            for name, value, limit_m in zip(names, values, limits):
+                make = scales.magnitude_scale if kind == "rel" else scales.error_scale
+                expected = make(value, value, limit_m, peers=[*zip(values, limits)])
+                for end in ("low", "high"):
+                    self.assertAlmostEqual(found[name][end], getattr(expected, end), delta=max(map(self.step, names)), msg=name)
 
     def test_elevations_are_shaded_as_in_view(self):
         self.report()

@@ -12,7 +12,7 @@ import subprocess
 import unittest
 
 from harness import EVAL, HAZARD, REGRID, browser, read_bytes, with_values, write_file
-from harness.page import CANVAS, WIDTHS, PageTest
+from harness.page import CANVAS, IMAGES, WIDTHS, PageTest
 
 ROOT = os.environ["LANDFALL_ROOT"]
 PRINT_WIDTH = 702  # A4 less two margins of 12 mm, pixels of 1/96 inch
@@ -30,16 +30,6 @@ for (const [type, buttons] of [["pointerdown", 1], ["pointerup", 0]])
   canvas.dispatchEvent(new PointerEvent(type, {pointerId: 1, button: 0, buttons, bubbles: true, clientX: box.left + box.width / 2,
                                                clientY: box.top + box.height / 2}));
 """
-IMAGES = """
-return [...document.querySelectorAll("main img")].map((image) => image.complete && image.naturalWidth > 0);
-"""
-# Texts whose contrast with what is behind them is checked.
-TEXTS = {
-    "evaluation": ["h1", "h2", ".note", "nav a", "#verdict", ".verdict.pass", "figcaption", "#values", "td", "summary"],
-    "hazards": ["body", ".note", "#verdict", "#outcomes td", "nav.contents a", "#theme", "figcaption code"],
-    "draws": ["#verdict", "#rates td", "#commands", ".note", "#failed-draws td"],
-    "cloud": ["h1", "h2", ".note", "#thinning", "#inside", "#siblings", "#chosen td", "#chosen th", "#box th", "label", "nav a"],
-}
 
 
 @unittest.skipIf(browser.missing(), browser.missing())
@@ -73,7 +63,7 @@ class ScreensTest(PageTest):
         self.assertGreater(self.window.run("return document.querySelectorAll('svg, canvas').length"), 0)
         for scheme in ("light", "dark"):
             self.scheme(scheme, "screen")
-            self.check_contrast(TEXTS.get(name, []), f"{name}, {scheme}")
+            self.check_contrast(f"{name}, {scheme}")
             for width in WIDTHS:
                 self.window.resize(width)
                 self.check_boxes(f"{name}, {scheme}, {width} px")

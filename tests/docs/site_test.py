@@ -19,6 +19,7 @@ import urllib.parse
 
 import page as pages
 from harness import browser
+from harness.page import FAINT, IMAGES, LAYOUT, WIDTHS
 
 ROOT = os.path.abspath(os.environ["LANDFALL_ROOT"])
 sys.path.insert(0, os.path.join(ROOT, "scripts", "site"))
@@ -30,6 +31,15 @@ MISSING = [program for program in ("mkdocs", "doxygen") if not shutil.which(prog
 START = "index.html"
 GENERATED = "docs/reference/api.md"  # holds text that mkdocstrings makes
 GENERATED_PAGE = "docs/reference/api.html"
+# Queries of new users, and the page that the search must name first.
+FIRST = {"LAS": "docs/user/landfall-export", "safe": "docs/user/hazard-map", "which lidar": "docs/user/which-lidar", "how many pulses": "docs/user/scan-sim",
+         "python notebook": "docs/user/python", "why does my map fail": "docs/user/symptoms", "sun angle": "docs/user/faq", "resume study": "docs/user/studies/index",
+         "noise.range_sigma_m": "docs/reference/keys/scan-sim", "footprint": "docs/user/glossary", "roughness": "docs/user/hazard-map",
+         "slope limit": "docs/user/hazard-map", "SBET": "docs/user/lidar/trajectory-table", "probability": "docs/user/monte-carlo", "GPU": "docs/user/gpu",
+         "seed": "docs/user/glossary", "dropouts": "docs/user/studies/dropout", "glossary": "docs/user/glossary", "cite": "docs/user/faq",
+         "p_safe": "docs/reference/hazard-methods", "dead pixel": "docs/user/studies/dead-pixels"}
+SEEN = (START, "docs/index.html", "docs/user/glossary.html", "docs/user/python.html", "docs/user/errors.html", "docs/user/studies/index.html",
+        "docs/reference/api.html", "docs/reference/keys/scan-sim.html")
 # Elements and attributes whose files a browser loads by itself.
 LOADED = {("script", "src"), ("img", "src"), ("link", "href"), ("iframe", "src"), ("source", "src")}
 
@@ -190,9 +200,50 @@ class Search(unittest.TestCase):
         return urllib.parse.urlsplit(link).path.lstrip("/")
 
     def test_the_search_finds_the_right_page_first(self):
-        for words, page in (("dead pixel", "docs/user/studies/dead-pixels.html"), ("noise.range_sigma_m", "docs/reference/keys/scan-sim.html"),
-                            ("footprint", "docs/user/glossary.html")):
-            self.assertEqual(self.first_result(words), page, words)
+        self.assertEqual({words: self.first_result(words) for words in FIRST}, {words: page + ".html" for words, page in FIRST.items()})
+
+    def test_titles_of_results_are_those_of_pages(self):
+        self.first_result("hazard-map")
+        titles = self.window.run("return [...document.querySelectorAll('.md-search-result__item')].map((item) => item.innerText)")
+        self.assertGreater(len(titles), 3)
+        self.window.wait("return Number(getComputedStyle(document.querySelector('.md-search__output')).opacity) === 1", 20)
+        self.assertEqual(self.window.run(FAINT), [])
+        self.assertEqual(self.window.run("return [...document.querySelectorAll('.md-tag')].filter((tag) => tag.offsetHeight > 0).length"), 0)
+        self.assertEqual([text for text in titles if "hazard.Keys" in text], [])
+        self.assertEqual([entry for entry in json.loads(read(os.path.join(Built.folder, "search", "search_index.json")))["docs"] if entry["location"].startswith("paper/")], [])
+
+    def check_page(self, page, scheme, width):
+        where = f"{page}, {scheme}, {width} px"
+        if width == WIDTHS[0]:  # colours are the same at all widths
+            self.assertEqual(self.window.run(FAINT), [], where)
+        self.assertEqual(self.window.run(LAYOUT), {"pairs": [], "scroll": 0, "wide": []}, where)
+        self.assertGreater(self.window.run("return document.querySelector('article').innerText.length"), 200, where)
+        self.assertNotIn(False, self.window.run(IMAGES), where)
+        if "LANDFALL_SCREENS" in os.environ:
+            self.window.picture(os.path.join(os.environ["LANDFALL_SCREENS"], f"site-{scheme}-{width}-{page.replace('/', '-')}.png"), {"x": 0, "y": 0, "width": width, "height": 1000})
+
+    def test_pages_can_be_read_in_light_and_dark_at_all_widths(self):
+        """Between them the pages have all colours of the theme: of code, tables, links, formulas, notes and navigation."""
+        self.addCleanup(self.window.driver.execute_cdp_cmd, "Emulation.setEmulatedMedia", {"features": []})
+        for scheme, name in (("light", "default"), ("dark", "slate")):
+            self.window.driver.execute_cdp_cmd("Emulation.setEmulatedMedia", {"features": [{"name": "prefers-color-scheme", "value": scheme}]})
+            self.window.driver.get(self.address)
+            self.window.run("localStorage.clear()")
+            for page in SEEN:
+                self.window.driver.get(self.address + page)
+                self.assertEqual(self.window.run("return document.body.dataset.mdColorScheme"), name)
+                for width in WIDTHS:
+                    self.window.resize(width)
+                    self.check_page(page, scheme, width)
+
+    def test_long_pages_have_a_table_of_contents(self):
+        self.window.resize(1400)
+        for page, document in Built.documents.items():
+            if document.counts["h2"] > 12:
+                self.assertIn("md-nav--secondary", document.text, page)
+        self.window.driver.get(self.address + "docs/reference/keys/scan-sim.html")
+        shown = self.window.run("return [...document.querySelectorAll('.md-sidebar--secondary .md-nav__link')].filter((link) => link.offsetHeight > 0).length")
+        self.assertTrue(5 < shown < 60, f"{shown} entries of {Built.documents['docs/reference/keys/scan-sim.html'].counts['h3']} keys")
 
     def test_no_request_leaves_the_machine(self):
         self.window.requests()

@@ -18,10 +18,10 @@ sys.path.insert(0, PYTHON)
 sys.dont_write_bytecode = True
 
 from landfall import dictionary
-from landfall.plot import plot_draws
+from landfall.plot import plot_draws, scales
 import matplotlib.pyplot as plt
 
-DRAWS_CONFIG = {"draws": 6, "metrics": "verdict", "sigma": True, "regrid": {**harness.REGRID, "uncertainty": {"navigation_sigma": {}}},
+DRAWS_CONFIG = {"draws": 6, "metrics": "full", "sigma": True, "regrid": {**harness.REGRID, "uncertainty": {"navigation_sigma": {}}},
             "eval": harness.with_values(harness.EVAL, limits__relative_elevation_m=0.12, limits__invalid_frac=0.04),
             "vary": {"scan.noise.range_sigma_m": {"type": "uniform", "low": 0.005, "high": 0.08}}}
 
@@ -86,7 +86,8 @@ class DrawsTest(harness.ChainTest):
         ax = self.panels(self.draws)["hole_distance"]
         value, limit = (self.values(f"draws/requirements.hole_distance.{key}") for key in ("value", "limit"))
         self.assertEqual((np.ptp(value), limit[0]), (0, 1), "the case must have one value")
-        self.assertEqual(ax.get_xlim(), (min(value[0] - 0.5, 1) - 1, max(value[0] + 0.5, 1) + 1))
+        ends = [value[0] - 0.5, value[0] + 0.5, *([1] if 1 <= scales.LIMIT_NEAR * value[0] else [])]
+        self.assertEqual(ax.get_xlim(), (min(ends) - 1, max(ends) + 1))
 
     def test_distributions_have_all_draws_and_the_limit(self):
         panels = self.panels(self.draws)
@@ -96,10 +97,24 @@ class DrawsTest(harness.ChainTest):
             passed = self.values(f"draws/requirements.{name}.pass")
             self.assertEqual([sum(bar.get_height() for bar in bars) for bars in ax.containers], [np.sum(passed == 1), np.sum(passed == 0)], name)
             self.assertEqual(sum(heights), 6)
-            limit = next(line for line in ax.lines if line.get_gid() == "limit").get_xdata()[0]
-            self.assertEqual(limit, requirement.factor * self.values(f"draws/requirements.{name}.limit")[0])
+            self.check_limit(ax, requirement)
         notes = [text.get_text() for text in panels["coverage"].texts if text.get_gid() == "note"]
         self.assertIn(f"{int(np.sum(self.values('draws/requirements.coverage.pass')))} of 6 pass", notes[0])
+
+    def check_limit(self, ax, requirement):
+        """A requirement on lengths is shown by the largest one in cm, not by a count; a limit far away is named and not drawn."""
+        is_length, factor = requirement.worst_limit.endswith("_m"), requirement.factor
+        values = 100 * np.max([self.values(f"draws/{metric}") for metric in requirement.worst], axis=0) if is_length else \
+            factor * self.values(f"draws/requirements.{requirement.name}.value")
+        limit = 100 * plot_draws.Draws(self.draws).config.get(f"eval/limits/{requirement.worst_limit}") if is_length else \
+            factor * self.values(f"draws/requirements.{requirement.name}.limit")[0]
+        self.assertEqual("(cm)" in ax.get_xlabel(), is_length)
+        low, high = ax.get_xlim()
+        self.assertTrue(low < values.min() and values.max() < high, requirement.name)
+        drawn = [line.get_xdata()[0] for line in ax.lines if line.get_gid() == "limit"]
+        self.assertEqual(drawn, [limit] if limit <= scales.LIMIT_NEAR * values.max() else [])
+        text = next(text.get_text() for text in ax.get_legend().get_texts() if text.get_text().startswith("limit"))
+        self.assertEqual(("beyond this diagram" in text, f"{limit:g}" in text), (not drawn, True), text)
 
     def test_observed_against_predicted(self):
         ax = self.panels(self.draws)["spread of the map's error: observed against predicted"]
@@ -144,8 +159,8 @@ class DrawsTest(harness.ChainTest):
         np.testing.assert_array_equal(points["truly safe: 4"], sites[[0, 1, 3, 4]])
         np.testing.assert_array_equal(points["truly a hazard: 1"], sites[[2]])
 
-    def test_bars_are_seen_beside_a_far_limit(self):
-        for values, limit, is_whole in (([1, 1.0001, 1.001], 5, False), ([3000, 3007], 0, True), ([2, 2], 2, False), ([0, 0], 0, True)):
+    def test_bars_are_seen_beside_the_limit(self):
+        for values, limit, is_whole in (([1, 1.0001, 1.001], 4, False), ([3000, 3007], 0, True), ([2, 2], 2, False), ([0, 0], 0, True)):
             edges = plot_draws.edges_of(np.array(values), limit, is_whole)
             self.assertEqual(np.histogram(values, edges)[0].sum(), len(values))
             reach = max(edges[-1], limit) - min(edges[0], limit)

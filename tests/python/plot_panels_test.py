@@ -7,6 +7,7 @@ import subprocess
 import sys
 import tempfile
 import unittest
+import xml.etree.ElementTree
 
 from harness.commands import run_command
 
@@ -47,6 +48,26 @@ class Picture(unittest.TestCase):
 
     def test_every_pattern_is_drawn(self):
         self.expect_ten_panels("plot_patterns", 350)
+
+    def test_the_animation_shows_every_pattern_and_scanner_at_work(self):
+        path = self.png.replace(".png", ".svg")
+        done = run_command("plot_patterns", "--animate", "-o", path, "--bin", BIN)
+        self.assertEqual((done.returncode, done.stderr, done.stdout), (0, "", path + "\n"))
+        self.assertLess(os.path.getsize(path), 300_000)
+        name = "{http://www.w3.org/2000/svg}"
+        groups = xml.etree.ElementTree.parse(path).getroot().findall(name + "g")
+        panels = [*plot_patterns.PANELS, *plot_patterns.SCANNERS]
+        self.assertEqual([group.find(name + "text").text for group in groups], [panel.keys["type"] for panel in panels])
+        for panel, group in zip(panels, groups):
+            moves = [dict(element.attrib) for element in group.iter() if element.tag in (name + "animate", name + "animateMotion")]
+            self.assertEqual(len(moves), 0 if panel.pulses == 1 else 2, panel.keys)
+            for move in moves:
+                times = [float(time) for time in move["keyTimes"].split(";")]
+                values = [float(value) for value in move.get("keyPoints", move.get("values")).split(";")]
+                self.assertEqual((len(values), times[0], times[-1], times), (len(times), 0, 1, sorted(times)))
+                self.assertEqual(sorted([values[0], values[-1]]), [0, 1])
+        scanners = {choice["$ref"].split("/")[-1] for choice in schema_of("scan-sim")["properties"]["scanner"]["oneOf"]}
+        self.assertLessEqual({panel.keys["type"] for panel in plot_patterns.SCANNERS}, scanners)
 
     def test_every_type_of_the_schemas_has_a_panel(self):
         shapes = {choice["$ref"].split("/")[-1] for choice in schema_of("terrain-gen")["definitions"]["feature"]["oneOf"]}

@@ -96,7 +96,7 @@ class ScaleTest(unittest.TestCase):
 
     def test_the_limit_is_inside_the_scale(self):
         for make, low, limits in ((scales.error_scale, -0.055, [0.05, -0.05]), (scales.magnitude_scale, 0.0, [0.05])):
-            values = spread_values() / 1000
+            values = spread_values() / 50
             scale = make(values, values, 0.05)
             self.assertAlmostEqual(scale.low, low)
             self.assertAlmostEqual(scale.high, 0.055)
@@ -104,20 +104,29 @@ class ScaleTest(unittest.TestCase):
             self.assertEqual(scale.clipping_text(), "")
 
     def test_values_beyond_a_scale_that_the_limit_sets(self):
-        values = np.append(np.zeros(1000), 0.07)
+        values = np.append(np.full(1000, 0.02), 0.07)
         scale = scales.magnitude_scale(values, values, 0.05)
         self.assertEqual(scale.clipping_text(), "colours end at 5.5 cm (1.1 x limit)")
         self.assertEqual(scale.extend, "max")
-        below = np.append(np.zeros(1000), -0.01)
+        below = np.append(np.full(1000, 0.02), -0.01)
         self.assertEqual(scales.magnitude_scale(below, below, 0.05).clipping_text(), "colours begin at 0")
         self.assertEqual(scale.limit_text(" of rel_z"), "▸ limit 5 cm of rel_z")
 
-    def test_data_only_ignores_the_limit(self):
-        values = spread_values() / 100
-        scale = scales.error_scale(values, values, 0.05, data_only=True)
-        self.assertAlmostEqual(scale.high, 0.00995)
-        self.assertEqual(scale.limits(), [])
-        self.assertEqual(scale.limit_text(), "▸ limit ±5 cm")
+    def test_a_limit_far_away_and_data_only_leave_the_scale_to_the_data(self):
+        for divisor, data_only in ((100, False), (50, True)):
+            values = spread_values() / divisor
+            scale = scales.error_scale(values, values, 0.05, data_only)
+            self.assertAlmostEqual(scale.high, 0.995 / divisor)
+            self.assertEqual(scale.limits(), [])
+            self.assertEqual(scale.limit_text(), "▸ limit ±5 cm")
+
+    def test_panels_of_one_kind_share_a_scale(self):
+        x, z = spread_values() / 1000, spread_values() / 100
+        shared = [scales.error_scale(values, values, limit, peers=[(x, 0.05), (z, 0.012)]) for values, limit in ((x, 0.05), (z, 0.012))]
+        self.assertEqual({(scale.low, scale.high, scale.unit) for scale in shared}, {(-shared[0].high, shared[0].high, ("mm", 1000.0))})
+        self.assertLess(shared[0].high, 0.01)
+        near = [scales.magnitude_scale(values, values, limit, peers=[(x, 0.012), (z, None)]).high for values, limit in ((x, 0.012), (z, None))]
+        self.assertEqual(near, [1.1 * 0.012] * 2)
 
     def test_rounding_noise_gets_no_colour(self):
         values = np.array([[1e-13, -1e-13]])

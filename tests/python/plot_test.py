@@ -366,22 +366,23 @@ class FigureTest(ScriptTest):
         if limits:
             with h5py.File(self.path("eval.h5"), "r+") as file:
                 file["provenance/config_json"] = json.dumps({"limits": {
-                    "relative_elevation_m": 0.05, "relative_horizontal_m": 0.008, "absolute_horizontal_m": 1}})
+                    "relative_elevation_m": 0.02, "relative_horizontal_m": 0.008, "absolute_horizontal_m": 1}})
         return draw(plot_eval.Evaluation(self.path("eval.h5"), data_only))
 
     def test_the_error_of_a_dem(self):
-        error = map_named(self.dem_figure(), "error e_z = true - estimated")
-        self.assertEqual(limits_of(error), [-5, 5])
+        error = map_named(self.dem_figure("--limit-m", "0.03"), "error e_z = true - estimated")
+        self.assertEqual(limits_of(error), [-3, 3])
         self.assertEqual(bar_of(error).get_ylabel(), "true - estimated (cm)")
-        np.testing.assert_allclose(bar_of(error).get_ylim(), [-5.5, 5.5])
-        np.testing.assert_allclose(error.images[0].get_clim(), [-0.055, 0.055])
-        self.assertEqual(notes_of(error), "-9.92 to 9.92 mm; ▸ limit ±5 cm of rel_z; magenta: bins without a return")
+        np.testing.assert_allclose(bar_of(error).get_ylim(), [-3.3, 3.3])
+        np.testing.assert_allclose(error.images[0].get_clim(), [-0.033, 0.033])
+        self.assertEqual(notes_of(error), "-9.92 to 9.92 mm; ▸ limit ±3 cm of rel_z; magenta: bins without a return")
 
     def test_the_limit_of_a_dem_is_an_option(self):
         error = map_named(self.dem_figure("--limit-m", "0.008"), "error")
         self.assertEqual(limits_of(error), [-8, 8])
-        error = map_named(self.dem_figure("--data-only"), "error")
-        self.assertEqual((limits_of(error), bar_of(error).get_ylabel()), ([], "true - estimated (mm)"))
+        for far in ((), ("--limit-m", "0.02", "--data-only")):
+            error = map_named(self.dem_figure(*far), "error")
+            self.assertEqual((limits_of(error), bar_of(error).get_ylabel()), ([], "true - estimated (mm)"))
 
     def test_true_and_estimated_elevation_share_their_colours(self):
         figure = self.dem_figure()
@@ -405,10 +406,10 @@ class FigureTest(ScriptTest):
 
     def test_each_map_of_the_accuracy_has_its_limit(self):
         figure = self.eval_figure(plot_eval.draw_accuracy)
-        for name, limits, label in (("absolute x", [-1, 1], "mean of true - estimated (m)"),
+        for name, limits, label in (("absolute x", [], "mean of true - estimated (mm)"),
                                     ("absolute z", [], "mean of true - estimated (mm)"),
-                                    ("relative x", [8], "|e - mean|, 95 % quantile (mm)"),
-                                    ("relative z", [5], "|e - mean|, 95 % quantile (cm)")):
+                                    ("relative x", [0.8], "|e - mean|, 95 % quantile (cm)"),
+                                    ("relative z", [2], "|e - mean|, 95 % quantile (cm)")):
             ax = map_named(figure, name)
             np.testing.assert_allclose(limits_of(ax), limits)
             self.assertEqual(bar_of(ax).get_ylabel(), label)
@@ -438,14 +439,17 @@ class FigureTest(ScriptTest):
         np.testing.assert_array_equal(marks[-1], failing)
         self.assertNotIn("over the limit", notes_of(map_named(figure, "relative x")))
 
-    def test_data_only(self):
-        figure = self.eval_figure(plot_eval.draw_accuracy, data_only=True)
-        self.assertEqual(bar_of(map_named(figure, "absolute x")).get_ylabel(), "mean of true - estimated (mm)")
+    def test_x_y_and_z_of_one_kind_have_one_scale(self):
+        for kind, data_only in (("absolute", False), ("relative", False), ("relative", True)):
+            figure = self.eval_figure(plot_eval.draw_accuracy, data_only=data_only)
+            ends = {map_named(figure, f"{kind} {axis}").images[0].get_clim() for axis in "xyz"}
+            self.assertEqual(len(ends), 1, ends)
+        self.assertEqual(limits_of(map_named(figure, "relative z")), [])
 
     def test_the_histogram_of_errors_shows_the_limits(self):
         ax = map_named(self.eval_figure(plot_eval.draw_error), "1,00")
         self.assertEqual(ax.get_xlabel(), "e_z = true - estimated (cm)")
-        self.assertEqual(sorted(line.get_xdata()[0] for line in ax.lines), [-5, 5])
+        self.assertEqual(sorted(line.get_xdata()[0] for line in ax.lines), [-2, 2])
 
     def test_lines_are_drawn_only_around_few_groups(self):
         ax = plt.figure().add_subplot()

@@ -317,6 +317,27 @@ class Traced(StudyTest):
         self.assertIn("draws.landing.difference.value", row)
 
 
+class Rates:
+    """Results of which only the landings without a lidar are known: {point: (passed, draws)}."""
+
+    def __init__(self, **rates):
+        self.rates = rates
+
+    def draws_rate(self, point, _):
+        return (*self.rates[point], *table.wilson(*self.rates[point]))
+
+
+class WithoutALidar(unittest.TestCase):
+    SERIES = [("a", [(1, "a1"), (2, "a2")]), ("b", [(1, "b1"), (2, "b2")])]
+
+    def test_series_that_differ_in_the_lidar_alone_are_one_line_of_all_draws(self):
+        together = figures.blind_together(Rates(a1=(80, 100), b1=(84, 100), a2=(50, 100), b2=(60, 100)), self.SERIES)
+        self.assertEqual(together, [(0.82, *table.wilson(164, 200)), (0.55, *table.wilson(110, 200))])
+
+    def test_series_that_differ_in_the_terrain_too_stay_apart(self):
+        self.assertIsNone(figures.blind_together(Rates(a1=(80, 100), b1=(84, 100), a2=(20, 100), b2=(60, 100)), self.SERIES))
+
+
 class Pages(StudyTest):
     def test_figures_and_report(self):
         names = ["draws.all.passed_frac", "draws.relative_horizontal.passed_frac"]

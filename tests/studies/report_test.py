@@ -19,7 +19,7 @@ sys.path.insert(0, os.path.join(ROOT, "tests", "harness"))
 # pylint: disable=wrong-import-order
 import browser
 from harness.commands import run_command
-from harness.page import CONTRAST
+from harness.page import FAINT
 from landfall.study import model, plot_study, reader, report_study, stages, table
 
 HOSTILE = "</script><script>alert(1)</script><b>&\"'"
@@ -403,8 +403,7 @@ class InBrowser(ReportTest):
         light = self.run_script(paper)
         self.by_css("#theme").click()
         self.assertEqual((light, self.run_script(paper)), ("rgb(255, 255, 255)", "rgb(24, 29, 35)"))
-        contrasts = self.run_script(CONTRAST, [".window td", ".window tr.chosen td:last-child", ".verdict.pass", ".verdict.fail", "#case-detail h3"])
-        self.assertGreater(min(contrasts), 4.5, contrasts)
+        self.assertEqual(self.run_script(FAINT), [])
         self.assertEqual(self.run_script("return getComputedStyle(document.querySelector('#plot .mark.fail')).stroke"), "rgb(255, 138, 61)")
 
     def test_widths(self):

@@ -324,6 +324,9 @@ std::string banner_html(const Json& verdict) {
     const auto state = verdict.at("sprt").get<std::string>();
     text += "; sequential test: " + state;
     kind = state == "accepted" ? "pass" : state == "rejected" ? "fail" : "unjudged";
+  } else if (all.at("passed") == 0) {
+    text += ": the probability of passing is at most " + probability_text(all.at("wilson_high")) +
+            " (Wilson, 95 %)";
   } else {
     text += ": the probability of passing is at least " + probability_text(all.at("exact_lower_bound")) +
             " (95 %)";

@@ -101,7 +101,8 @@ std::string scan_in_numbers(const nlohmann::json& scan) {
   const nlohmann::json time = at(scan, "/laser/scan_time_s");
   if (!rows.is_number() || !columns.is_number() || !rate.is_number() || !time.is_number()) return "";
   std::string text = number(time) + " s of pulses of " + number(columns) + " x " + number(rows) +
-                     " pixels at " + number(rate.get<double>() / 1000) + " kHz";
+                     " pixels at " +
+                     (rate < 1000 ? number(rate) + " Hz" : number(rate.get<double>() / 1000) + " kHz");
   const nlohmann::json height = at(scan, "/trajectory/position_m/2");
   if (height.is_number()) text += " from " + number(height) + " m";
   const nlohmann::json sigma = at(scan, "/noise/range_sigma_m");

@@ -101,7 +101,8 @@ Json colors_json() {
           {"no_value", kNoValueColor},
           {"mark", kMarkColor},
           {"outliers", dictionary::kOutliers},
-          {"limit_inside", dictionary::kLimitInside}};
+          {"limit_inside", dictionary::kLimitInside},
+          {"limit_near", dictionary::kLimitNear}};
 }
 
 Json groups_json(std::string_view page) {
@@ -157,13 +158,14 @@ std::string provenance_html(const nlohmann::json& steps, const std::string& what
 std::string subtitle_html(const nlohmann::json& steps, const std::string& output, const std::string& input,
                           const std::string& role) {
   const nlohmann::json& last = steps.back();
-  std::string file_id = "\u2013";
+  std::string of;  // without an input of this role, such as a scan of draws that trace, empty
   for (const nlohmann::json& source : member(last, "inputs"))
-    if (member(source, "role") == role) file_id = text_of(source, "file_id");
+    if (member(source, "role") == role)
+      of = " of " + input + " <code>" + text_of(source, "file_id") + "</code>";
   const std::string origin = origin_of(steps);
   return "<p class=\"note\">" + (origin.empty() ? "" : html_text(origin) + "<br>") + "landfall " +
          text_of(last, "tool") + " " + text_of(last, "version") + ", " + output + " <code>" +
-         text_of(last, "file_id") + "</code> of " + input + " <code>" + file_id + "</code></p>";
+         text_of(last, "file_id") + "</code>" + of + "</p>";
 }
 
 std::string data_html(const ReportData& data) {

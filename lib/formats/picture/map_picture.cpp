@@ -6,8 +6,8 @@
 #include <cmath>
 #include <cstdio>
 
-#include "formats/picture/bitmap_font.h"
 #include "formats/picture/pixel_map.h"
+#include "formats/picture/text_image.h"
 
 namespace landfall {
 namespace {
@@ -43,9 +43,9 @@ double quantile(std::vector<double>& values, double q) {
 /// The upper end of a scale that begins at zero or is symmetric about it.
 double magnitude_bound(std::vector<double> values, const MapStyle& style) {
   for (double& value : values) value = std::abs(value);
-  const double bound = quantile(values, style.cut ? 1 - dictionary::kOutliers : 1);
-  const double minimum = std::max(kMinRange, style.limit ? dictionary::kLimitInside * *style.limit : 0);
-  return std::max(bound, minimum);
+  const double bound = std::max(quantile(values, style.cut ? 1 - dictionary::kOutliers : 1), kMinRange);
+  const double limit = style.limit ? dictionary::kLimitInside * *style.limit : 0;
+  return limit <= dictionary::kLimitNear * bound ? std::max(bound, limit) : bound;
 }
 
 /// The positions of all elements, in image pixels.
@@ -66,7 +66,7 @@ Layout layout_of(const PixelMap& map) {
   Layout layout{};
   layout.zoom = std::max<std::int64_t>(1, kEnlargeTo / std::max(map.rows, map.cols));
   layout.left = 120;
-  layout.top = 3 * kTextHeight + 5 * kGap;
+  layout.top = 3 * text_height() + 5 * kGap;
   layout.map_width = map.cols * layout.zoom;
   layout.map_height = map.rows * layout.zoom;
   layout.frame_width = std::max(layout.map_width, kMinSide);
@@ -141,13 +141,15 @@ void draw_axes(RgbImage& image, const PixelMap& map, const Layout& layout) {
     const std::int64_t row = layout.top + std::llround((map.north_m - y) * pixels_per_m);
     fill(image, {row, layout.left - kTick, 1, kTick}, kInk);
     const std::string text = text_of(y, 8);
-    draw_text(image, {row - kTextHeight / 2, layout.left - kTick - kGap / 2 - text_width(text)}, text, kInk);
+    draw_text(image, {row - text_height() / 2, layout.left - kTick - kGap / 2 - text_width(text)}, text,
+              kInk);
   }
   const std::string x_axis = "x (m)";
-  draw_text(image,
-            {bottom + kTick + kTextHeight + kGap, layout.left + (layout.map_width - text_width(x_axis)) / 2},
-            x_axis, kInk);
-  draw_text(image, {layout.top - kTextHeight - 2 * kGap, layout.left - text_width("y (m)") - kGap}, "y (m)",
+  draw_text(
+      image,
+      {bottom + kTick + text_height() + kGap, layout.left + (layout.map_width - text_width(x_axis)) / 2},
+      x_axis, kInk);
+  draw_text(image, {layout.top - text_height() - 2 * kGap, layout.left - text_width("y (m)") - kGap}, "y (m)",
             kInk);
 }
 
@@ -161,7 +163,7 @@ std::vector<double> limits_on(const MapStyle& style, const std::array<double, 2>
 
 /// A sample of a colour and its name.
 void draw_sample(RgbImage& image, std::int64_t top, std::int64_t left, const MapClass& item) {
-  const Rectangle swatch{top, left, kTextHeight - 2, kBarWidth};
+  const Rectangle swatch{top, left, text_height() - 2, kBarWidth};
   fill(image, swatch, rgb_of(item.color));
   outline(image, swatch);
   draw_text(image, {top - 1, left + kBarWidth + kGap}, item.name, kInk);
@@ -174,7 +176,7 @@ const MapClass& no_value() {
 
 void draw_bar(RgbImage& image, const MapStyle& style, const Layout& layout,
               const std::array<double, 2>& range) {
-  const Rectangle bar{layout.top, layout.right() + 3 * kGap, layout.frame_height - 2 * kTextHeight,
+  const Rectangle bar{layout.top, layout.right() + 3 * kGap, layout.frame_height - 2 * text_height(),
                       kBarWidth};
   const auto last = static_cast<double>(bar.height - 1);
   for (std::int64_t i = 0; i < bar.height; ++i)
@@ -185,7 +187,7 @@ void draw_bar(RgbImage& image, const MapStyle& style, const Layout& layout,
     const double part = (range[1] - value) / (range[1] - range[0]);
     const std::int64_t row = bar.top + std::llround(part * last);
     fill(image, {row, bar.left + bar.width, 1, kTick}, kInk);
-    draw_text(image, {row - kTextHeight / 2, bar.left + bar.width + kTick + kGap / 2}, text_of(value, 8),
+    draw_text(image, {row - text_height() / 2, bar.left + bar.width + kTick + kGap / 2}, text_of(value, 8),
               kInk);
   }
   for (const double limit : limits_on(style, range)) {
@@ -193,7 +195,7 @@ void draw_bar(RgbImage& image, const MapStyle& style, const Layout& layout,
     fill(image, {row - 2, bar.left - kGap, 5, bar.width + kGap}, kPaper);
     fill(image, {row - 1, bar.left - kGap, 3, bar.width + kGap}, kInk);
   }
-  draw_sample(image, layout.bottom() - kTextHeight, bar.left, no_value());
+  draw_sample(image, layout.bottom() - text_height(), bar.left, no_value());
 }
 
 /// The classes that a legend lists: those of the style, the last first, and "no value" if a pixel has none.
@@ -207,7 +209,7 @@ void draw_legend(RgbImage& image, const std::vector<MapClass>& classes, const La
   std::int64_t top = layout.top;
   for (const MapClass& item : classes) {
     draw_sample(image, top, layout.right() + 3 * kGap, item);
-    top += kTextHeight + kGap;
+    top += text_height() + kGap;
   }
 }
 
@@ -223,19 +225,20 @@ std::string range_text(const PixelMap& map, const MapStyle& style, const std::ar
   std::string text = "no value anywhere";
   if (!values.empty()) {
     const auto [minimum, maximum] = std::minmax_element(values.begin(), values.end());
-    text = "pixels " + text_of(*minimum, 4) + " .. " + text_of(*maximum, 4);
+    text = text_of(*minimum, 4) + " to " + text_of(*maximum, 4);
     if (*minimum < range[0] || *maximum > range[1])
       text += ", colours end at " + text_of(range[0], 4) + " and " + text_of(range[1], 4);
   }
   if (style.limit)
-    text += std::string(", limit ") + (style.colors == Colors::error ? "+-" : "") + text_of(*style.limit, 4);
+    text +=
+        std::string(", limit ") + (style.colors == Colors::error ? "\u00b1" : "") + text_of(*style.limit, 4);
   return text;
 }
 
 void draw_titles(RgbImage& image, const MapStyle& style, const std::string& second) {
   const std::string unit = style.unit.empty() || style.unit == "1" ? "" : " (" + style.unit + ")";
   draw_text(image, {kGap, kGap}, style.title + unit, kInk);
-  draw_text(image, {2 * kGap + kTextHeight, kGap}, second, kInk);
+  draw_text(image, {2 * kGap + text_height(), kGap}, second, kInk);
 }
 
 }  // namespace
@@ -283,7 +286,7 @@ RgbImage map_picture(const PixelMap& map, const MapStyle& style) {
   const auto range = has_classes ? std::array<double, 2>{} : color_range(map, style);
   const auto legend = has_classes ? listed_classes(map, style) : std::vector<MapClass>();
   RgbImage image(static_cast<std::size_t>(layout.right() + right_width(legend)),
-                 static_cast<std::size_t>(layout.bottom() + 2 * kTextHeight + 4 * kGap), kPaper);
+                 static_cast<std::size_t>(layout.bottom() + 2 * text_height() + 4 * kGap), kPaper);
   draw_map(image, map, style, layout, range);
   draw_axes(image, map, layout);
   if (has_classes)

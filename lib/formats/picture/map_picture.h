@@ -24,19 +24,19 @@ struct MapStyle {
   std::string title;  ///< the layer
   std::string unit;   ///< not written if empty or "1"
   Colors colors = Colors::magnitude;
-  bool relief = false;     ///< shaded relief
-  bool cut = true;         ///< outliers may lie beyond the ends of the colour bar
-  bool from_zero = false;  ///< a magnitude whose scale begins at zero
-  std::optional<double> limit =
-      std::nullopt;  ///< lies within the scale and is marked on it, for errors also its negative
+  bool relief = false;                         ///< shaded relief
+  bool cut = true;                             ///< outliers may lie beyond the ends of the colour bar
+  bool from_zero = false;                      ///< a magnitude whose scale begins at zero
+  std::optional<double> limit = std::nullopt;  ///< where it is near, lies within the scale and is marked on
+                                               ///< it, for errors also its negative
   /// If there are any, the map's values are their indices, and a legend replaces the colour bar.
   std::vector<MapClass> classes = {};
 };
 
 /// The values at the ends of the colour bar (D241). Of errors, and of magnitudes from zero: the 99.5 %
-/// quantile of the magnitudes, at least 1.1 times the limit; errors are symmetric about zero. Of others: the
-/// least and the greatest value of the map, or the 0.5 and 99.5 % quantiles if those lie more than twice as
-/// far apart. Without `cut` the extremes. Without a value 0 and 1; the two are never equal.
+/// quantile of the magnitudes, and at least 1.1 times a limit that is near; errors are symmetric about zero.
+/// Of others: the least and the greatest value of the map, or the 0.5 and 99.5 % quantiles if those lie more
+/// than twice as far apart. Without `cut` the extremes. Without a value 0 and 1; the two are never equal.
 [[nodiscard]] std::array<double, 2> color_range(const PixelMap& map, const MapStyle& style);
 
 /// Round numbers, about `count` of them, within [low, high].

@@ -28,11 +28,13 @@ struct RgbImage {
   [[nodiscard]] const Rgb& at(std::size_t row, std::size_t column) const {
     return pixels[row * width + column];
   }
+  [[nodiscard]] bool holds(std::int64_t row, std::int64_t column) const {
+    return row >= 0 && column >= 0 && row < static_cast<std::int64_t>(height) &&
+           column < static_cast<std::int64_t>(width);
+  }
   /// Does nothing outside the image.
   void set(std::int64_t row, std::int64_t column, Rgb color) {
-    if (row < 0 || column < 0 || row >= static_cast<std::int64_t>(height) ||
-        column >= static_cast<std::int64_t>(width))
-      return;
+    if (!holds(row, column)) return;
     pixels[static_cast<std::size_t>(row) * width + static_cast<std::size_t>(column)] = color;
   }
 };

@@ -86,7 +86,7 @@ def text_of(problem, answer):
 
 
 def figure_of(problem, answer):
-    """Cost against the worst requirement of the one draw: candidates, front, and what more draws made of it."""
+    """Cost against the worst requirement, or the predicted risk of the place, in the one draw: candidates, front, and what more draws made of it."""
     command.import_matplotlib()
     from matplotlib.figure import Figure
 
@@ -112,11 +112,11 @@ def figure_of(problem, answer):
         scatter([answer["base"]], s=90, marker="D", facecolor="none", edgecolor="black", label="base")
     if answer["winner"]:
         scatter([answer["winner"]], s=220, marker="*", color="#009e73", edgecolor="black", linewidth=0.6, label=f"winner: {100 * answer['cost_frac']:.1f} %", zorder=4)
-    axes.axhline(100, color="black", linewidth=0.8, linestyle="--")
+    axes.axhline(100, color="black", linewidth=0.8, linestyle="--", label=None if problem.judges_map() else "below: accepted by sites.min_p")
     axes.set_yscale("log")
     axes.yaxis.set_major_formatter(lambda value, _: f"{value:g}")
     axes.yaxis.set_minor_formatter(lambda value, _: f"{value:g}" if str(value)[0] in "25" else "")
-    axes.set(xlabel="cost, % of the base's", ylabel="worst requirement, % of its limit")
+    axes.set(xlabel="cost, % of the base's", ylabel="worst requirement, % of its limit" if problem.judges_map() else "1 - p_touchdown of the chosen place, % of 1 - sites.min_p")
     axes.grid(alpha=0.3, which="both")
     axes.set_axisbelow(True)
     axes.legend(fontsize=8)

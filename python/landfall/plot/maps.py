@@ -191,6 +191,8 @@ def inner(marks):
 
 
 def notice(ax, text):
+    """A sentence in place of a diagram."""
+    ax.set_axis_off()
     ax.text(0.5, 0.5, text, transform=ax.transAxes, ha="center", va="center", wrap=True,
             bbox={"facecolor": "white", "edgecolor": "#808080", "boxstyle": "round"})
 

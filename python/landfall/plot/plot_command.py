@@ -21,12 +21,12 @@ def add_output_options(parser):
 
 def add_data_only_option(parser):
     parser.add_argument("--data-only", action="store_true",
-                        help="scales of errors end where the data does, even if their limits lie outside")
+                        help="scales of errors end where the data does, even if their limits are near")
 
 
-def require_png(path):
-    if not path.endswith(".png"):
-        raise UsageError(f"--output {path}: the name must end in .png")
+def require_png(path, ending=".png"):
+    if not path.endswith(ending):
+        raise UsageError(f"--output {path}: the name must end in {ending}")
 
 
 def parser_of(prog, description, sources, add_options=None, ending="-figure.png"):
@@ -92,21 +92,24 @@ def main_of(parse, figure_of):
     return main
 
 
-def main_of_tools(prog, description, figure_of):
-    """The function main(arguments) of a command that writes one figure of runs of the tools, figure_of(an empty folder, options)."""
+def main_of_tools(prog, description, figure_of, animation_of=None):
+    """The function main(arguments) of a command that writes one figure of runs of the tools, figure_of(an empty folder, options), or with --animate
+    the text of an SVG, animation_of(folder, options)."""
     def parse(arguments):
         parser = command.Parser(prog=prog, description=description)
-        parser.add_argument("-o", "--output", metavar="PNG", required=True)
+        parser.add_argument("-o", "--output", metavar="PNG|SVG" if animation_of else "PNG", required=True)
+        if animation_of:
+            parser.add_argument("--animate", action="store_true", help="an SVG that shows them at work")
         parser.add_argument("--bin", metavar="DIR", help="where the tools are (default: next to this package, or on PATH)")
         add_output_options(parser)
         options = parser.parse_args(arguments)
-        require_png(options.output)
+        require_png(options.output, ".svg" if animation_of and options.animate else ".png")
         tools.BIN = options.bin or tools.BIN
         return options
 
     def in_folder(options):
         with tempfile.TemporaryDirectory(prefix="landfall-figure-") as folder:
-            return figure_of(folder, options)
+            return (animation_of if animation_of and options.animate else figure_of)(folder, options)
 
     return main_of(parse, in_folder)
 
@@ -124,7 +127,7 @@ def run_tool(tool, folder, name, config, options, *arguments):
 
 
 def save(figures, dpi):
-    """Writes {path: figure} and prints the paths.
+    """Writes {path: figure, or the text of an SVG} and prints the paths.
 
     All are written under temporary names first, so that a failure leaves no incomplete figure.
     """
@@ -132,9 +135,13 @@ def save(figures, dpi):
     try:
         for path, figure in figures.items():
             os.makedirs(os.path.dirname(path) or ".", exist_ok=True)
-            # Figure.savefig would draw twice: once for the layout alone, which the drawing does as well.
-            figure.set_dpi(dpi)
-            FigureCanvasAgg(figure).print_png(temporary[path], metadata={"Software": None})
+            if isinstance(figure, str):
+                with open(temporary[path], "w", encoding="utf-8") as file:
+                    file.write(figure)
+            else:
+                # Figure.savefig would draw twice: once for the layout alone, which the drawing does as well.
+                figure.set_dpi(dpi)
+                FigureCanvasAgg(figure).print_png(temporary[path], metadata={"Software": None})
             command.sync(temporary[path])
         for path in figures:
             os.replace(temporary[path], path)

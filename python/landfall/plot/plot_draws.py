@@ -7,6 +7,7 @@ A file without maps gives the distributions only.
 import json
 import math
 import os
+from dataclasses import dataclass
 
 import numpy as np
 from matplotlib.colors import LogNorm
@@ -142,9 +143,10 @@ def draw_chosen(ax, draws):
 
 
 def edges_of(values, limit, is_whole):
-    """Edges of equally wide classes, between whole numbers for counts. Bars are wide enough to be seen next to a limit far away."""
+    """Edges of equally wide classes, between whole numbers for counts. Bars are wide enough to be seen next to a limit that is shown."""
     low, high = float(values.min()), float(values.max())
-    minimum = max(abs(low - limit), abs(high - limit), abs(limit) / 2) / 100
+    minimum = max(abs(low - limit), abs(high - limit), abs(limit) / 2) / 100 if is_shown(limit, values) else 0
+    minimum = minimum or abs(high) / 100 or 1e-6
     if is_whole:
         width = max(1.0, np.ceil(max((high - low + 1) / CLASSES, minimum)))
         return low - 0.5 + width * np.arange(np.ceil((high - low + 1) / width) + 1)
@@ -153,32 +155,66 @@ def edges_of(values, limit, is_whole):
     return (low + high - count * width) / 2 + width * np.arange(count + 1)
 
 
-def words_of(draws, name):
-    """(the prefix of its columns, the metric, bound, factor of its numbers, whether they are whole) of a requirement."""
+def is_shown(limit, values):
+    """Whether a diagram of the values reaches their limit, as scales of errors do."""
+    return limit <= scales.LIMIT_NEAR * max(float(values.max()), 0)
+
+
+@dataclass(frozen=True)
+class Shown:
+    """The numbers that show a requirement: its values in the draws, its limit and the name of what is measured, with a unit."""
+
+    values: np.ndarray
+    limit: float
+    measured: str
+    bound: str = "at most"
+    unit: str = ""
+    is_whole: bool = False
+
+
+def own_shown(draws, path):
+    """A requirement of the user by the metric that it names."""
+    own = draws.config.get(("hazard" if path.startswith("score.") else "eval") + "/requirements")
+    bound = "at least" if draws.columns[path + ".at_least"][0] == 1 else "at most"
+    measured = next(each["metric"] for each in own if each["name"] == path.rpartition(".")[2])
+    return Shown(draws.columns[path + ".value"], draws.columns[path + ".limit"][0], measured, bound)
+
+
+def shown_by(draws, name):
+    """As the report does: a requirement on lengths by the largest one, because a count of 0 footprints over the limit shows no margin; others by
+    their values. The lengths are missing where draws keep the counts only or the limit varies."""
     path = dictionary.own_paths(draws.columns).get(name)
     if path:
-        bound = "at least" if draws.columns[path + ".at_least"][0] == 1 else "at most"
-        own = draws.config.get(("hazard" if path.startswith("score.") else "eval") + "/requirements")
-        return path, next(each["metric"] for each in own if each["name"] == path.rpartition(".")[2]), bound, 1, False
+        return own_shown(draws, path)
     requirement = dictionary.requirements()[name]
-    return f"requirements.{name}", requirement.measured_in, requirement.bound, requirement.factor, requirement.is_whole
+    limit = draws.config.get(f"eval/limits/{requirement.worst_limit}")
+    if requirement.worst_limit.endswith("_m") and limit is not None and f"eval.limits.{requirement.worst_limit}" not in draws.columns \
+            and all(metric in draws.columns for metric in requirement.worst):
+        what = "95th percentile of the footprints" if requirement.worst[0].endswith("p95_m") else "worst footprint"
+        return Shown(100 * np.fmax.reduce([draws.columns[metric] for metric in requirement.worst]), 100 * limit, f"{what} (cm)", unit=" cm")
+    value, limit = (draws.columns[f"requirements.{name}.{key}"] for key in ("value", "limit"))
+    return Shown(requirement.factor * value, requirement.factor * limit[0], requirement.measured_in, requirement.bound, is_whole=requirement.is_whole)
 
 
 def draw_distribution(ax, draws, name):
-    path, measured, bound, factor, is_whole = words_of(draws, name)
-    value, limit, passed = (draws.columns[f"{path}.{key}"] for key in ("value", "limit", "pass"))
-    known = ~np.isnan(value)
-    ax.set(title=name, xlabel=measured, ylabel="draws")
+    shown = shown_by(draws, name)
+    known = ~np.isnan(shown.values)
+    ax.set(title=name, xlabel=shown.measured, ylabel="draws")
     if not known.any():
         maps.notice(ax, "not judged: the footprint has too few bins" if name in dictionary.requirements() else "no draw has this number")
         return
-    value, limit, passed = factor * value[known], factor * limit[0], passed[known] == 1
-    edges = edges_of(value, limit, is_whole)
-    _, _, bars = ax.hist([value[passed], value[~passed]], edges, stacked=True, color=[maps.BLUE, maps.VERMILION], label=["passed", "failed"])
-    if len(edges) == 2:  # equal values, whose only bar would fill the axes
-        width = edges[1] - edges[0]
-        ax.set_xlim(min(edges[0], limit) - width, max(edges[1], limit) + width)
-    ax.axvline(limit, color="black", linestyle="--", label=f"limit: {bound} {limit:g}", gid="limit")
+    path = dictionary.own_paths(draws.columns).get(name, f"requirements.{name}")
+    values, limit, passed = shown.values[known], shown.limit, draws.columns[f"{path}.pass"][known] == 1
+    edges = edges_of(values, limit, shown.is_whole)
+    ax.hist([values[passed], values[~passed]], edges, stacked=True, color=[maps.BLUE, maps.VERMILION], label=["passed", "failed"])
+    ends = [edges[0], edges[-1], *([limit] if is_shown(limit, values) else [])]
+    room = edges[1] - edges[0] if len(edges) == 2 else 0.04 * (max(ends) - min(ends))  # a single bar would fill the axes
+    ax.set_xlim(min(ends) - room, max(ends) + room)
+    label = f"limit: {shown.bound} {limit:g}{shown.unit}"
+    if is_shown(limit, values):
+        ax.axvline(limit, color="black", linestyle="--", label=label, gid="limit")
+    else:
+        ax.plot([], [], " ", label=f"{label} (beyond this diagram)")
     ax.yaxis.get_major_locator().set_params(integer=True)
     maps.note(ax, rate_text(draws, name))
     ax.legend(fontsize=maps.NOTE_PT)

@@ -99,9 +99,10 @@ SIGN = "true - estimated"
 
 
 def scale_of(ax, evaluation, name, values):
-    """The scale of an error layer in a panel."""
-    make = scales.magnitude_scale if name.startswith("rel_") else scales.error_scale
-    return make(values, maps.reduced(ax, values), evaluation.limit_m(name), evaluation.data_only)
+    """The scale of an error layer in a panel: that of its kind along all axes, as in the report."""
+    make, kind = scales.magnitude_scale if name.startswith("rel_") else scales.error_scale, name[:-1]
+    axes = [] if kind == "e_" else [(maps.reduced(ax, evaluation.layers[kind + axis]), evaluation.limit_m(kind + axis)) for axis in "xyz"]
+    return make(values, maps.reduced(ax, values), evaluation.limit_m(name), evaluation.data_only, axes)
 
 
 def limit_of(name):

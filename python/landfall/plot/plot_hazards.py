@@ -15,6 +15,7 @@ from landfall.plot import captions, maps, plot_command, reduction, relief, scale
 
 LAYERS = ["slope", "roughness", "safe", "p_safe", "p_touchdown", "cost", "outcome"]
 MAX_LISTED = 6  # sites in the legend
+LETTER = 0.02   # width of a letter of a label, as a share of the diagram
 # {value: (name, colour)} of each layer. Marked values are few if the DEM is good, and are drawn on top of the judgement.
 CLASSES = {layer: dict(sorted(dictionary.place_classes(layer).items())) for layer in ("safe", "outcome")}
 HAZARD_COLOR, SAFE_COLOR = (CLASSES["safe"][value][1] for value in (0, 1))
@@ -212,14 +213,14 @@ def set_percent_axes(ax, alarms, missed):
 
 
 def label_limits(ax, alarms, missed, limits):
-    """The limit next to each point, one label for points at one place and none for points that are near to a labelled one."""
+    """The limit next to each point, one label for points at one place and none where it would meet another one."""
     places = ax.transAxes.inverted().transform(ax.transData.transform(np.column_stack((alarms, missed))))
     labelled = []
     for at, x, y in zip(places, alarms, missed):
-        if all(np.hypot(*(at - other)) > 0.09 for other in labelled):
-            labelled.append(at)
-            same = limits[np.hypot(*(places - at).T) < 0.01]
-            text = captions.metre_range(same[0], same[-1]) if same.size > 1 else captions.metres(float(same[0]))
+        same = limits[np.hypot(*(places - at).T) < 0.01]
+        text = captions.metre_range(same[0], same[-1]) if same.size > 1 else captions.metres(float(same[0]))
+        if all(abs(at[0] - other[0]) > LETTER * max(len(text), letters) or abs(at[1] - other[1]) > 2.5 * LETTER for other, letters in labelled):
+            labelled.append((at, len(text)))
             ax.annotate(text, (x, y), (5, 7), textcoords="offset points", fontsize=maps.NOTE_PT, gid="roc label")
 
 

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Draws where each scan pattern aims: a small scan of flat terrain for each, from 500 m at -23 m/s (docs/user/lidar)."""
+"""Draws where each scan pattern aims: a small scan of flat terrain for each, from 500 m at -23 m/s (docs/user/lidar). With --animate, an SVG in
+which the patterns, and the scanners that have none, move at a quarter of their speed."""
 import os
 from dataclasses import dataclass
 
@@ -18,13 +19,19 @@ STAR = np.array([(0, 48), (28, -39), (-46, 15), (46, 15), (-28, -39), (0, 48)])
 
 @dataclass(frozen=True)
 class Panel:
-    """One pattern: its configuration, its caption, and the scan's pulses and pixels."""
+    """One pattern, or a scanner without one: its configuration, its caption, and the scan's pulses and pixels."""
 
     keys: dict
     caption: str
     pulses: int = 2000
     pixels: int = 1
     ifov_rad: float = 8.9e-5
+
+    def scanner(self, folder):
+        keys = dict(self.keys)
+        if "path" in keys:
+            keys["path"] = os.path.join(folder, keys["path"])
+        return keys if keys["type"] in ("palmer", "polygon", "risley") else {"type": "fsm", "pattern": keys}
 
 
 PANELS = [
@@ -40,6 +47,12 @@ PANELS = [
     Panel({"type": "stare", "aim_m": [20, -10]}, "aim_m [20, -10]; a 12 x 12 array", 1, 12, 3.1e-3),
     Panel({"type": "table", "path": "star.csv"}, "path star.csv: 6 rows"),
 ]
+# The scanners that follow no pattern of the ground, which the animation has too.
+SCANNERS = [
+    Panel({"type": "palmer", "tilt_deg": 2, "incidence_deg": 45, "rate_hz": 1}, "tilted mirror on a motor, 1 turn/s", 600),
+    Panel({"type": "polygon", "facets": 36, "rate_hz": 0.4, "duty_frac": 0.5, "frame_amplitude_deg": 5, "frame_rate_hz": 0.5}, "36 facets and a frame mirror", 1200),
+    Panel({"type": "risley", "index": 1.51, "wedge_deg": 4, "rates_hz": [4, -2.3]}, "two prisms, 4 and -2.3 turns/s", 1200),
+]
 
 
 def write_star(path):
@@ -49,12 +62,9 @@ def write_star(path):
 
 
 def configuration(panel, folder):
-    keys = dict(panel.keys)
-    if "path" in keys:
-        keys["path"] = os.path.join(folder, keys["path"])
     return {"detector": {"rows": panel.pixels, "columns": panel.pixels, "ifov_rad": panel.ifov_rad},
             "laser": {"pulse_rate_hz": panel.pulses / SCAN_TIME_S, "scan_time_s": SCAN_TIME_S},
-            "scanner": {"type": "fsm", "pattern": keys}}
+            "scanner": panel.scanner(folder)}
 
 
 def scan(panel, folder, options):
@@ -90,9 +100,13 @@ def draw_panel(ax, panel, x, y):
     ax.tick_params(labelsize=8)
 
 
-def figure_of(folder, options):
+def prepare(folder, options):
     write_star(os.path.join(folder, "star.csv"))
     plot_command.run_tool("terrain-gen", folder, "terrain", TERRAIN, options)
+
+
+def figure_of(folder, options):
+    prepare(folder, options)
     columns = -(-len(PANELS) // 2)
     figure, axes = plt.subplots(2, columns, figsize=(3 * columns, 7.0), layout="constrained")
     for ax in axes.flat[len(PANELS):]:
@@ -107,4 +121,51 @@ def figure_of(folder, options):
     return figure
 
 
-main = plot_command.main_of_tools("plot_patterns.py", __doc__, figure_of)
+# Animation
+
+CELL_px, ACROSS, SLOWER = 180, 5, 4  # the edge of a panel, panels in a row, and how many times slower than the scan
+PIXELS_PER_M = 1.4
+MAX_KEYS = 60                        # places of the beam that are given with their time
+
+
+def drawn_shares(x, y):
+    """(times, shares of the length of the path that are drawn by then), both from 0 to 1."""
+    lengths = np.append(0, np.cumsum(np.hypot(np.diff(x), np.diff(y))))
+    chosen = np.unique(np.linspace(0, len(x) - 1, min(len(x), MAX_KEYS)).round().astype(int))
+    return chosen / max(len(x) - 1, 1), lengths[chosen] / (lengths[-1] or 1)
+
+
+def animated_panel(panel, number, x, y):
+    """A group of an SVG: the path of the beam, which grows with time, and the area that its pixels see."""
+    center_x, center_y = x.mean(axis=1), y.mean(axis=1)
+    times, shares = drawn_shares(center_x, center_y)
+    keys, parts = ";".join(f"{t:.3g}" for t in times), ";".join(f"{share:.4g}" for share in shares)
+    places = " ".join(f"{PIXELS_PER_M * a:.1f},{-PIXELS_PER_M * b:.1f}" for a, b in zip(center_x, center_y))
+    size = max(5.0, PIXELS_PER_M * np.ptp(x[0]), PIXELS_PER_M * np.ptp(y[0])) if panel.pixels > 1 else 5.0
+    clock = f'dur="{SLOWER * SCAN_TIME_S}s" repeatCount="indefinite" calcMode="linear" keyTimes="{keys}"'
+    left, top = CELL_px * (number % ACROSS + 0.5), CELL_px * (1.15 * (number // ACROSS) + 0.5) + 50
+    lines = [f'<g transform="translate({left:g} {top:g})">',
+             f'<text y="-96" font-weight="bold">{panel.keys["type"]}</text><text y="-81" font-size="9">{panel.caption}</text>',
+             f'<rect x="{-PIXELS_PER_M * HALF_WIDTH_M:g}" y="{-PIXELS_PER_M * HALF_WIDTH_M:g}" width="{2 * PIXELS_PER_M * HALF_WIDTH_M:g}" '
+             f'height="{2 * PIXELS_PER_M * HALF_WIDTH_M:g}" fill="none" stroke="#bbb"/>']
+    if len(x) == 1:
+        return "".join([*lines, f'<rect x="{PIXELS_PER_M * center_x[0] - size / 2:.1f}" y="{-PIXELS_PER_M * center_y[0] - size / 2:.1f}" width="{size:.1f}" '
+                        f'height="{size:.1f}" fill="#d55e00" fill-opacity=".7"/></g>'])
+    lines += [f'<path id="p{number}" d="M{places}" fill="none" stroke="#0072b2" stroke-width=".9" pathLength="1" stroke-dasharray="1 1">',
+              f'<animate attributeName="stroke-dashoffset" values="{";".join(f"{1 - share:.4g}" for share in shares)}" {clock}/></path>',
+              f'<rect x="{-size / 2:.1f}" y="{-size / 2:.1f}" width="{size:.1f}" height="{size:.1f}" fill="#d55e00" fill-opacity=".7">',
+              f'<animateMotion keyPoints="{parts}" {clock}><mpath href="#p{number}"/></animateMotion></rect></g>']
+    return "".join(lines)
+
+
+def animation_of(folder, options):
+    prepare(folder, options)
+    panels = [*PANELS, *SCANNERS]
+    height = 1.15 * CELL_px * -(-len(panels) // ACROSS) + 20
+    head = (f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {CELL_px * ACROSS} {height:g}" font-family="sans-serif" font-size="12" text-anchor="middle">'
+            f'<rect width="100%" height="100%" fill="#fff"/><text x="{CELL_px * ACROSS / 2:g}" y="20" font-size="14">Where the beam goes in {SCAN_TIME_S} s, '
+            f'{SLOWER} times slower; orange: what the lidar sees at a time; grey: 100 m x 100 m</text>')
+    return "\n".join([head, *(animated_panel(panel, number, *scan(panel, folder, options)) for number, panel in enumerate(panels)), "</svg>\n"])
+
+
+main = plot_command.main_of_tools("plot_patterns.py", __doc__, figure_of, animation_of)

@@ -12,7 +12,8 @@ from landfall import dictionary
 from landfall.plot import captions
 
 OUTLIERS = dictionary.table("maps")["outliers"]          # on either side
-LIMIT_INSIDE = dictionary.table("maps")["limit_inside"]  # a scale reaches at least this times the limit
+LIMIT_INSIDE = dictionary.table("maps")["limit_inside"]  # a scale that reaches the limit reaches this times the limit
+LIMIT_NEAR = dictionary.table("maps")["limit_near"]      # which it does if that is at most this times the largest value shown
 MIN_M = 1e-3                                             # of a scale of lengths, so that rounding errors do not appear in colour
 
 
@@ -137,21 +138,24 @@ def quantiles(shares, *layers):
     return [float(ordered[rank]) for rank in ranks]
 
 
-def error_scale(values, shown, limit_m=None, data_only=False):
-    """Symmetric about 0, up to the 99.5 % quantile of the magnitudes that the panel shows, with the limit inside unless `data_only`."""
-    high, rule = _magnitude_end(shown, 0 if data_only else limit_m)
+def error_scale(values, shown, limit_m=None, data_only=False, peers=()):
+    """Symmetric about 0, up to the 99.5 % quantile of the magnitudes that the panel shows and, unless `data_only`, to the limit if that is near.
+    `peers`: (values shown, limit) of each panel that has the same scale, this one too."""
+    high, rule = _magnitude_end(peers or [(shown, limit_m)], data_only)
     return Scale("error", -high, high, extremes(values), extremes(shown), rule, limit_m)
 
 
-def magnitude_scale(values, shown, limit_m=None, data_only=False):
+def magnitude_scale(values, shown, limit_m=None, data_only=False, peers=()):
     """From 0, otherwise as error_scale."""
-    high, rule = _magnitude_end(shown, 0 if data_only else limit_m)
+    high, rule = _magnitude_end(peers or [(shown, limit_m)], data_only)
     return Scale("magnitude", 0.0, high, extremes(values), extremes(shown), rule, limit_m)
 
 
-def _magnitude_end(shown, limit_m):
-    quantile = quantiles([1 - OUTLIERS], np.abs(shown))[0]
-    ends = {"99.5 % quantile": quantile, f"{LIMIT_INSIDE:g} x limit": LIMIT_INSIDE * (limit_m or 0), "least end": MIN_M}
+def _magnitude_end(peers, data_only):
+    ends = {"99.5 % quantile": quantiles([1 - OUTLIERS], *(np.abs(shown) for shown, _ in peers))[0], "least end": MIN_M}
+    limit = LIMIT_INSIDE * max(limit or 0 for _, limit in peers)
+    if not data_only and limit <= LIMIT_NEAR * max(ends.values()):
+        ends[f"{LIMIT_INSIDE:g} x limit"] = limit
     rule = max(ends, key=ends.get)
     return ends[rule], rule
 

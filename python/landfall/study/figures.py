@@ -11,7 +11,7 @@ import numpy as np
 
 from landfall.plot.scales import color_map
 from landfall.study.names import digits_of, number, titled, with_unit
-from landfall.study.table import BLIND_LANDING, error_sign, is_probability, metric_label, SAFE_LANDING
+from landfall.study.table import BLIND_LANDING, error_sign, is_probability, metric_label, SAFE_LANDING, wilson
 
 # Okabe and Ito's colours, which colour-blind readers can distinguish; markers distinguish the series in print.
 COLORS = ["#0072B2", "#D55E00", "#009E73", "#CC79A7", "#56B4E9", "#E69F00", "#000000", "#999933"]
@@ -147,10 +147,10 @@ def spread(items, count):
     return [items[round(i * (len(items) - 1) / (count - 1))] for i in range(count)]
 
 
-def draw_line(axes, results, metric, scale, placed, quantile, index, label, joined, color=None):
+def draw_line(axes, results, metric, scale, placed, quantile, index, label, joined, color=None, estimates=None):
     """One series: estimates with their intervals, and faint dots for the repeats. Points of an axis without numbers are not joined."""
     at = [position for position, _ in placed]
-    estimates = np.array([results.estimate(point, metric, quantile) for _, point in placed]) * scale.factor
+    estimates = np.array(estimates or [results.estimate(point, metric, quantile) for _, point in placed]) * scale.factor
     style = {"color": color or COLORS[index % len(COLORS)], "marker": MARKERS[index % len(MARKERS)], "markersize": 5}
     axes.plot(at, estimates[:, 0], linestyle="-" if joined else "none", linewidth=1.4, label=label or None, **style)
     if np.isfinite(estimates[:, 1]).any():
@@ -226,21 +226,33 @@ def finish_y(axes, results, metric, scale):
 # Landings with the lidar and without
 
 
+def blind_together(results, series):
+    """[(share, low, high)] of the safe landings without a lidar along x, the draws of all series together; None where the intervals of two series do
+    not overlap, because then they differ in more than the lidar."""
+    estimates = []
+    if len({tuple(at for at, _ in placed) for _, placed in series}) > 1:
+        return None
+    for column in zip(*(placed for _, placed in series)):
+        passed, draws, low, high = np.array([results.draws_rate(point, "landing.blind") for _, point in column], float).T
+        if not np.max(low) <= np.min(high):
+            return None
+        estimates.append((passed.sum() / draws.sum(), *wilson(passed.sum(), draws.sum())))
+    return estimates
+
+
 def landings_figure(results, x, quantile):
-    """P(safe landing) of both arms against x; one line without a lidar for all series that share it. None for a study without landings."""
+    """P(safe landing) of both arms against x; one line without a lidar where the series differ in the lidar alone. None for a study without landings."""
     if x is None or not {SAFE_LANDING, BLIND_LANDING} <= set(results.columns):
         return None
     figure, axes = plt.subplots(figsize=(7.2, 4.6), constrained_layout=True)
     scale = Scale(results, SAFE_LANDING)
     draw_series(axes, results, SAFE_LANDING, scale, x, quantile)
     others, series = series_along(results, x)
-    blind = {}
-    for key, placed in series:
-        blind.setdefault(tuple((at, *results.values(point, BLIND_LANDING)) for at, point in placed), (key, placed))
-    for index, (key, placed) in enumerate(blind.values()):
-        name = point_name(others, key) if len(blind) > 1 else ""
+    together = blind_together(results, series)
+    for index, (key, placed) in enumerate(series[:1] if together else series):
+        name = "" if together else point_name(others, key)
         draw_line(axes, results, BLIND_LANDING, scale, placed, quantile, index, "without a lidar" + (f", {name}" if name else ""), x.numeric,
-                  color=("0.35", "0.55", "0.7")[index % 3])
+                  color=("0.35", "0.55", "0.7")[index % 3], estimates=together)
     axes.set_ylabel("probability of a safe landing")
     axes.set_title(f"{results.title}\n{interval_name([SAFE_LANDING])}", fontsize=10)
     axes.grid(True, color="0.9")

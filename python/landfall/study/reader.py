@@ -120,10 +120,11 @@ class _Reader:
         values = tree["list"] if kind == "list" else self.spaced(tree[kind], kind, f"{where}/{kind}")
         points = [self.point(tree, keys, index, value, f"{where}/{kind}") for index, value in enumerate(values)]
         name = next(part for part in reversed(keys[0].split(".")) if not part.isdigit())
-        return self.named(tree, tree.get("name", name), points)
+        return self.named(tree, tree.get("name", name), points, "" if "scale" in tree else unit_of(name))
 
-    def named(self, tree, name, points):
-        unit = tree.get("unit", unit_of(name))
+    def named(self, tree, name, points, key_unit=""):
+        """An axis; its unit is the given one, else that of its name, else that of its key."""
+        unit = tree.get("unit", unit_of(name) or key_unit)
         axis = Axis(name, tree.get("label", label_of(name, unit)), unit, tree.get("log", False), tuple(points))
         if name in RESERVED:
             self.fail("/axes", f"an axis cannot be named {name}")

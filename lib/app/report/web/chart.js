@@ -7,6 +7,8 @@ import {ticks} from "./numbers.js";
 
 const MAX_WORDS = 12;  // next to an axis
 const CHART = {width: 430, height: 300, left: 58, right: 16, top: 14, bottom: 46};
+/** The size of a chart whose axes are equally long. */
+export const SQUARE = {height: CHART.width - CHART.left - CHART.right + CHART.top + CHART.bottom};
 
 export class Axis {
   low; high; label; log; whole; spacing; words; pixels;
@@ -115,15 +117,15 @@ export class Chart {
     return this;
   }
 
-  /** [[x, y, text]] next to points, except those near a labelled one. */
+  /** [[x, y, text]] above points, or below those near the upper border, except near a labelled one. */
   labels(points) {
     const labelled = [];
     for (const [x, y, text] of points) {
       const place = [this.x.at(x), this.y.at(y)];
-      if (labelled.some(([px, py]) => Math.abs(px - place[0]) < 9 * text.length && Math.abs(py - place[1]) < 18)) continue;
-      labelled.push(place);
-      const isLeft = place[0] > this.x.pixels[1] - 60;
-      this.svg.append(svgElement("text", {x: place[0] + (isLeft ? -8 : 8), y: Math.max(this.y.pixels[1] + 14, place[1] - 7),
+      if (labelled.some(([px, py, length]) => Math.abs(px - place[0]) < 9 * Math.max(length, text.length) && Math.abs(py - place[1]) < 18)) continue;
+      labelled.push([...place, text.length]);
+      const isLeft = place[0] > this.x.pixels[1] - 60, isLow = place[1] - 19 < this.y.pixels[1];
+      this.svg.append(svgElement("text", {x: place[0] + (isLeft ? -8 : 8), y: place[1] + (isLow ? 19 : -7),
                                           "text-anchor": isLeft ? "end" : "start", class: "haloed"}, text));
     }
     return this;

@@ -15,8 +15,8 @@ import {valueText} from "./scales.js";
 
 const AXES = ["x", "y", "z"];
 
-/** Creates the fields; returns {element, show}, where show(ends) cuts the cloud. */
-function boxFields(view) {
+/** Creates the fields; returns {element, show}, where show(ends) cuts the cloud; `recolor` gives the points in it their colours. */
+function boxFields(view, recolor) {
   const fields = AXES.map((axis) => ["from", "to"].map((end) => htmlElement(
       "input", {type: "number", step: "any", "aria-label": `${axis} ${end}`})));
   const inside = htmlElement("p", {class: "note", id: "inside", role: "status"});
@@ -30,7 +30,7 @@ function boxFields(view) {
   };
   const show = (ends) => {
     if (ends) view.cut(ends); else view.openBox();
-    view.draw();
+    recolor();
     fill();
   };
   for (const field of fields.flat()) {
@@ -38,7 +38,7 @@ function boxFields(view) {
       const ends = fields.map((pair) => pair.map((each) => each.valueAsNumber));
       if (ends.flat().some(Number.isNaN)) return fill();
       view.cut(ends);
-      view.draw();
+      recolor();
       return tell();
     });
   }
@@ -107,20 +107,14 @@ function choiceTable(view, box) {
 
 // The page
 
-const FIRST_COLORS = ["e_range", "e_z", "z_est"];  // the errors, if the file has the truth
-
-function legendOf(column) {
-  if (!column.layer.flags) return horizontalColorBar(column);
+/** The legend of a column in the box. */
+function legendOf(view, column) {
+  if (!column.layer.flags) return horizontalColorBar(view.inBox(column));
   const entries = column.layer.flags.map(({text, color, count}) => swatchEntry(`${text}: ${count.toLocaleString("en")}`, {fill: color}));
   return htmlElement("div", {class: "legend"}, htmlElement("span", {}, column.layer.title), ...entries);
 }
 
-function controls(view, legend, first) {
-  const layers = report.layers.filter(({style}) => style !== "");
-  const color = choiceElement("colour", {id: "color"}, layers.map(({name, title}) => [name, title]), (name) => {
-    view.show(columnOf(name));
-    legend.replaceChildren(legendOf(columnOf(name)));
-  }, first);
+function controls(view, color) {
   const size = htmlElement("input", {type: "range", id: "dots", min: "-1", max: "1", step: "0.05", value: "0"});
   size.addEventListener("input", () => {
     view.dotScale = 10 ** Number(size.value);
@@ -139,13 +133,19 @@ function fillCloud(section) {
     section.append(htmlElement("p", {}, `This browser has no WebGL 2, which the view needs (${error.message}).`));
     return;
   }
-  const first = FIRST_COLORS.find((name) => report.layers.some((layer) => layer.name === name));
-  const column = columnOf(first);
-  const legend = htmlElement("div", {id: "points-legend", class: "orbit-legend"}, legendOf(column));
-  const box = boxFields(view);
-  section.append(controls(view, legend, first), view.canvas, legend, htmlElement("p", {class: "note"}, HANDLING),
+  const legend = htmlElement("div", {id: "points-legend", class: "orbit-legend"});
+  let shown = "z_est";
+  const recolor = (name = shown) => {
+    shown = name;
+    view.show(columnOf(name));
+    legend.replaceChildren(legendOf(view, columnOf(name)));
+  };
+  const layers = report.layers.filter(({style}) => style !== "");
+  const color = choiceElement("colour", {id: "color"}, layers.map(({name, title}) => [name, title]), recolor, shown);
+  const box = boxFields(view, recolor);
+  section.append(controls(view, color), view.canvas, legend, htmlElement("p", {class: "note"}, HANDLING),
                  htmlElement("div", {class: "beside"}, box.element, choiceTable(view, box)));
-  view.show(column);
+  recolor();
   onThemeChange(() => view.draw());
 }
 

@@ -44,6 +44,28 @@ function quantileOfColumn(column, share) {
   return Float64Array.from(sample).sort()[Math.round(share * (sample.length - 1))];
 }
 
+/** The height by which each point hides others and is hidden: the median of its cell of the ground, whose points differ by their errors, or its own
+ * height if that is far from it. */
+function surfaceHeights(places, spacing) {
+  const count = places.length / 3, cells = new Map();
+  const cellOf = (value) => Math.floor(value / (CELL * spacing));
+  for (let i = 0; i < count; ++i) {
+    const key = 2 ** 26 * cellOf(places[3 * i]) + cellOf(places[3 * i + 1]);
+    if (cells.has(key)) cells.get(key).push(i); else cells.set(key, [i]);
+  }
+  const heights = new Float32Array(count);
+  for (const members of cells.values()) {
+    const median = Float64Array.from(members, (i) => places[3 * i + 2]).sort()[members.length >> 1];
+    const quartile = Float64Array.from(members, (i) => Math.abs(places[3 * i + 2] - median)).sort()[members.length >> 2];
+    const merged = Math.max(MERGED * spacing, SPREAD * quartile);
+    for (const i of members) {
+      const own = places[3 * i + 2];
+      heights[i] = Math.abs(own - median) <= merged ? median : own;
+    }
+  }
+  return heights;
+}
+
 // The view
 
 const SIZE_px = {minimum: 1.5, maximum: 30};
@@ -51,22 +73,32 @@ const REACH_px = 8;     // a click chooses a point at most so far away
 const CLICK_px = 4;     // a longer movement of the pointer is a drag
 const OUTER = 0.005;    // share of the points beyond either end of an axis that the first view may leave out
 const HULL_POINTS = 2000;
-const LOOSE = 5;        // times the distance between points: those so much farther may hide one
+const FROM_ABOVE = {azimuth: 0, tilt: Math.PI / 2};
+const FLATTEST = 0.1;   // sine of the angle between a line of sight and the ground
+const CELL = 8;         // times the distance between points: the edge of a cell of the surface
+const MERGED = 5;       // times the distance between points: those no farther from the surface of their cell lie on it,
+const SPREAD = 17;      // and those within so many times the lower quartile of these distances, 5.4 sigma of a normal error
 
 const VERTEX_SHADER = `#version 300 es
 in vec3 place, color;
+in float surface;        // the height that hides and is hidden
 uniform mat4 projection;
 uniform vec3 low, high;  // of the box
+uniform vec3 eye;
 uniform float pointScale, minimum, grown, loose;
 uniform vec2 depth;
 out vec3 shade;
 void main() {
   bool inside = all(greaterThanEqual(place, low)) && all(lessThanEqual(place, high));
   gl_Position = inside ? projection * vec4(place, 1.0) : vec4(2.0, 2.0, 2.0, 1.0);
-  // Any of the points that cover each other may be in front. The highest would have the largest error.
+  // Near points hide far ones by where the line of sight meets the surface, not by their own height: the highest of those that cover each other
+  // would have the largest errors.
   uint mixed = uint(gl_VertexID) * 2654435761u;
   mixed = (mixed ^ (mixed >> 15)) * 2246822519u;
-  float nearer = max(0.5 * gl_Position.w, gl_Position.w - loose * float(mixed >> 16) / 65536.0);
+  vec3 ray = place - eye;
+  float down = min(ray.z, -${FLATTEST.toFixed(2)} * length(ray));
+  float away = gl_Position.w * (1.0 + (surface - place.z) / down);
+  float nearer = max(0.5 * away, away - loose * float(mixed >> 16) / 65536.0);
   if (inside) gl_Position.z = gl_Position.w * (depth[0] + depth[1] / nearer);
   gl_PointSize = clamp(pointScale / gl_Position.w, minimum, ${SIZE_px.maximum.toFixed(1)}) + grown;
   shade = color;
@@ -99,7 +131,7 @@ export class CloudView extends OrbitView {
   /** Throws if WebGL 2 is missing. */
   constructor(columns) {
     super("points", "The points in three dimensions. Arrow keys turn them, plus and minus zoom.", VERTEX_SHADER, FRAGMENT_SHADER,
-          {shortest: 0.002, antialias: false});  // squares look the same without, and are drawn in a third of the time
+          {shortest: 0.002, antialias: false, first: FROM_ABOVE});  // squares look the same without, and are drawn in a third of the time
     this.columns = columns;
     this.count = columns[0].codes.length;
     this.ends = columns.map((column) => [quantileOfColumn(column, OUTER), quantileOfColumn(column, 1 - OUTER)]);
@@ -110,23 +142,22 @@ export class CloudView extends OrbitView {
     });
     this.upload("place", 3, this.places);
     this.indices = this.gl.createBuffer();
-    this.hull = this.hullPoints();
     const [width, depth] = this.ends.map(([low, high]) => high - low);
     this.spacing = Math.sqrt(Math.max(width * depth, 1e-12) / this.count);
+    this.upload("surface", 1, surfaceHeights(this.places, this.spacing));
     this.openBox();
     this.listen();
     this.listenForClicks();
   }
 
-  /** Some of the points that lie between the ends of all axes. */
+  /** Some of the points in the box that lie between the ends of all axes. */
   hullPoints() {
-    const half = this.ends.map(([low, high]) => (high - low) / 2), points = [];
-    const stride = Math.max(1, Math.floor(this.count / HULL_POINTS));
-    for (let i = 0; i < this.count; i += stride) {
-      const place = this.placeOf(i);
-      if (place.every((value, axis) => Math.abs(value) <= half[axis])) points.push(place);
-    }
-    return points.length > 0 ? points : [[0, 0, 0]];
+    const half = this.ends.map(([low, high]) => (high - low) / 2), inside = [];
+    for (let i = 0; i < this.count; ++i) if (this.isInside(i)) inside.push(i);
+    const stride = Math.max(1, Math.floor(inside.length / HULL_POINTS));
+    const some = inside.filter((_, k) => k % stride === 0).map((i) => this.placeOf(i));
+    const points = some.filter((place) => place.every((value, axis) => Math.abs(value) <= half[axis]));
+    return [points, some, [[0, 0, 0]]].find((each) => each.length > 0);
   }
 
   /** Relative to the middle. */
@@ -134,11 +165,13 @@ export class CloudView extends OrbitView {
     return [...this.places.subarray(3 * index, 3 * index + 3)];
   }
 
-  /** Shows the points between the ends of each axis, [[low, high], ...] in the coordinates of the file. */
+  /** Shows the points between the ends of each axis, [[low, high], ...] in the coordinates of the file; they fill the canvas. */
   cut(ends) {
     this.box = ends;
     this.low = ends.map(([low], axis) => low - this.middle[axis]);
     this.high = ends.map(([, high], axis) => high - this.middle[axis]);
+    this.hull = this.hullPoints();
+    Object.assign(this.view, {zoom: 1, target: [0, 0, 0]});
   }
 
   openBox() {
@@ -159,11 +192,23 @@ export class CloudView extends OrbitView {
     return inside;
   }
 
-  /** Colours the points by a column. */
+  /** The values of a column in the box: what a scale of colours is for. */
+  inBox(column) {
+    const codes = column.codes.filter((_, i) => this.isInside(i));
+    const value = (index) => codes[index] === NO_WIDE_CODE ? NaN : column.layer.offset + codes[index] * column.layer.step;
+    let low = Infinity, high = -Infinity;
+    for (let i = 0; i < codes.length; ++i) {
+      if (value(i) < low) low = value(i);
+      if (value(i) > high) high = value(i);
+    }
+    return low > high ? column : {layer: {...column.layer, low, high}, codes, value};
+  }
+
+  /** Colours the points by a column, with the scale of those in the box. */
   show(column) {
     const colors = new Uint8Array(3 * this.count);
     const {layer, codes} = column;
-    const scale = layer.flags ? null : scaleOf(column);
+    const scale = layer.flags ? null : scaleOf(this.inBox(column));
     const known = new Map();
     for (let i = 0; i < this.count; ++i) {
       let color = scale ? colorOf(scale, column.value(i)) : known.get(codes[i]);
@@ -201,9 +246,10 @@ export class CloudView extends OrbitView {
     this.pixels = pixelsAtUnitDistance(width, height) * this.spacing * this.dotScale;
     gl.uniform3fv(at("low"), this.low);
     gl.uniform3fv(at("high"), this.high);
+    gl.uniform3fv(at("eye"), this.eye);
     gl.uniform1f(at("pointScale"), this.pixels);
     gl.uniform1f(at("minimum"), SIZE_px.minimum);
-    gl.uniform1f(at("loose"), LOOSE * this.spacing);
+    gl.uniform1f(at("loose"), 2 * this.spacing);
     gl.uniform2fv(at("depth"), this.depth);
     gl.uniform1f(at("grown"), 0);
     gl.uniform1i(at("lit"), 0);

@@ -2,7 +2,7 @@
 
 // Fills the sections of the report on a run of draws.
 
-import {axisOf, Chart} from "./chart.js";
+import {axisOf, Chart, SQUARE} from "./chart.js";
 import {valuesBar} from "./cursor.js";
 import {choiceElement, htmlElement, LINE, tableElement, TEXT_COLOR} from "./elements.js";
 import {MapPanel} from "./map.js";
@@ -11,6 +11,7 @@ import {formatNumber} from "./numbers.js";
 import {startPage} from "./page.js";
 import {layerNamed, rasterOf} from "./rasters.js";
 import {report} from "./report_data.js";
+import {NEAR} from "./scales.js";
 
 const CLASSES = 30;       // of a distribution
 const MAX_FAILURES = 200;  // in the table
@@ -87,8 +88,9 @@ function distributionChart(requirement) {
   const whole = !requirement.deciding && ["bins", "footprints"].includes(requirement.unit);
   const classes = classesOf(values, whole), end = whole ? limit + (requirement.at_least ? -0.5 : 0.5) : limit;  // whole numbers that are equal to the limit pass
   const all = barsOf(classes, values), passed = barsOf(classes, known.filter(({pass}) => pass).map(({value}) => value));
-  const minimum = Math.min(classes.low, end), maximum = Math.max(classes.low + classes.count * classes.width, end);
-  const room = 0.04 * (maximum - minimum);
+  const near = end <= NEAR * Math.max(0, ...values);
+  const minimum = Math.min(classes.low, near ? end : Infinity), maximum = Math.max(classes.low + classes.count * classes.width, near ? end : -Infinity);
+  const room = classes.count === 1 ? Math.max(classes.width, (maximum - minimum) / 4) : 0.04 * (maximum - minimum);  // a single bar would fill the chart
   const chart = new Chart(requirement.name, {low: minimum - room, high: maximum + room, label, whole},
                           {low: 0, high: 1.08 * Math.max(...all.map(({count}) => count)), label: "draws", whole: true});
   const fails = known.some(({pass}) => !pass);
@@ -241,7 +243,7 @@ function touchdownChart([arm, title], reach) {
   const {x_m, y_m, safe} = report.landings[arm];
   const points = (isSafe) => x_m.map((x, i) => [x, y_m[i], safe[i] === 1]).filter(([, , each]) => each === isSafe).map(([x, y]) => [x, y, 3]);
   const axis = (label) => ({low: -reach, high: reach, label});
-  const chart = new Chart(`touchdowns ${title}`, axis("x (m)"), axis("y (m)"));
+  const chart = new Chart(`touchdowns ${title}`, axis("x (m)"), axis("y (m)"), SQUARE);
   chart.dots(points(true), LINE.blue, "safe").dots(points(false), LINE.vermilion, "not safe");
   if (arm === "landing" && report.reach !== null) {
     chart.curve([...report.reach, ...report.reach.slice(0, 1)], {color: TEXT_COLOR, dash: "6 4", text: "places within reach, as configured", width: 1});
@@ -264,7 +266,7 @@ function fillLandings(section) {
     return;
   }
   const all = ARMS.flatMap(([arm]) => [...report.landings[arm].x_m, ...report.landings[arm].y_m]);
-  const reach = 1.05 * Math.max(1, ...all.map(Math.abs));
+  const reach = 1.1 * Math.max(1, ...all.map(Math.abs));
   section.append(htmlElement("p", {class: "note"}, `Each draw lands at its best site, and without a lidar at the origin, judged on the true terrain.${shownNote()}`),
                  htmlElement("div", {class: "figures"}, ...ARMS.map((arm) => touchdownChart(arm, reach))));
   const failed = report.landings.landing.safe.map((safe, i) => safe === 1 ? -1 : i).filter((i) => i >= 0);
@@ -319,9 +321,6 @@ async function fillMaps(section) {
   const {groups, all} = await loadGroups();
   const region = await rasterOf(layerNamed("in_region"), report.grid);
   const relief = all.find(({layer}) => layer.style === "elevation") ?? null;
-  for (const raster of all.filter(({layer}) => layer.style === "magnitude")) {
-    raster.peers = all.filter(({layer}) => layer.quantity === raster.layer.quantity);  // they have one scale
-  }
   section.append(htmlElement("p", {class: "note"}, mapsNote()), valuesBar(all));
   for (const [title, rasters] of groups) {
     appendFigures(section, title, rasters.map((raster) => new MapPanel(raster, {region, relief}).element));

@@ -79,7 +79,6 @@ async function fillMaps(section) {
   const {groups, all, named} = await loadGroups();
   const region = await rasterOf(layerNamed("in_region"), report.grid);
   const elevations = all.filter(({layer}) => layer.style === "elevation");
-  for (const raster of elevations) raster.peers = elevations;  // they have one scale
   section.append(htmlElement("p", {class: "note"}, mapsNote()), valuesBar(all), scaleControl());
   for (const [title, rasters] of groups) {
     appendFigures(section, title, rasters.map((raster) => mapFigure(raster, mapOptions(raster, region, named("invalid")), elevations)));

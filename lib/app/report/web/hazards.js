@@ -49,9 +49,6 @@ function mapOptions({layer}, region, relief) {
 async function fillMaps(section) {
   const {groups, all, named} = await loadGroups();
   const elevation = named("z_est") ?? named("z"), truth = named("z_true");
-  for (const [one, other] of [[elevation, truth], [named("slope"), named("slope_true")], [named("roughness"), named("roughness_true")]]) {
-    if (other) one.peers = other.peers = [one, other];
-  }
   section.append(htmlElement("p", {class: "note"}, mapsNote()), valuesBar(all), scaleControl());
   for (const [title, rasters] of groups) {
     appendFigures(section, title, rasters.map((raster) => mapFigure(raster, mapOptions(raster, named("safe"), elevation))));
@@ -147,7 +144,7 @@ function calibrationChart({p_low, p_high, count, safe_frac}) {
   const points = count.map((n, k) => ({n, middle: (p_low[k] + p_high[k]) / 2, safe: safe_frac[k]})).filter(({safe}) => safe !== null);
   if (points.length === 0) return null;
   const chart = new Chart("Reliability of p_safe", {low: 0, high: 1, label: "p_safe, middle of each class"},
-                          {low: 0, high: 1, label: "share of truly safe places"});
+                          {low: -0.03, high: 1.03, label: "share of truly safe places"});
   chart.curve([[0, 0], [1, 1]], {color: TEXT_COLOR, text: "perfectly calibrated", width: 1.2})
       .dots(points.map(({middle, safe}) => [middle, safe, 4.5]), LINE.blue, "found; number of places")
       .labels(points.map(({middle, safe, n}) => [middle, safe, n.toLocaleString("en")]));

@@ -9,12 +9,20 @@ import {rasterOf} from "./rasters.js";
 import {report} from "./report_data.js";
 import {display} from "./scales.js";
 
+/** Rasters that show one quantity, such as an error in x, y and z, have one scale. */
+function shareScales(rasters) {
+  const kindOf = ({layer}) => ["elevation", "signed", "magnitude"].includes(layer.style) ?
+      [layer.style, layer.style === "elevation" ? "" : layer.quantity ?? layer.group].join() : layer.id;
+  for (const raster of rasters) raster.peers = rasters.filter((other) => kindOf(other) === kindOf(raster));
+}
+
 /** The rasters of the layers that have a group: {groups: [[title, rasters]], all, named}. */
 export async function loadGroups() {
   const titles = report.groups.filter((title) => report.layers.some(({group}) => group === title));
   const groups = await Promise.all(titles.map(async (title) => [
     title, await Promise.all(report.layers.filter(({group}) => group === title).map((layer) => rasterOf(layer, report.grid)))]));
   const all = groups.flatMap(([, rasters]) => rasters);
+  shareScales(all);
   return {groups, all, named: (name) => all.find(({layer}) => layer.name === name) ?? null};
 }
 

@@ -5,7 +5,7 @@
 import {htmlElement} from "./elements.js";
 import {parseColor} from "./scales.js";
 
-const ZOOM = 1.8;     // the distance divided by half the width that is visible at that distance
+const ZOOM = 3;       // the distance divided by half the width that is visible at that distance
 const FILLED = 0.97;  // the part of the canvas, along x or y, that the hull spans
 const FIRST_VIEW = {azimuth: -0.4, tilt: 0.62, zoom: 1, target: [0, 0, 0]};
 
@@ -23,12 +23,14 @@ export class OrbitView {
   buffers = new Map();            // of the vertex attributes
   matrix = new Float32Array(16);  // of the last frame
   distance = 1;                   // of the eye from the middle, in the last frame
+  eye = [0, 0, 0];                // where it was in the last frame, relative to the middle
   depth = [0, 0];                 // of a point at the distance w: depth[0] + depth[1]/w
 
-  /** `shortest`: the least distance of the eye, as a part of the first one. Throws if WebGL 2 is missing. */
-  constructor(id, label, vertexShader, fragmentShader, {shortest = 0.05, antialias = true} = {}) {
+  /** `shortest`: the least distance of the eye, as a part of the first one; `first`: what the first view has different. Throws if WebGL 2 is missing. */
+  constructor(id, label, vertexShader, fragmentShader, {shortest = 0.05, antialias = true, first = {}} = {}) {
     this.shortest = shortest;
-    this.view = {...FIRST_VIEW, exaggeration: 1};
+    this.first = {...FIRST_VIEW, ...first};
+    this.view = {...this.first, exaggeration: 1};
     this.canvas = htmlElement("canvas", {id, class: "orbit", tabindex: "0", role: "img", "aria-label": label});
     this.gl = this.canvas.getContext("webgl2", {antialias, preserveDrawingBuffer: true});
     if (!this.gl) throw new Error("no WebGL 2");
@@ -102,7 +104,7 @@ export class OrbitView {
   }
 
   reset() {
-    Object.assign(this.view, FIRST_VIEW);
+    Object.assign(this.view, this.first);
     this.draw();
   }
 
@@ -160,7 +162,7 @@ function axesOf({azimuth, tilt}) {
   return {right: [ca, sa, 0], up: [-st * sa, st * ca, ct], back: [sa * ct, -ca * ct, st]};
 }
 
-/** {matrix, distance, depth}: the matrix transforms coordinates relative to the middle to screen coordinates, column-major. The
+/** {matrix, distance, depth, eye}: the matrix transforms coordinates relative to the middle to screen coordinates, column-major. The
  * eye looks from `tilt` above the horizon, `azimuth` from the south, counter-clockwise, and is so far away that `hull`
  * fills the canvas; then the distance is multiplied by `zoom`, and `target` takes the place of the middle. */
 function viewMatrix(view, hull, aspect) {
@@ -181,7 +183,8 @@ function viewMatrix(view, hull, aspect) {
     matrix.push(sx * right[k], sy * up[k], a * back[k], -back[k]);
   }
   matrix.push(-sx * (shift[0] + along(right)), -sy * (shift[1] + along(up)), -a * ahead + b, ahead);
-  return {matrix: new Float32Array(matrix), distance, depth: [-a, b]};
+  const eye = [0, 1, 2].map((k) => right[k] * (shift[0] + along(right)) + up[k] * (shift[1] + along(up)) + back[k] * ahead);
+  return {matrix: new Float32Array(matrix), distance, depth: [-a, b], eye};
 }
 
 /** The shift [to the right, up] and the distance of the eye with which points (right, up, towards the eye) span the part

@@ -38,7 +38,7 @@ const OUTLIERS = report.colors.outliers;          // share of the values on eith
 const LIMIT_INSIDE = report.colors.limit_inside;  // a scale reaches at least this times the limit
 const MIN_RANGE = 1e-3;                           // of a scale, so that rounding errors do not appear in colour
 const FROM_MIN = ["elevation", "quantity"];  // the styles whose colours begin at the least value, not at 0
-const NEAR = 4;  // a limit is near to values if it is at most this times the largest
+export const NEAR = report.colors.limit_near;  // a limit is near to values if it is at most this times the largest
 
 /** Whether scales of errors reach the limits: "near" those that are near to the values, "all" or "none". */
 export const display = {limits: "near"};
@@ -59,8 +59,9 @@ export function scaleOf(raster) {
 
 /** Symmetric about 0, or from 0: the 99.5 % quantile of the magnitudes and, if it is to be shown, the limit. */
 function errorEnds(raster) {
-  const magnitudes = sampleOf(raster.peers ?? [raster]).map(Math.abs).sort();
-  const values = Math.max(quantileOf(magnitudes, 1 - OUTLIERS), MIN_RANGE), limit = LIMIT_INSIDE * (raster.layer.limit ?? 0);
+  const peers = raster.peers ?? [raster], magnitudes = sampleOf(peers).map(Math.abs).sort();
+  const values = Math.max(quantileOf(magnitudes, 1 - OUTLIERS), MIN_RANGE);
+  const limit = LIMIT_INSIDE * Math.max(...peers.map((peer) => peer.layer.limit ?? 0));
   const isReached = display.limits === "all" || (display.limits === "near" && limit <= NEAR * values);
   const bound = isReached ? Math.max(values, limit) : values;
   return [raster.layer.style === "signed" ? -bound : 0, bound];
@@ -80,7 +81,7 @@ function ordinaryEnds(peers, low, high) {
 function sampleOf(rasters) {
   const values = [];
   for (const raster of rasters) {
-    const stride = Math.max(1, Math.floor(raster.codes.length / 200000));
+    const stride = Math.max(1, Math.floor(rasters.length * raster.codes.length / 200000));
     for (let i = 0; i < raster.codes.length; i += stride) {
       const value = raster.value(i);
       if (!Number.isNaN(value)) values.push(value);

@@ -13,10 +13,10 @@
 #include "base/core/error.h"
 #include "bins.h"
 #include "constants.h"
-#include "formats/picture/bitmap_font.h"
 #include "formats/picture/map_picture.h"
 #include "formats/picture/pixel_map.h"
 #include "formats/picture/rgb_image.h"
+#include "formats/picture/text_image.h"
 #include "refusal.h"
 #include "temporary_folder.h"
 
@@ -63,28 +63,40 @@ TEST(Colors, NoValueAndMarksAreNoneOfThem) {
     }
 }
 
-/// The dots of a text, row by row.
-std::string dots(const std::string& text) {
-  RgbImage image(static_cast<std::size_t>(text_width(text)), kTextHeight, kWhite);
+RgbImage text_image(const std::string& text) {
+  RgbImage image(static_cast<std::size_t>(text_width(text)), static_cast<std::size_t>(text_height()), kWhite);
   draw_text(image, {0, 0}, text, kBlack);
-  std::string result;
-  for (std::size_t row = 0; row < image.height; row += kDot) {
-    for (std::size_t col = 0; col < image.width; col += kDot)
-      result += image.at(row, col) == kBlack ? '#' : '.';
-    result += '\n';
-  }
-  return result;
+  return image;
 }
 
-TEST(BitmapFont, DrawsLettersUpright) {
-  EXPECT_EQ(dots("Fy"),
-            "#####......\n#..........\n#.....#...#\n####..#...#\n#.....#...#\n#......####\n#.........#\n....."
-            "..###.\n");
+/// The darkness of a part of an image, in black pixels.
+double ink(const RgbImage& image, std::size_t top, std::size_t bottom, std::size_t left, std::size_t right) {
+  double sum = 0;
+  for (std::size_t row = top; row < bottom; ++row)
+    for (std::size_t col = left; col < right; ++col) sum += (255 - image.at(row, col).r) / 255.0;
+  return sum;
 }
 
-TEST(BitmapFont, DrawsAQuestionMarkForWhatItDoesNotKnow) { EXPECT_EQ(dots("\xC3"), dots("?")); }
+TEST(Text, IsUprightProportionalAndSmooth) {
+  const RgbImage image = text_image("L");
+  const std::size_t middle = image.height / 2;
+  EXPECT_GT(ink(image, middle, image.height, 0, image.width), 1.5 * ink(image, 0, middle, 0, image.width));
+  EXPECT_GT(ink(image, 0, middle, 0, image.width / 2),
+            3 * ink(image, 0, middle, image.width / 2, image.width));
+  EXPECT_LT(text_width("ill"), text_width("WWW") / 2);
+  EXPECT_EQ(text_width("ab"), text_width("a") + text_width("b"));
+  const RgbImage round = text_image("o");
+  EXPECT_TRUE(std::ranges::any_of(round.pixels, [](Rgb pixel) { return pixel.r > 60 && pixel.r < 200; }));
+}
 
-TEST(BitmapFont, IsCutAtTheBorder) {
+TEST(Text, HasTheLettersOfLatin1AndAQuestionMarkForOthers) {
+  EXPECT_NE(text_image("\u00b1").pixels, text_image("?").pixels);
+  EXPECT_EQ(text_width("\u00b11"), text_width("\u00b1") + text_width("1"));
+  for (const char* other : {"\xC3", "\u2264", "\n"})
+    EXPECT_EQ(text_image(other).pixels, text_image("?").pixels);
+}
+
+TEST(Text, IsCutAtTheBorder) {
   RgbImage image(3, 3, kWhite);
   draw_text(image, {-5, -5}, "WWW", kBlack);
   draw_text(image, {2, 2}, "WWW", kBlack);
@@ -123,6 +135,8 @@ TEST(ColorRange, OfErrorsEndsAtAQuantileOfTheMagnitudesAndHoldsTheLimit) {
   for (int i = 0; i <= 1000; ++i) values[static_cast<std::size_t>(i)] = i % 2 == 0 ? i : -i;
   MapStyle errors{"e_z", "m", Colors::error};
   EXPECT_EQ(color_range(row_of(values), errors), (std::array<double, 2>{-995, 995}));
+  errors.limit = 4 * 995 / 1.1 + 1;
+  EXPECT_EQ(color_range(row_of(values), errors), (std::array<double, 2>{-995, 995})) << "a limit far away";
   errors.limit = 2000;
   EXPECT_EQ(color_range(row_of(values), errors), (std::array<double, 2>{-1.1 * 2000, 1.1 * 2000}));
   MapStyle relative{"rel_z", "m"};
@@ -152,12 +166,12 @@ TEST(MapPicture, ShowsEveryPixelInItsColourEnlarged) {
   MapStyle style{"z", "m"};
   style.cut = false;
   const RgbImage image = map_picture(map, style);
-  EXPECT_EQ(image.height, 3U * 16 + 40 + 600 + 2 * 16 + 32);
+  EXPECT_EQ(image.height, 3U * 17 + 40 + 600 + 2 * 17 + 32);
   EXPECT_GE(pixels_of(image, color_of(0, Colors::magnitude)), 300 * 300);
   EXPECT_GE(pixels_of(image, color_of(0.5, Colors::magnitude)), 300 * 300);
   EXPECT_GE(pixels_of(image, color_of(1, Colors::magnitude)), 300 * 300);
-  EXPECT_EQ(image.at(88 + 150, 120 + 150), color_of(0, Colors::magnitude));
-  EXPECT_EQ(image.at(88 + 450, 120 + 450), rgb_of(kNoValueColor));
+  EXPECT_EQ(image.at(91 + 150, 120 + 150), color_of(0, Colors::magnitude));
+  EXPECT_EQ(image.at(91 + 450, 120 + 450), rgb_of(kNoValueColor));
 }
 
 TEST(MapPicture, MarksTheLimitOnItsScale) {
