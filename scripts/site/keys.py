@@ -31,8 +31,14 @@ The effect of a key follows its description:
 - *echo*: the echoes that a receiver sees, or which of them it reports;
 - *estimate*: only what the lidar measures or the lander believes; a redraw (`--ranges-from`, `monte-carlo`) takes another value;
 - *drawn*: the seed draws an error of this size;
-- *sigma*: how `regrid --uncertainty` covers the error: by the range sigma, known from the scan (*range*) or given (*given*), by the given
-  sigmas of the navigation (*navigation*), or not at all (*never*).
+- *sigma*: where `regrid --uncertainty` has the size of the error from:
+
+| sigma | |
+|---|---|
+| *range* | the scan, as part of the range sigma |
+| *given* | `--range-sigma` |
+| *navigation* | `--navigation-sigma` |
+| *never* | the 1-sigma maps leave the error out |
 """
 
 

@@ -206,7 +206,7 @@ class CloudTest(PageTest):
         count = len(returns_of(self.chain.scan)["x_est"])
         shown = self.window.run("return report.count")
         self.assertTrue(300 < shown <= 500, shown)
-        self.assertRegex(self.text("#thinning"), rf"^{shown} of the scan's {count:,} returns are shown: of each square of [\d.]+ c?m, seen from above, one at random\.")
+        self.assertRegex(self.text("#thinning"), rf"^{shown} of the scan's {count:,} returns are shown: one at random of each cell of [\d.]+ c?m, seen from above\.")
         self.assertGreater(self.drawn(), 0.001)
         self.check_log_and_requests()
 

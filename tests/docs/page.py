@@ -1,19 +1,22 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Parses a page of the documentation: its fenced blocks, the comments that annotate them, headings and links.
 
-tests/docs/notes has, under the name of the page, the comments of its blocks, each below `## ` and the first line of its block (`(2)` behind
-it: of the second block that begins so). A comment on its own line of the page itself annotates the next block too:
+A page says what a reader needs: the test begins in an empty folder, or in a clone of the repository if the prose names "a clone". A paragraph with
+"Save as `NAME`" or "saved as" makes the next block the content of that file.
 
-    <!-- setup: COMMANDS -->      shell commands, on one or more lines, that run here and are not shown to readers
+tests/docs/notes has, under the name of the page, the comments of its blocks, each below `## ` and the first line of its block (`(2)` behind
+it: of the second block that begins so); its `setup.sh` in a folder is the first setup of each page of that folder. A comment on its own line of the page itself annotates the next block too:
+
+    <!-- setup: COMMANDS -->      shell functions, on one or more lines, that make commands of the page smaller; they make no file, and
+                                  type_pages.py, which runs a page as it is shown, leaves them out
     <!-- long: REASON -->         the next block runs only with LANDFALL_TEST_LONG=1; otherwise it is listed as skipped
     <!-- long setup: COMMANDS --> setup commands for such blocks, run only together with them
     <!-- bare: NAME -->           scripts/test-deb or test-container runs the next block in a bare Debian 12 (bare_block.py)
     <!-- all tests -->            the next block runs all tests, including this one; .ci/run runs it
-    <!-- file: NAME -->           the next block is the content of the file NAME
     <!-- check: TOOL -->          the next block is a configuration that TOOL --check must accept
-    <!-- yours: NAME ... -->      files of the next block that readers have themselves, and that the prose before it names
     <!-- output -->               the next block is the output of the previous one; a line `...` matches any lines, and
                                   revisions, ids and file sizes may differ
+    <!-- full output -->          the same, of a command that a setup makes smaller: only type_pages.py compares it
 
 and one gives a line that only the site shows (scripts/docs):
 
@@ -25,14 +28,11 @@ import re
 
 ROOT = os.environ.get("LANDFALL_ROOT", os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", ".."))
 FENCE = re.compile(r"^( *)```(\w*) *$")
-COMMENT = re.compile(r"^<!-- (setup|long setup|long|bare|all tests|file|check|output|site|yours)(?:: *(.*))?$", re.DOTALL)
+COMMENT = re.compile(r"^<!-- (setup|long setup|long|bare|all tests|check|output|full output|site)(?:: *(.*))?$", re.DOTALL)
 LINK = re.compile(r"(!?)\[(?:[^\[\]]|\[[^\]]*\])*\]\(([^()\s]+)\)")
 RUN_LANGUAGES = ("sh", "python")
 NOTES = os.path.join(ROOT, "tests", "docs", "notes")
-# Names of files in commands.
-FILE = re.compile(r"(?<![\w$}{*/.-])(?:[\w-]+/)*[\w-]+\.(?:h5|tif|json|csv|obj|ply|stl|las|txt|png|gpkg|geojson|npy|html|asc|img)\b")
-# The files that a reader of any page has: those of the chain, under the names that all pages give them.
-CHAIN = {"terrain.h5", "scan.h5", "dem.h5", "eval.h5", "hazards.h5", "draws.h5", "plan.h5", "metrics.json", "sites.json", "score.json", "results.h5", "results.csv"}
+SAVED = re.compile(r"\b[Ss]aved?\b[^`.:]*\bas `([\w./-]+)`")
 RUN_ELSEWHERE = {"bare", "all tests"}
 LONG = bool(os.environ.get("LANDFALL_TEST_LONG"))
 
@@ -79,14 +79,16 @@ class Page:
         self._read()
 
     def _read(self):
-        notes, number = {}, 0
+        notes, number, paragraph = {}, 0, ""
         while number < len(self._lines):
             fence = FENCE.match(self._lines[number])
             if fence:
+                if SAVED.search(paragraph):
+                    notes["file"] = SAVED.findall(paragraph)[-1]
                 for comment in self._notes_of_block(self._lines[number + 1].strip()):
                     self._take(comment, number, notes)
                 number = self._read_block(number, fence, notes)
-                notes = {}
+                notes, paragraph = {}, ""
             elif self._lines[number].startswith("<!--"):
                 number = self._read_comment(number, notes)
             else:
@@ -94,6 +96,7 @@ class Page:
                     self._refuse_unused(notes, number)
                     notes = {}
                     self.prose[number + 1] = self._lines[number]
+                    paragraph = f"{paragraph if self._lines[number - 1].strip() else ''} {self._lines[number]}"
                 number += 1
         self._refuse_unused(notes, number)
         self.faults += [f"tests/docs/notes/{self.name}: no block begins with {key}" for key in self._notes]
@@ -136,22 +139,9 @@ class Page:
         else:
             notes[match[1]] = match[2] or ""
 
-    def hidden_inputs(self):
-        """(line, file) of each file that a visible block names and that only hidden commands have made: a reader who types the page does not have
-        it. Files of the chain under their usual names are the reader's, and those of a comment `yours` that the prose before it names."""
-        hidden, known, found = set(), set(CHAIN), []
-        for block in self.blocks:
-            if block.language in ("setup", "long setup"):
-                hidden |= set(FILE.findall(block.text))
-            elif "file" in block.notes:
-                known.add(block.notes["file"])
-            elif block.is_command:
-                prose = " ".join(text for line, text in self.prose.items() if line < block.line)
-                known |= {name for name in block.notes.get("yours", "").split() if f"`{name}`" in prose}
-                used = set(FILE.findall(block.text))
-                found += [(block.line, name) for name in sorted(used & hidden - known)]
-                known |= used
-        return found
+    def needs_clone(self):
+        """True if the prose tells readers to be in a clone of the repository."""
+        return any(block.is_run for block in self.blocks) and any(re.search(r"\ba clone\b", line) for line in self.prose.values())
 
     def anchors(self):
         """The anchors of all headings, as GitHub makes them."""

@@ -3,7 +3,7 @@
 """Tests of the documentation tests themselves, with correct and wrong pages."""
 import contextlib
 import io
-import tempfile
+import re
 import unittest
 from unittest import mock
 
@@ -95,8 +95,10 @@ class Running(unittest.TestCase):
         self.assertIsNone(verdict(block("sh", command) + block("text", "regrid 0.1.0 (git v1-2) 4fee806301ff of 10 m", "output")))
         self.assertIn("docs/made.md:7", verdict(block("sh", command) + block("text", "regrid 0.1.0 (git v1-2) 4fee806301ff of 11 m", "output")))
 
-    def test_files(self):
-        self.assertIsNone(verdict(block("csv", "a,b", "file: folder/t.csv") + block("sh", '[[ "$(cat folder/t.csv)" == a,b ]]')))
+    def test_a_file_has_the_name_that_the_page_shows(self):
+        check = block("sh", '[[ "$(cat folder/t.csv)" == a,b ]]')
+        self.assertIsNone(verdict("Some rows; save them\nas `folder/t.csv`:\n\n" + block("csv", "a,b") + check))
+        self.assertIn("No such file", verdict("Save as `folder/t.csv`:\n\nRows:\n\n" + block("csv", "a,b") + check))
 
     def test_python_blocks_see_earlier_blocks(self):
         text = block("python", "import math\nprint('first')\ndef f():\n    return math.pi") + block("python", "print(round(f(), 2))")
@@ -108,45 +110,28 @@ class Running(unittest.TestCase):
         self.assertIn("half_width", verdict(block("json", '{"half_width": 5}', "check: regrid")))
 
 
-class HiddenInputs(unittest.TestCase):
-    def found(self, text):
-        return pages.Page("x.md", text).hidden_inputs()
+class FromNothing(unittest.TestCase):
+    def test_a_page_begins_in_an_empty_folder_or_in_a_clone(self):
+        self.assertIsNone(verdict(block("sh", '[[ -z "$(ls -A)" ]]')))
+        self.assertIsNone(verdict("In a clone:\n\n" + block("sh", "ls Makefile.studies studies/noise.json")))
 
-    def test_a_file_that_only_a_hidden_command_makes(self):
-        text = "<!-- setup: make_raster.py -o raster.tif -->\n```sh\nterrain-gen --from raster.tif -o site.h5\n```\n"
-        self.assertEqual(self.found(text), [(3, "raster.tif")])
-        visible = "```sh\nmake_raster.py -o raster.tif\n```\n"
-        self.assertEqual(self.found(visible + text), [])
-        self.assertEqual(self.found("<!-- file: raster.tif -->\n```text\nx\n```\n" + text), [])
+    def test_a_setup_makes_and_removes_no_file(self):
+        for setup in ("echo 1 > a", "rm a", "mv a b", "cat() { :; }; echo 1 > b/c"):
+            with self.subTest(setup):
+                self.assertIn("a setup makes files", verdict(block("sh", "echo 1 > a; mkdir b") + block("sh", "cat a", f"setup: {setup}")))
+        self.assertIsNone(verdict(block("sh", "size=9; count", "setup: count() { [[ $size == 9 ]]; }")))
 
-    def test_the_reader_s_own_files(self):
-        text = "<!-- setup: make_raster.py -o raster.tif -->\n<!-- yours: raster.tif -->\n```sh\nterrain-gen --from raster.tif\n```\n"
-        self.assertEqual(self.found(text), [(4, "raster.tif")], "the prose must name it")
-        self.assertEqual(self.found("Your raster is `raster.tif`.\n\n" + text), [])
-        self.assertEqual(self.found("<!-- setup: small_chain; echo dem.h5 -->\n```sh\ndem-eval dem.h5\n```\n"), [])
+    def test_a_page_as_shown(self):
+        page = block("sh", "echo $a", "setup: a=2", "long: minutes") + block("text", "1", "output")
+        for before, expected in (("a=1", None), ("a=3", "the page shows"), ("scripts/no", "exit 127")):
+            with self.subTest(before), mock.patch.object(pages, "LONG", True):
+                fault = type_pages.fault_of(pages.Page("docs/made.md", block("sh", before) + page))
+                self.assertIn(expected, fault) if expected else self.assertIsNone(fault)
 
-
-class Typing(unittest.TestCase):
-    def typed(self, text):
-        with tempfile.TemporaryDirectory() as folder, contextlib.redirect_stderr(io.StringIO()):
-            reader = type_pages.Reader(folder, folder)
-            reader.read("made.md", text)
-        return reader.faults, reader.notes
-
-    def test_a_page_that_says_everything(self):
-        page = ("One file:\n\n" + block("json", '{"a": 1}') + block("sh", 'A=2; grep -o 1 one.json; echo "<$A>"') + block("text", "1\n<2>") + block("sh", "echo $A; echo 3; echo 4") +
-                block("text", "2\n...\n4") + block("python", "a = 5") + block("python", "print(a)") + block("text", "5") + block("sh", "scripts/test  # all"))
-        faults, notes = self.typed(page)
-        self.assertEqual((faults, len(notes)), ([], 1))
-        self.assertRegex(notes[0], "scripts/test .*: not typed")
-
-    def test_what_comments_hide_is_not_there(self):
-        [fault] = self.typed(block("sh", "cat made.txt", "setup: echo 1 > made.txt"))[0]
-        self.assertRegex(fault, r"block 1 \(cat made.txt\): exit 1\n.*No such file")
-
-    def test_another_output_is_a_fault(self):
-        [fault] = self.typed(block("sh", "echo 1; echo 2") + block("text", "1\n3"))[0]
-        self.assertRegex(fault, "(?s)block 2.*-3\n\\+2$")
+    def test_blocks_that_are_not_typed(self):
+        with contextlib.redirect_stdout(io.StringIO()) as printed:
+            self.assertIsNone(type_pages.fault_of(pages.Page("x.md", block("sh", "false", "long: builds") + block("sh", "exit 3")), re.compile("exit")))
+        self.assertEqual(printed.getvalue(), "note: x.md:3: not typed: builds\nnote: x.md:7: not typed: skipped\n")
 
 
 if __name__ == "__main__":

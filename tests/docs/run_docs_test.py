@@ -1,8 +1,8 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: GPL-3.0-or-later
-# Every command of the pages is run, page by page, in a new folder.
-# Prerequisites of a page, and changes that shorten a run (a coarser terrain, 1,000 pulses), are in comments that
-# readers do not see; nothing is shortened whose numbers the page shows. The command of a study is given to `make -n`.
+# Every command of the pages is run, page by page, in a new and empty folder; a page that names a clone begins in one.
+# Changes that shorten a run (a coarser terrain, 1,000 pulses) are in comments that readers do not see; they make no file, and nothing
+# is shortened whose numbers the page shows. type_pages.py runs the pages without them. The command of a study is given to `make -n`.
 #
 # The tutorial's raster is generated, not shipped: a script makes the same cratered plain on any machine.
 #
@@ -71,11 +71,16 @@ def commands_of(blocks, number, folder):
     return text
 
 
-class Run:
-    """Runs one page in bash: the exit `code`, and what each block printed."""
+def without_files(setup):
+    """The commands of a setup, which fail if they make, change or remove a file."""
+    return f"files=$(find . -printf '%p %T@ ')\n{setup}[[ $files == \"$(find . -printf '%p %T@ ')\" ]] || {{ echo 'a setup makes files'; false; }}\n"
 
-    def __init__(self, page):
-        self.blocks = page.blocks
+
+class Run:
+    """Runs one page in bash: the exit `code`, and what each block printed. With `as_shown` the setups, which make runs smaller, are left out."""
+
+    def __init__(self, page, as_shown=False):
+        self.page, self.blocks, self.as_shown = page, page.blocks, as_shown
         self.folder = tempfile.mkdtemp(prefix="landfall-docs-")
         try:
             self._run()
@@ -88,23 +93,32 @@ class Run:
         os.mkdir(work)
         os.mkdir(os.path.join(aside, "bin"))
         os.symlink("/usr/bin/python3", os.path.join(aside, "bin", "python3"))
-        script = [f". '{HERE}/setup.sh'"]
+        # Variables of the shell, not of the environment: the commands of a page do not see them.
+        script = [f"LANDFALL_ROOT='{ROOT}' LANDFALL_BIN='{BIN}' AS_SHOWN={'1' if self.as_shown else ''}", f". '{HERE}/setup.sh'"]
+        if self.page.needs_clone():
+            script.append("clone" if pages.LONG else "checkout")
+        of_folder = os.path.join(pages.NOTES, os.path.dirname(self.page.name), "setup.sh")
+        if os.path.exists(of_folder) and not self.as_shown:
+            script.append(without_files(f". '{of_folder}'\n"))
         for number, block in enumerate(self.blocks):
             text = commands_of(self.blocks, number, aside)
-            if text:
+            is_setup = block.language in ("setup", "long setup")
+            if text and not (is_setup and self.as_shown):
+                if block.language == "setup":
+                    text = without_files(text)
                 # Empty lines come first, so that bash reports the line numbers of the page.
                 with open(os.path.join(aside, f"{number}.sh"), "w", encoding="utf-8") as file:
-                    file.write("\n" * (block.line - 1) + text)
+                    file.write("\n" * (block.line - 1 - (block.language == "setup")) + text)
                 script.append(f". '{aside}/{number}.sh' > '{aside}/{number}.out' 2>&1")
                 script.append(f": > '{aside}/{number}.end'")
         self._start(script, aside, work)
 
     def _start(self, script, aside, work):
-        environment = dict(os.environ, LANDFALL_ROOT=ROOT, LANDFALL_BIN=BIN, MPLBACKEND="Agg", PYTHONDONTWRITEBYTECODE="1",
+        environment = dict(os.environ, MPLBACKEND="Agg", PYTHONDONTWRITEBYTECODE="1",
                            PYTHONPATH=os.path.join(ROOT, "python"),
                            PATH=os.pathsep.join([os.path.join(aside, "bin"), BIN, os.path.join(ROOT, "python", "commands"), os.environ["PATH"]]))
-        # If make started ctest, its variables must not affect the commands of the page.
-        for name in ("MAKEFLAGS", "MFLAGS", "MAKELEVEL"):
+        # The variables of the tests, and those of make if it started ctest, must not affect the commands of the page.
+        for name in ("LANDFALL_ROOT", "LANDFALL_BIN", "MAKEFLAGS", "MFLAGS", "MAKELEVEL"):
             environment.pop(name, None)
         started = time.time()
         result = subprocess.run(["bash", "-euo", "pipefail", "-c", "\n".join(script)], cwd=work, env=environment,
@@ -191,7 +205,7 @@ class Commands(unittest.TestCase):
         if self.write:
             return rewrite(page, run)
         for number, block in enumerate(page.blocks):
-            if "output" in block.notes and not run.is_shown(number):
+            if {"output", "full output" if run.as_shown else "output"} & block.notes.keys() and not run.is_shown(number):
                 self.fail(f"{page.name}:{block.line}: the page shows\n{block.text}\nwhere the command printed\n{run.output_before(number)}")
             if block.language == "json":
                 json.loads(block.text)

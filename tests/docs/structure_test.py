@@ -62,10 +62,6 @@ class Structure(unittest.TestCase):
                   for line in block.text.splitlines() if COMMAND.match("    " + line)]
         self.assertEqual(found, [])
 
-    def test_no_command_reads_what_only_a_hidden_one_makes(self):
-        found = [f"{page.name}:{line}: {name}" for page in self.pages.values() for line, name in page.hidden_inputs()]
-        self.assertEqual(found, [], "make the file in the page, or name it in the prose and mark the block `<!-- yours: FILE -->`")
-
     def blocks_with(self, note):
         return [(page, block) for page in self.pages.values() for block in page.blocks if note in block.notes]
 

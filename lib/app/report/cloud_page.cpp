@@ -145,8 +145,8 @@ std::string thinning_text(const CloudContent& content) {
   const auto shown = grouped(static_cast<std::int64_t>(content.size()));
   if (content.cell_m == 0) return "All " + shown + " returns of the scan are shown.";
   return shown + " of the scan's " + grouped(static_cast<std::int64_t>(content.all_count)) +
-         " returns are shown: of each square of " + length_text(content.cell_m) +
-         ", seen from above, one at random.";
+         " returns are shown: one at random of each cell of " + length_text(content.cell_m) +
+         ", seen from above.";
 }
 
 }  // namespace

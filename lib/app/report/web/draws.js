@@ -103,7 +103,7 @@ function distributionChart(requirement) {
 
 function fillDistributions(section) {
   const charts = byDecision().map(distributionChart).filter((chart) => chart !== null);
-  section.append(htmlElement("p", {class: "note"}, `What decides each requirement, in all draws; most failures first, then nearest to the limit.${shownNote()}`),
+  section.append(htmlElement("p", {class: "note"}, `The deciding quantity of each requirement over all draws, worst first.${shownNote()}`),
                  htmlElement("div", {class: "figures"}, ...charts));
 }
 

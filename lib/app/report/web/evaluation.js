@@ -16,8 +16,8 @@ import {layerNamed, rasterOf} from "./rasters.js";
 import {report} from "./report_data.js";
 import {fillTerrainView} from "./terrain3d.js";
 
-const BLOCK_TEXT = "of elevations their mean, of errors the one of the largest magnitude, of relative errors the " +
-    "largest, of missed requirements all of them; numbers of returns and shares of invalid bins are averaged";
+const BLOCK_TEXT = "their mean elevation, their error of largest magnitude, their largest relative error and every missed " +
+    "requirement; numbers of returns and shares of invalid bins are averaged";
 
 function mapOptions({layer}, region, marks) {
   const options = {region};
@@ -37,11 +37,10 @@ function mapOptions({layer}, region, marks) {
 function mapsNote() {
   const {factor, rows, cols} = report.grid;
   const blocks = Math.max(rows, cols) < 200 ? "" :
-      ` Blocks of bins, where a map has more bins than pixels, show ${BLOCK_TEXT}` +
-          `${factor === 1 ? "" : `, after the least of each ${factor} x ${factor} bins`}.`;
+      ` Where several bins${factor === 1 ? "" : `, at least ${factor} x ${factor},`} share a pixel, it shows ${BLOCK_TEXT}.`;
   return `${gridText()}.${blocks} North (y) is up; grey: no value; outlined: the judged region. Errors are true \u2212 estimated. ` +
-      "Colours end at the 99.5 % quantile of the magnitudes, or beyond the limit (\u25b8) if it is at most four times this; a pointed end of a " +
-      "colour bar means that values lie beyond it. Elevations are lit from the north-west.";
+      "A colour bar covers 99.5 % of the values, and extends to the limit (\u25b8) if that is at most four times as far; a pointed end " +
+      "means that values lie beyond it. Elevations are lit from the north-west.";
 }
 
 /** A button that alternates a panel between two rasters; where the system asks for less motion, one step a click. */

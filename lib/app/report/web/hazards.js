@@ -20,11 +20,11 @@ const WITH_SITES = ["safe", "outcome", "p_safe", "p_touchdown", "cost"];
 function mapsNote() {
   const {factor, rows, cols} = report.grid;
   const blocks = Math.max(rows, cols) < 200 ? "" :
-      ` Blocks of bins, where a map has more bins than pixels, show the worst of them (of elevations the mean)` +
-          `${factor === 1 ? "" : `, at least ${factor} x ${factor} bins`}; classes are averaged over them.`;
+      ` Where several bins${factor === 1 ? "" : `, at least ${factor} x ${factor},`} share a pixel, it shows the worst value and the mean ` +
+          "elevation; classes are averaged.";
   return `${gridText()}.${blocks} North (y) is up; grey: no value; outlined: the region; dashed on the cost: the places within reach. ` +
-      "The relief is lit from the north-west. Colours of slopes, roughnesses, costs and distances end at the 99.5 % quantile, or beyond the limit (\u25b8) if it " +
-      "is at most four times this; a pointed end of a colour bar means that values lie beyond it.";
+      "The relief is lit from the north-west. A colour bar of slopes, roughnesses, costs and distances covers 99.5 % of the values, and extends to the " +
+      "limit (\u25b8) if that is at most four times as far; a pointed end means that values lie beyond it.";
 }
 
 function classLegend({flags}) {
@@ -165,7 +165,7 @@ function fillScore(section) {
                  score.filled_truth_bins === 0 ? "" : `${counted(score.filled_truth_bins, "bin")} of the truth, in filled holes, ` +
                      `${score.filled_truth_bins === 1 ? "is a mean" : "are means"} of the surroundings.`];
   const charts = [rocChart(score.roc), calibrationChart(score.reliability)].filter((chart) => chart !== null);
-  if (charts.length > 0 && score.roc) notes.push("The limits of the true terrain stay; a point on an axis of the first diagram has 0 there.");
+  if (charts.length > 0 && score.roc) notes.push("The limits applied to the true terrain are unchanged; points on an axis of the first diagram have the value 0.");
   section.append(htmlElement("p", {class: "note"}, notes.filter((text) => text !== "").join(" ")));
   section.append(charts.length > 0 ? htmlElement("div", {class: "figures"}, ...charts) :
       htmlElement("p", {}, "No diagram: the true terrain has no hazard, or no safe place."));
