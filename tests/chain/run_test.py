@@ -9,7 +9,7 @@ import shutil
 import subprocess
 import unittest
 
-from harness import EVAL, HAZARD, REGRID, SCAN, TERRAIN, ToolTest, config_of, read_bytes, run, tool, with_values
+from harness import BIN, EVAL, HAZARD, REGRID, SCAN, TERRAIN, ToolTest, config_of, read_bytes, run, tool, with_values
 
 SIGMA = {"navigation_sigma": {"position_m": [0.02, 0.03, 0.05], "velocity_mps": [0.1, 0.05, 0.1], "rpy_rad": [1e-4, 2e-4, 3e-4],
                               "rpy_rate_radps": [1e-3, 5e-4, 1e-3]}}
@@ -30,6 +30,7 @@ class Landfall(ToolTest):
             self.assertEqual(run("landfall", name, "--help").stdout, run(program, "--help").stdout)
             self.assertEqual(run("landfall", "help", name).stdout, run(program, "--help").stdout)
             self.assertRegex(listed, rf"\n  {name} +[A-Z]")
+        self.assertRegex(listed, r"\n  plot +[A-Z]")
         self.succeed("landfall", "terrain-gen", "-o", self.path("a.h5"), "--set", "grid.half_width_m=5")
         self.succeed("terrain-gen", "-o", self.path("b.h5"), "--set", "grid.half_width_m=5")
         self.assertEqual(read_bytes(self.path("a.h5")), read_bytes(self.path("b.h5")))
@@ -39,6 +40,23 @@ class Landfall(ToolTest):
         self.assertEqual(run("landfall", "scan-sim").returncode, 2)
         self.assertTrue(run("landfall", "--version").stdout.startswith("landfall landfall "))
 
+    def test_starts_every_command_of_python(self):
+        """Each row with a module has one, and is in a list of commands."""
+        root = os.environ["LANDFALL_ROOT"]
+        with open(os.path.join(root, "schemas", "dictionary", "tools.json"), encoding="utf-8") as file:
+            rows = [row for row in json.load(file)["tools"] if "module" in row]
+        lists = {first: run("landfall", *filter(None, [first]), "--help").stdout for first in ("", "plot", "study")}
+        for row in rows:
+            module, words = row["module"].split()[0], row["command"].split()
+            self.assertTrue(os.path.exists(os.path.join(root, "python", "landfall", module.replace(".", "/") + ".py")), row)
+            self.assertRegex(lists[words[0] if words[1:] else ""], rf"\n  {words[-1]} +[A-Z]")
+        shown = self.succeed("landfall", "help", "plot", "dem").stdout
+        self.assertRegex(shown, r"\Ausage: landfall plot dem \[-h\]")
+        self.assertEqual(self.succeed("landfall", "plot").stdout, lists["plot"])
+        self.assertRegex(self.succeed("landfall", "study", "list", "noise").stdout, r"\Acase\trange_sigma_m\t")
+        missing = run("landfall", "plot", "dem", "none.h5", cwd=self.folder)
+        self.assertEqual((missing.returncode, missing.stderr), (1, "landfall plot dem: none.h5: no such file\n"))
+
     def test_completion(self):
         script = self.write("landfall", run("landfall", "--print-completion").stdout)
         self.write("scan-sim", run("scan-sim", "--print-completion").stdout)
@@ -47,12 +65,15 @@ class Landfall(ToolTest):
             text = ('source "$1"; shift; COMP_WORDS=("$@"); COMP_CWORD=$((${#COMP_WORDS[@]} - 1)); _landfall_landfall; '
                     'printf "%s\\n" "${COMPREPLY[@]}"')
             command = ["bash", "-c", text, "bash", script, "landfall", *words]
-            return subprocess.run(command, capture_output=True, text=True, check=True).stdout.split()
+            return subprocess.run(command, capture_output=True, text=True, check=True, env={**os.environ, "PATH": f"{BIN}:{os.environ['PATH']}"}).stdout.split()
 
         self.assertIn("scan-sim", complete("s"))
         self.assertIn("run", complete(""))
         self.assertIn("--ranges-from", complete("scan-sim", "--ran"))
         self.assertIn("--require-safe", complete("run", "--req"))
+        self.assertEqual(complete("plot", "d"), ["dem", "draws"])
+        self.assertEqual(complete("study", "li"), ["list"])
+        self.assertEqual(complete("plot", "dem", "--lim"), ["--limit-m"])
 
     def test_study_status_from_another_folder(self):
         result = run("landfall", "study", "status", "noise", cwd=self.folder)

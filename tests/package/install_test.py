@@ -51,7 +51,7 @@ class Install(unittest.TestCase):
                      self.path("d.h5"), "-O", "--set", "half_width_m=6")
         with h5py.File(self.path("d.h5")) as file:
             self.assertGreater((file["count"][()] > 0).mean(), 0.05)
-        self.succeed(os.path.join(self.share, "python", "commands", "plot_dem.py"), self.path("d.h5"), "-o", self.path("d.png"))
+        self.succeed(self.tool("landfall"), "plot", "dem", self.path("d.h5"), "-o", self.path("d.png"))
         self.assertGreater(os.path.getsize(self.path("d.png")), 1000)
 
     def copy_without_plugins(self, name, prefix):
@@ -88,8 +88,7 @@ class Install(unittest.TestCase):
             self.assertTrue(result.stderr.startswith("landfall-info: OpenCL devices need the plugin landfall-opencl.so, "), result.stderr)
 
     def test_scripts_find_schemas_and_studies(self):
-        plan = self.succeed(os.path.join(self.share, "python", "commands", "sweep.py"), "studies", "studies", cwd=self.share)
-        self.assertIn("noise", plan)
+        self.assertIn("range_sigma_m", self.succeed(self.tool("landfall"), "study", "list", "noise", cwd=self.folder))
         self.succeed("make", "-C", self.share, "-f", "Makefile.studies", "-n", "example-2",
                      "BIN=" + self.path("nowhere"), "RUNS=" + self.path("runs"))
         installed, own = (sorted(os.listdir(os.path.join(folder, "schemas", "dictionary"))) for folder in (self.share, ROOT))

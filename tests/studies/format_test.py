@@ -253,7 +253,7 @@ class BadStudies(StudyTest):
     def refused(self, tree, words, *options):
         path = self.write(tree)
         message = self.sweep("plan", path, "--out", self.out(), "--bin", BIN_FOLDER, *options, code=2).stderr
-        self.assertRegex(message, r"\Asweep.py: [^\n]+\n\Z", tree)
+        self.assertRegex(message, r"\Alandfall study: [^\n]+\n\Z", tree)
         for word in [path, *words]:
             self.assertIn(word, message)
         self.assertFalse(os.path.exists(self.out()), tree)

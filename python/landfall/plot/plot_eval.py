@@ -19,7 +19,7 @@ ZOOM_WIDTH_M = 6.0
 
 
 def parse(arguments):
-    parser = command.Parser(prog="plot_eval.py", description=__doc__)
+    parser = command.Parser(description=__doc__)
     parser.add_argument("evaluation", metavar="EVAL.h5")
     parser.add_argument("--dem", metavar="DEM.h5", help="also draw its true and estimated elevation")
     parser.add_argument("-o", "--output", metavar="DIR|PREFIX",
@@ -346,7 +346,7 @@ def main(arguments):
 
 
 def draw_dem(options, evaluation):
-    """The figure of plot_dem.py, with this evaluation's region and footprint."""
+    """The figure of landfall plot dem, with this evaluation's region and footprint."""
     dem_options = plot_dem.parse([options.dem, "-o", options.output + "dem.png"])
     dem_options.draw_region = lambda ax: draw_region(ax, evaluation)
     dem_options.limit_m = evaluation.limit_m("e_z") or dem_options.limit_m

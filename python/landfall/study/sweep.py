@@ -1,15 +1,15 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Plans a study, shows it, and gathers its results (docs/user/studies/README.md).
 
-  sweep.py plan STUDY.json --out DIR --bin DIR     configurations and make rules, written only when changed
-  sweep.py studies DIR                             the studies of a folder: name, number of cases, title
-  sweep.py list STUDY.json                         its cases
-  sweep.py show STUDY.json CASE                    a shell script that makes one case by hand
-  sweep.py status DIR                              what is done, failed and left
-  sweep.py collect DIR                             results.csv and results.h5
-  sweep.py prune DIR                               removes files that the plan does not name any more
+  landfall study list STUDY                        its cases
+  landfall study show STUDY CASE                   a shell script that makes one case by hand
+  landfall study prune DIR                         removes files that the plan does not name any more
 
 Called by Makefile.studies alone:
+  sweep.py plan STUDY.json --out DIR --bin DIR     configurations and make rules, written only when changed
+  sweep.py studies DIR                             the studies of a folder: name, number of cases, title
+  sweep.py status DIR                              what is done, failed and left
+  sweep.py collect DIR                             results.csv and results.h5
   sweep.py begin DIR                               removes temporary files that killed processes have left, ends times in the future
   sweep.py tidy DIR                                removes shared files that no stage needs any more
 """
@@ -35,11 +35,18 @@ MAX_CHECKS_PER_AXIS = 100
 STUDY_KEYS = {"base", "axes", "repeat"}
 FUTURE_NS = 10 * 10**9  # clocks of network file systems differ by less
 # One process at a time works in a study's folder, under this lock, which Makefile.studies takes too.
-LOCKED = os.path.join(os.path.dirname(os.path.realpath(__file__)), "..", "..", "..", "studies", "runners", "locked")
+PYTHON = os.path.join(os.path.dirname(os.path.realpath(__file__)), "..", "..")
+LOCKED, SWEEP = os.path.join(PYTHON, "..", "studies", "runners", "locked"), os.path.join(PYTHON, "commands", "sweep.py")
+
+
+def study_file(name):
+    """The file of a study, which may be given by its name if it ships with landfall."""
+    shipped = os.path.join(tools.SHARE, "studies", f"{name}.json")
+    return shipped if os.path.basename(name) == name and not os.path.exists(name) and os.path.exists(shipped) else name
 
 
 def parse(arguments):
-    parser = Parser(prog="sweep.py", description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = Parser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     commands = parser.add_subparsers(dest="command", metavar="COMMAND", required=True, parser_class=Parser)
     plan = commands.add_parser("plan", help="write configurations and make rules")
     plan.add_argument("study", metavar="STUDY.json")
@@ -49,7 +56,7 @@ def parse(arguments):
     plan.add_argument("--no-check", action="store_true", help="do not check the values with the tools")
     for name, text in (("list", "print the cases"), ("show", "print how one case is made")):
         command = commands.add_parser(name, help=text)
-        command.add_argument("study", metavar="STUDY.json")
+        command.add_argument("study", metavar="STUDY", type=study_file, help="a file, or the name of a study that ships")
         if name == "show":
             command.add_argument("case", type=int, metavar="CASE", help="number, as list prints it")
     for name, text in (("studies", "print the studies of a folder"), ("status", "print what is done"), ("collect", "write results.csv and results.h5"),
@@ -98,7 +105,7 @@ def need_lock(folder):
     """Returns if make holds the lock of the folder for this process; else starts the command again, under the lock."""
     if os.environ.get("STUDY_LOCK") != folder:
         sys.stdout.flush()
-        os.execv(LOCKED, [LOCKED, folder, sys.executable, *sys.argv])
+        os.execv(LOCKED, [LOCKED, folder, sys.executable, SWEEP, *sys.argv[1:]])
 
 
 def write_plan(options, study, graph, fragment, versions):
