@@ -12,6 +12,7 @@ import os
 import numpy as np
 
 from landfall import command, dictionary, files
+from landfall.errors import UsageError
 from landfall.plot import captions, maps, plot_command, plot_dem, scales, scores
 
 LAYERS = ["e_z", "abs_x", "abs_y", "abs_z", "rel_x", "rel_y", "rel_z", "invalid", "in_region", "fail"]
@@ -23,14 +24,16 @@ def parse(arguments):
     parser.add_argument("evaluation", metavar="EVAL.h5")
     parser.add_argument("--dem", metavar="DEM.h5", help="also draw its true and estimated elevation")
     parser.add_argument("-o", "--output", metavar="DIR|PREFIX",
-                        help="a folder (made if the name ends with /), or the prefix of the figures' names "
-                             "(default: EVAL-)")
+                        help="a folder, made if it does not exist, or the prefix of the figures' names, "
+                             "which ends with - or _ (default: EVAL-)")
     plot_command.add_data_only_option(parser)
     plot_command.add_output_options(parser)
     options = parser.parse_args(arguments)
     options.output = options.output or os.path.splitext(options.evaluation)[0] + "-"
-    if os.path.isdir(options.output):
+    if os.path.isdir(options.output) or not options.output.endswith(("-", "_")):
         options.output = os.path.join(options.output, "")
+    if options.output.endswith(".png" + os.sep) and not os.path.isdir(options.output):
+        raise UsageError(f"--output {options.output[:-1]}: several figures are written; name a folder")
     return options
 
 
