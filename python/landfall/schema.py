@@ -39,8 +39,13 @@ def read_json(path):
 def read_checked(path, kind):
     """The tree of a file that schemas/KIND.schema.json describes. Throws UsageError, naming file, key and value."""
     tree = read_json(path)
-    check(tree, read_json(os.path.join(tools.SHARE, "schemas", f"{kind}.schema.json")), path)
+    check_by(tree, path, kind)
     return tree
+
+
+def check_by(tree, path, kind):
+    """Throws UsageError unless the tree of a file is one that schemas/KIND.schema.json describes."""
+    check(tree, read_json(os.path.join(tools.SHARE, "schemas", f"{kind}.schema.json")), path)
 
 
 def check(value, schema, path):

@@ -269,6 +269,19 @@ class Run(ToolTest):
         again = run("landfall", "run", "-c", "preset:paper", "-c", changes, "-o", "x", "--print-config")
         self.assertEqual(json.loads(again.stdout)["scan"]["noise"], {"range_sigma_m": paper["noise"]["range_sigma_m"], "dropout_frac": 0.5})
 
+    def test_a_section_may_be_a_file_next_to_the_chain(self):
+        """Alone or in a list; a raster that it names lies next to it."""
+        os.makedirs(self.path("site/parts"))
+        for name, tree in (("site/parts/terrain.json", {"from": "moon.tif", "seed": 5}), ("site/scan.json", {"noise": {"range_sigma_m": 0.5}}),
+                           ("site/chain.json", {"terrain": "parts/terrain.json", "scan": ["preset:paper", "scan.json", {"seed": 7}]})):
+            self.write(name, json.dumps(tree))
+        result = run("landfall", "run", "-c", "site/chain.json", "-o", "x", "--print-config", cwd=self.folder)
+        self.assertIn("site/parts/moon.tif: no such file", result.stderr)
+        self.write("site/parts/terrain.json", json.dumps({"seed": 5}))
+        printed = json.loads(self.succeed("landfall", "run", "-c", self.path("site/chain.json"), "-o", "x", "--print-config").stdout)
+        self.assertEqual((printed["terrain"]["seed"], printed["scan"]["seed"], printed["scan"]["noise"]), (5, 7, {"range_sigma_m": 0.5}))
+        self.assertEqual(printed["scan"]["detector"]["roll_deg"], 7.73)
+
     def grid(self, area, **sections):
         """The grid that an area gives the terrain."""
         return json.loads(self.run_chain("--print-config", chain={"area": area, "hazard": None, **sections}).stdout)["terrain"]["grid"]

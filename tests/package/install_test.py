@@ -105,7 +105,7 @@ class Install(unittest.TestCase):
         study = {"base": {"terrain": {"grid": {"half_width_m": 4, "resolution_m": 0.1}},
                           "scan": {"laser": {"scan_time_s": 0.02}, "scanner": {"pattern": {"rows": 20, "columns": 20, "half_width_m": 3}}},
                           "regrid": {"half_width_m": 2, "resolution_m": 0.1}, "eval": {"region_radius_m": 1.5}},
-                 "axes": [{"key": "scan.noise.range_sigma_m", "list": [0.01, 0.02]}]}
+                 "axes": [{"key": "scan.noise.range_sigma_m", "values": [0.01, 0.02]}]}
         with open(self.path("tiny.json"), "w", encoding="utf-8") as file:
             json.dump(study, file)
         self.succeed("make", "-C", os.path.relpath(self.share, self.folder), "-f", "Makefile.studies", "study",

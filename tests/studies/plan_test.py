@@ -26,7 +26,7 @@ class Stages(StudyTest):
         self.assertEqual(len(self.graph(tree).cases), 2)
 
     def test_terrains_are_not_mixed(self):
-        tree = study({"key": "terrain.base", "list": [{"type": "plane"}, {"type": "plane", "slope_x": 0.1}], "labels": ["a", "b"]},
+        tree = study({"key": "terrain.base", "values": [{"type": "plane"}, {"type": "plane", "slope_x": 0.1}], "labels": ["a", "b"]},
                      SIGMAS)
         self.assertEqual(self.counts(tree), [2, 2, 6, 6, 6])
         graph = self.graph(tree)
@@ -37,11 +37,11 @@ class Stages(StudyTest):
         for key, values in (("noise.range_bias_m", [0, 1]), ("noise.dropout_frac", [0, 0.5]), ("seed", [1, 2]),
                             ("navigation_error.position_m", [[0, 0, 0], [0, 0, 1]]),
                             ("pointing_error.time_stamp_bias_s", [0, 0.1])):
-            self.assertEqual(self.counts(study({"key": "scan." + key, "list": values}))[:3], [1, 1, 2], key)
+            self.assertEqual(self.counts(study({"key": "scan." + key, "values": values}))[:3], [1, 1, 2], key)
 
     def test_the_disk_that_truths_take_is_told(self):
         """40 bytes of each ray: 400 pixels, 20,000 and 40,000 pulses."""
-        tree = study({"key": "scan.noise.range_bias_m", "list": [0, 1]}, {"key": "scan.laser.scan_time_s", "list": [20, 40]})
+        tree = study({"key": "scan.noise.range_bias_m", "values": [0, 1]}, {"key": "scan.laser.scan_time_s", "values": [20, 40]})
         tree["set"] = {"scan.detector.rows": 16, "scan.detector.columns": 25, "scan.laser.pulse_rate_hz": 1000}
         graph = self.graph(tree)
         self.assertEqual(rules.disk_text(graph, {"scan"}), "on the disk: 2 truths, about 960 MB, until study-clean; KEEP=scan")
@@ -57,18 +57,18 @@ class Stages(StudyTest):
                             ("pointing_error.jitter_sigma_rad", [0, 0.1]), ("pointing_error.jitter_time_s", [0, 0.1]),
                             ("pointing_error.mirror_time_bias_s", [0, 1e-5]),
                             ("pointing_error.misalignment_rpy_rad", [[0, 0, 0], [0, 0, 0.1]])):
-            self.assertEqual(self.counts(study({"key": "scan." + key, "list": values}))[:3], [1, 0, 2], key)
+            self.assertEqual(self.counts(study({"key": "scan." + key, "values": values}))[:3], [1, 0, 2], key)
 
     def test_a_scan_with_a_receiver_is_traced_for_itself(self):
-        for axis in ({"key": "scan.receiver.type", "list": ["none", "peak", "centroid"]},
-                     {"key": "scan.receiver.timer_step_s", "list": [0, 1e-9, 2e-9]}, {"key": "scan.seed", "list": [1, 2, 3]}):
+        for axis in ({"key": "scan.receiver.type", "values": ["none", "peak", "centroid"]},
+                     {"key": "scan.receiver.timer_step_s", "values": [0, 1e-9, 2e-9]}, {"key": "scan.seed", "values": [1, 2, 3]}):
             tree = study(axis)
             tree["set"] = {"scan.receiver": {"type": "peak"}, "scan.link": {"reference_pe": 400, "reference_range_m": 500}}
             self.assertEqual(self.counts(tree)[:3], [1, 0, 3], axis["key"])
-        self.assertEqual(self.counts(study({"key": "scan.receiver.timer_step_s", "list": [0, 1e-9]}))[:3], [1, 1, 2])
+        self.assertEqual(self.counts(study({"key": "scan.receiver.timer_step_s", "values": [0, 1e-9]}))[:3], [1, 1, 2])
 
     def test_seeds_that_move_the_true_beams(self):
-        seeds = {"key": "scan.seed", "list": [1, 2, 3]}
+        seeds = {"key": "scan.seed", "values": [1, 2, 3]}
         prisms = {"type": "risley", "encoder_sigma_rad": 0.001}
         for more, truths in (({"scan.pointing_error": {"jitter_sigma_rad": 1e-4}}, 0),
                              ({"scan.pointing_error": {"jitter_sigma_rad": [0, 1e-4]}}, 0),
@@ -114,7 +114,7 @@ class Plans(StudyTest):
         self.plan(study(SIGMAS, RESOLUTIONS))
         self.assertEqual({name: time for name, time in self.times(folder).items() if name != "study.mk"},
                          {name: time for name, time in times.items() if name != "study.mk"})
-        self.plan(study({**SIGMAS, "list": [0.01, 0.02, 0.05, 0.07]}, RESOLUTIONS))
+        self.plan(study({**SIGMAS, "values": [0.01, 0.02, 0.05, 0.07]}, RESOLUTIONS))
         later = self.times(folder)
         changed = {name for name in later if later[name] != times.get(name)}
         self.assertEqual({name for name in changed if name.startswith("config/")},
@@ -131,7 +131,7 @@ class Plans(StudyTest):
     def test_names_depend_on_all_inputs_of_a_stage(self):
         self.plan(study(SIGMAS), name="a")
         first = self.rules("a")
-        self.plan(study({**SIGMAS, "list": [0.01, 0.03]}, set={"eval.quantile": 0.9}), name="b")
+        self.plan(study({**SIGMAS, "values": [0.01, 0.03]}, set={"eval.quantile": 0.9}), name="b")
         second = self.rules("b")
         self.assertEqual({name for name in first if name.startswith(("terrain/", "truth/"))},
                          {name for name in second if name.startswith(("terrain/", "truth/"))})
