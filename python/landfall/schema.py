@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Strict JSON with comments: a reader that rejects duplicate keys, NaN and infinity, and a check against a JSON schema.
 
-It supports the keywords of draft-07 that schemas/study.schema.json uses; any other keyword raises AssertionError.
+It supports the keywords of draft-07 that schemas/study.schema.json uses; any other keyword raises AssertionError. The sections of an installed
+schema have "anyOf" with the schemas of the stages (cmake/composed_schema.py): for editors, because the tools check these themselves.
 """
 import codecs
 import json
@@ -16,7 +17,7 @@ STRING_OR_COMMENT = re.compile(r'"(?:[^"\\]|\\.)*"|//[^\n]*|/\*.*?\*/', re.DOTAL
 TYPES = {"object": dict, "array": list, "string": str, "boolean": bool, "null": type(None)}
 WORDS = {"$schema", "$id", "title", "description", "default", "definitions", "type", "properties", "additionalProperties",
          "required", "propertyNames", "minProperties", "items", "minItems", "maxItems", "uniqueItems", "enum", "minimum",
-         "maximum", "minLength", "pattern", "$ref"}
+         "maximum", "minLength", "pattern", "$ref", "anyOf"}
 
 
 def read_json(path):

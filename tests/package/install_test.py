@@ -97,7 +97,10 @@ class Install(unittest.TestCase):
             if name == "dictionary":
                 continue
             with open(os.path.join(self.share, "schemas", name), encoding="utf-8") as file:
-                self.assertIn("$id", json.load(file))
+                schema = json.load(file)
+            self.assertIn("$id", schema)
+            if name in ("chain.schema.json", "study.schema.json"):
+                self.assertIn("noise", schema["definitions"]["scan"]["properties"], name)
         self.assertFalse(os.path.exists(os.path.join(self.share, "scripts")))
         self.assertEqual(self.compiled, [])
 

@@ -169,8 +169,7 @@ ExitCode run_session(const Tool& tool, Session& session) {
 
 ExitCode run_tool(const Tool& tool, const CommonOptions& options, RunLog& log, const Host* host) {
   if (options.print_schema || options.list_presets) {
-    std::cout << (options.print_schema ? embedded_schema(tool.schema).dump(2) + "\n"
-                                       : preset_list(tool.schema));
+    std::cout << (options.print_schema ? printed_schema(tool.schema) : preset_list(tool.schema));
     return ExitCode::done;
   }
   Session session(tool, options, log, host);
