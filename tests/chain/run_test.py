@@ -71,6 +71,7 @@ class Landfall(ToolTest):
         self.assertIn("run", complete(""))
         self.assertIn("--ranges-from", complete("scan-sim", "--ran"))
         self.assertIn("--require-safe", complete("run", "--req"))
+        self.assertEqual(complete("run", "--set", "scan.noise.ra"), ["scan." + key for key in complete("scan-sim", "--set", "noise.ra")])
         self.assertEqual(complete("plot", "d"), ["dem", "draws"])
         self.assertEqual(complete("study", "li"), ["list"])
         self.assertEqual(complete("plot", "dem", "--lim"), ["--limit-m"])
