@@ -131,6 +131,13 @@ class Run(ToolTest):
             self.assertEqual(read_bytes(self.out(name)), read_bytes(s[name]), name)
         self.assertEqual(printed, tables)
 
+    def test_messages_of_a_stage_name_keys_of_the_chain(self):
+        """Not options of regrid, which `landfall run` does not have."""
+        stderr = self.run_chain("-q", code=2, chain={**CHAIN, "regrid": {}}).stderr
+        self.assertIn(f"regrid: {self.path('chain.json')}: /regrid: {self.out('scan.h5')} may have a navigation or pointing error of unknown sigma; give "
+                      "regrid.uncertainty.navigation_sigma=", stderr)
+        self.assertNotIn(" --", stderr)
+
     def test_printed_commands_make_the_same_files(self):
         self.run_chain()
         commands = self.run_chain("--print-commands").stdout.replace(self.path("out"), self.path("again"))

@@ -268,6 +268,7 @@ int tool_main(int argc, const char* const* argv, const Tool& tool, Invocation* i
   if (host == nullptr) hold_closed_standard_streams();
   CLI::App app(tool.summary, tool.name);
   CommonOptions options;
+  if (invocation != nullptr) options.section = invocation->section;
   RunLog log;
   const auto fail = [&](const std::string& message, ExitCode code) {
     constexpr std::string_view kSet = "config: ";  // the keys of --set
