@@ -1,6 +1,6 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""sweep.py plan: each stage occurs once, only changed files are written, and scans that differ in errors share a truth."""
+"""The plan of a study: each stage occurs once, only changed files are written, and scans that differ in errors share a truth."""
 import json
 import os
 import re
@@ -195,6 +195,33 @@ class Plans(StudyTest):
         self.assertEqual(len(json.loads(read(self.out("cases.json")))["cases"]), 5000)
         recipes = self.make("-n", "study-results").stdout
         self.assertEqual(recipes.count("studies/runners/run-stage"), 5002)
+
+    COST = (r"cost: about (\S+) s with {} at a time, by the first case \((.*)\); a stage needs up to \d+ MB of memory")
+
+    def test_cost(self):
+        """The seconds of the first case's stages, times their numbers."""
+        printed = self.sweep("cost", self.write(study(SIGMAS, RESOLUTIONS)), "--bin", BIN).stdout
+        found = re.fullmatch(r"tiny: 6 cases; " + self.COST.format("1 stage") + r"; on the disk: 1 truth, .*\n", printed)
+        self.assertTrue(found, printed)
+        stages = re.findall(r"(\d+) x (\w+) (\S+) s", found[2])
+        self.assertEqual([(kind, int(count)) for count, kind, _ in stages], [("terrain", 1), ("truth", 1), ("scan", 3), ("regrid", 6), ("eval", 6)])
+        self.assertAlmostEqual(float(found[1]), sum(int(count) * float(seconds) for count, _, seconds in stages), delta=1)
+        self.assertIn("--jobs 0: is not >= 1", self.sweep("cost", "noise", "-j", 0, code=2).stderr)
+        wrong = self.write(study(set={"eval.quantile": 2}), "wrong")
+        self.assertRegex(self.sweep("cost", wrong, "--bin", BIN).stdout, r"\Awrong: 1 case; cost: unknown, because the first case fails: dem-eval: .*/quantile: 2 is not")
+
+    def test_a_large_study_shows_its_cost_before_it_starts(self):
+        tree = study(SIGMAS, RESOLUTIONS, LIMITS, repeat={"count": 3})
+        lines = self.make_plan(tree, "-j2")
+        self.assertRegex("\n".join(lines), self.COST.format("2 stages"))
+        self.assertEqual(os.listdir(self.out("scratch")), [])
+        os.utime(self.write(tree))
+        self.assertNotIn("cost: ", "".join(self.make_plan(tree, "-j2")), "the second plan")
+        self.assertNotIn("cost: ", "".join(self.make_plan(study(SIGMAS), "-j2", study_name="small")))
+
+    def make_plan(self, tree, *options, study_name="tiny"):
+        self.write(tree, study_name)
+        return self.make("study-plan", *options, study_name=study_name).stdout.splitlines()
 
     def test_list_and_show(self):
         path = self.write(study(SIGMAS, LIMITS))
