@@ -3,7 +3,9 @@
 # Makefile.studies find each other, the schemas and the studies by the same relative paths; so does share/doc/landfall for the
 # links between the pages.
 set(share ${CMAKE_INSTALL_DATADIR}/landfall)
-install(DIRECTORY schemas studies DESTINATION ${share} USE_SOURCE_PERMISSIONS PATTERN __pycache__ EXCLUDE)
+install(DIRECTORY studies DESTINATION ${share} USE_SOURCE_PERMISSIONS PATTERN __pycache__ EXCLUDE)
+install(DIRECTORY schemas DESTINATION ${share} REGEX "(chain|draws|study|sensitivity|design).schema.json" EXCLUDE)
+install(DIRECTORY ${CMAKE_BINARY_DIR}/schemas DESTINATION ${share})
 install(FILES Makefile.studies DESTINATION ${share})
 install(DIRECTORY python DESTINATION ${share} USE_SOURCE_PERMISSIONS PATTERN __pycache__ EXCLUDE)
 install(DIRECTORY lib/app/report/web DESTINATION ${share}/lib/app/report)

@@ -1,25 +1,47 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The program that each file of commands/ is a link to. It runs the module of the package landfall that has the command's name."""
+"""Runs a command of schemas/dictionary/tools.json that is a module of the package landfall: start.py 'plot dem' ARGUMENTS, as `landfall plot dem`
+does. In a clone each file of commands/ is a link to this program, which then runs the module of the link's name."""
 import importlib
+import json
 import os
 import sys
 
-ROOMS = ("", "plot", "study", "answers")
-OTHER_NAMES = {"landfall-model": "dakota"}
+HERE = os.path.dirname(os.path.realpath(__file__))
+
+
+def commands():
+    with open(os.path.join(HERE, "..", "schemas", "dictionary", "tools.json"), encoding="utf-8") as file:
+        return [row for row in json.load(file)["tools"] if "module" in row]
+
+
+def row_of(called, arguments):
+    """The row of the command, and the arguments of its module."""
+    if called == "start.py":
+        found = [row for row in commands() if arguments[:1] == [row["command"]]]
+        arguments = [*(found[0]["module"].split()[1:] if found else []), *arguments[1:]]
+    else:
+        name = called.removesuffix(".py")
+        found = [row for row in commands() if name in (row["name"].replace(" ", "-"), row["module"].split()[0].rsplit(".", 1)[-1])]
+    if not found:
+        sys.exit(f"{called}: {' '.join(sys.argv[1:2])} is not a command of landfall in Python")
+    return found[0], arguments
 
 
 def main():
     os.environ["MPLBACKEND"] = "Agg"  # figures are files: no display is needed
-    command, package = os.path.basename(sys.argv[0]), os.path.join(os.path.dirname(os.path.realpath(__file__)), "landfall")
-    module = OTHER_NAMES.get(command, command.removesuffix(".py"))
-    rooms = [room for room in ROOMS if os.path.exists(os.path.join(package, room, module + ".py"))]
-    if not rooms:
-        sys.exit(f"{command}: is not the name of a command of landfall")
+    row, arguments = row_of(os.path.basename(sys.argv[0]), sys.argv[1:])
+    module, *words = row["module"].split()
+    name = " ".join(row["name"].split()[:-1] if words else row["name"].split())  # landfall study, whose list, show and prune are one module
+    sys.argv = [name, *arguments]
     shared = importlib.import_module("landfall.command")
-    if rooms == ["plot"] or module == "plot_study":
-        shared.import_matplotlib()
-    shared.run(importlib.import_module(".".join(filter(None, ("landfall", *rooms, module)))).main)
+    try:
+        if ".plot_" in module:
+            shared.import_matplotlib()
+        command = importlib.import_module(f"landfall.{module}")
+    except ModuleNotFoundError as error:
+        sys.exit(f"{name}: {sys.executable} has no module {error.name}; apt-get install python3-{error.name}")
+    shared.run(command.main)
 
 
 if __name__ == "__main__":

@@ -3,6 +3,7 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 #include <iostream>
 #include <optional>
 
@@ -15,6 +16,7 @@
 #include "base/text/parsed_number.h"
 #include "base/text/shown_text.h"
 #include "base/text/trimmed.h"
+#include "formats/points/cloud_reader.h"
 #include "store/files/bin_description.h"
 #include "store/files/comparison.h"
 #include "store/files/file_description.h"
@@ -106,12 +108,22 @@ ExitCode list_devices(const Options& o) {
   return ExitCode::done;
 }
 
+/// Refuses a point file of another program, which would only be said to be no HDF5 file.
+void refuse_points(const std::string& path) {
+  std::error_code unreachable;
+  if (std::filesystem::path(path).extension() != ".h5" &&
+      std::filesystem::is_regular_file(path, unreachable) && is_cloud_file(path))
+    throw FormatError(path + ": is a file of points, not of landfall; import it: landfall-import " + path +
+                      " -o scan.h5");
+}
+
 /// Calls `work` for each file. One that is refused does not prevent the work on the others.
 template <class Work>
 ExitCode for_each_file(const cli::Session& session, const std::vector<std::string>& files, const Work& work) {
   ExitCode code = ExitCode::done;
   for (const std::string& path : files) {
     try {
+      refuse_points(path);
       work(path);
     } catch (const Error& error) {
       if (files.size() == 1) throw;

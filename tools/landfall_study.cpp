@@ -17,6 +17,7 @@
 #include <string>
 #include <vector>
 
+#include "app/cli/umbrella_page.h"
 #include "base/core/error.h"
 #include "base/output/standard_streams.h"
 #include "base/text/shown_text.h"
@@ -27,15 +28,6 @@ namespace landfall::landfall_study {
 namespace {
 
 namespace fs = std::filesystem;
-
-/// The folder of Makefile.studies: of the installation, or of the repository that this program was built in.
-fs::path studies_folder() {
-  for (fs::path folder = own_folder(); folder != folder.root_path(); folder = folder.parent_path())
-    for (const fs::path& candidate : {folder / "share" / "landfall", folder})
-      if (fs::exists(candidate / "Makefile.studies")) return candidate;
-  throw IoError("there is no Makefile.studies above " + own_folder().string() +
-                "; install landfall's studies");
-}
 
 constexpr int kOriginalStderr = 8;
 
@@ -57,7 +49,7 @@ std::vector<std::string> study_command(const std::vector<std::string>& words) {
   std::vector<std::string> command = {"make",
                                       "--no-print-directory",
                                       "-C",
-                                      studies_folder().string(),
+                                      shared_folder("Makefile.studies").string(),
                                       "-f",
                                       "Makefile.studies",
                                       target,
@@ -170,13 +162,14 @@ describes studies.
   landfall study my.json -j2
   landfall study status my.json
   landfall study results my.json RUNS=/data/runs
+
 )";
 
 }  // namespace
 
 int run(const std::vector<std::string>& words) {
   if (!words.empty() && (words[0] == "-h" || words[0] == "--help")) {
-    standard_output() << kStudyHelp << std::flush;
+    standard_output() << kStudyHelp << cli::umbrella_help("study") << std::flush;
     return 0;
   }
   ChildEnd end = end_of_make(study_command(words));

@@ -118,9 +118,10 @@ ExitCode run(cli::Session& session, const Options& o) {
   inputs.push_back(o.sources.terrain);
   Provenance provenance = session.provenance();
   provenance.options = content_options(o.layers, o.sources.rules);
-  const BinnedReturns returns =
-      make_dem(config, o.sources, o.layers,
-               {session.output(inputs), std::move(provenance), session.config_name(), session.phases()});
+  const std::string& section = session.options().section;
+  const std::string& name = section.empty() ? session.config_name() : section;
+  const BinnedReturns returns = make_dem(
+      config, o.sources, o.layers, {session.output(inputs), std::move(provenance), name, session.phases()});
   cli::report_dem(session, returns, config.grid);
   const bool is_sparse = 2 * returns.empty_bins > static_cast<std::int64_t>(config.grid.size());
   if (o.chosen_grid)

@@ -14,6 +14,10 @@ struct Invocation;
 /// The folder of this program.
 std::filesystem::path own_folder();
 
+/// The folder of landfall's data, which has this file: of the installation, or of the repository that this
+/// program was built in. Throws IoError if there is none.
+std::filesystem::path shared_folder(const std::filesystem::path& file);
+
 /// A tool as a function: its program and `landfall run` call it. Returns the exit code. `invocation` may be
 /// null.
 using ToolFunction = int(int argc, const char* const* argv, cli::Invocation* invocation);

@@ -59,7 +59,8 @@ def open(path: Path, group: str | None = None, check: bool = True) -> typing.Any
 
 def run(tool: str, config: Config | typing.Sequence[Config] | None = None, *inputs: Path, output: Path | None = None,
         **options: typing.Any) -> typing.Any:
-    """Runs a tool: run("scan-sim", config, terrain="terrain.h5", output="scan.h5").
+    """Runs a tool: run("scan-sim", config, terrain="terrain.h5", output="scan.h5"). run("landfall run", config, output="site") runs the whole chain into
+    a folder, whose path it returns; landfall.chain runs it in memory.
 
     `config` is a dict, the path of a JSON file, or the name of a preset, or a list of these, which are merged in order as several -c are:
     ["preset:paper", {"noise": {"range_sigma_m": 0.02}}]. `inputs` are files that the tool takes without an option: scans of regrid, the DEM of

@@ -54,7 +54,7 @@ def write(path, z, west_m, north_m, posting_m):
 
 
 def main(arguments):
-    parser = command.Parser(prog="make_raster.py", description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = command.Parser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("-o", "--output", required=True, metavar="FILE.tif")
     parser.add_argument("--posting", type=float, default=2, metavar="M", help="edge of a cell, m (2)")
     parser.add_argument("--cells", type=int, default=257, metavar="N", help="cells along each edge (257)")

@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Strict JSON with comments: a reader that rejects duplicate keys, NaN and infinity, and a check against a JSON schema.
 
-It supports the keywords of draft-07 that schemas/study.schema.json uses; any other keyword raises AssertionError.
+It supports the keywords of draft-07 that schemas/study.schema.json uses; any other keyword raises AssertionError. The sections of an installed
+schema have "anyOf" with the schemas of the stages (cmake/composed_schema.py): for editors, because the tools check these themselves.
 """
 import codecs
 import json
@@ -16,7 +17,7 @@ STRING_OR_COMMENT = re.compile(r'"(?:[^"\\]|\\.)*"|//[^\n]*|/\*.*?\*/', re.DOTAL
 TYPES = {"object": dict, "array": list, "string": str, "boolean": bool, "null": type(None)}
 WORDS = {"$schema", "$id", "title", "description", "default", "definitions", "type", "properties", "additionalProperties",
          "required", "propertyNames", "minProperties", "items", "minItems", "maxItems", "uniqueItems", "enum", "minimum",
-         "maximum", "minLength", "pattern", "$ref"}
+         "maximum", "minLength", "pattern", "$ref", "anyOf"}
 
 
 def read_json(path):
@@ -39,8 +40,13 @@ def read_json(path):
 def read_checked(path, kind):
     """The tree of a file that schemas/KIND.schema.json describes. Throws UsageError, naming file, key and value."""
     tree = read_json(path)
-    check(tree, read_json(os.path.join(tools.SHARE, "schemas", f"{kind}.schema.json")), path)
+    check_by(tree, path, kind)
     return tree
+
+
+def check_by(tree, path, kind):
+    """Throws UsageError unless the tree of a file is one that schemas/KIND.schema.json describes."""
+    check(tree, read_json(os.path.join(tools.SHARE, "schemas", f"{kind}.schema.json")), path)
 
 
 def check(value, schema, path):

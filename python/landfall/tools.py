@@ -91,7 +91,8 @@ def run(tool, config, inputs, output, options):
         if output is not None:
             arguments += ["-o", _path(output, "output")]
         try:
-            done = run_tool(find(tool), *arguments, input=standard_input)
+            program, *words = tool.replace("landfall-run", "landfall run").split()
+            done = run_tool(find(program), *words, *arguments, input=standard_input)
         except ToolError as error:
             message = str(error)
             for name, where in names.items():

@@ -22,7 +22,7 @@ STUDY = {"title": "Range noise", "base": {
     "terrain": {"grid": {"half_width_m": 6, "resolution_m": 0.1}},
     "scan": {"laser": {"scan_time_s": 0.02}, "scanner": {"pattern": {"type": "line_search", "rows": 20, "columns": 20, "half_width_m": 4}}},
     "regrid": {"half_width_m": 5, "resolution_m": 0.1}, "eval": {"region_radius_m": 3.5, "footprint_m": 0.7}},
-    "axes": [{"key": "scan.noise.range_sigma_m", "list": [0.01, 0.05]}]}
+    "axes": [{"key": "scan.noise.range_sigma_m", "values": [0.01, 0.05]}]}
 CLICK = """
 const canvas = document.getElementById("points"), box = canvas.getBoundingClientRect();
 canvas.setPointerCapture = () => {};

@@ -9,7 +9,7 @@ import shutil
 import subprocess
 import unittest
 
-from harness import EVAL, HAZARD, REGRID, SCAN, TERRAIN, ToolTest, config_of, read_bytes, run, tool, with_values
+from harness import BIN, EVAL, HAZARD, REGRID, SCAN, TERRAIN, ToolTest, config_of, read_bytes, run, tool, with_values
 
 SIGMA = {"navigation_sigma": {"position_m": [0.02, 0.03, 0.05], "velocity_mps": [0.1, 0.05, 0.1], "rpy_rad": [1e-4, 2e-4, 3e-4],
                               "rpy_rate_radps": [1e-3, 5e-4, 1e-3]}}
@@ -30,6 +30,7 @@ class Landfall(ToolTest):
             self.assertEqual(run("landfall", name, "--help").stdout, run(program, "--help").stdout)
             self.assertEqual(run("landfall", "help", name).stdout, run(program, "--help").stdout)
             self.assertRegex(listed, rf"\n  {name} +[A-Z]")
+        self.assertRegex(listed, r"\n  plot +[A-Z]")
         self.succeed("landfall", "terrain-gen", "-o", self.path("a.h5"), "--set", "grid.half_width_m=5")
         self.succeed("terrain-gen", "-o", self.path("b.h5"), "--set", "grid.half_width_m=5")
         self.assertEqual(read_bytes(self.path("a.h5")), read_bytes(self.path("b.h5")))
@@ -39,6 +40,23 @@ class Landfall(ToolTest):
         self.assertEqual(run("landfall", "scan-sim").returncode, 2)
         self.assertTrue(run("landfall", "--version").stdout.startswith("landfall landfall "))
 
+    def test_starts_every_command_of_python(self):
+        """Each row with a module has one, and is in a list of commands."""
+        root = os.environ["LANDFALL_ROOT"]
+        with open(os.path.join(root, "schemas", "dictionary", "tools.json"), encoding="utf-8") as file:
+            rows = [row for row in json.load(file)["tools"] if "module" in row]
+        lists = {first: run("landfall", *filter(None, [first]), "--help").stdout for first in ("", "plot", "study")}
+        for row in rows:
+            module, words = row["module"].split()[0], row["command"].split()
+            self.assertTrue(os.path.exists(os.path.join(root, "python", "landfall", module.replace(".", "/") + ".py")), row)
+            self.assertRegex(lists[words[0] if words[1:] else ""], rf"\n  {words[-1]} +[A-Z]")
+        shown = self.succeed("landfall", "help", "plot", "dem").stdout
+        self.assertRegex(shown, r"\Ausage: landfall plot dem \[-h\]")
+        self.assertEqual(self.succeed("landfall", "plot").stdout, lists["plot"])
+        self.assertRegex(self.succeed("landfall", "study", "list", "noise").stdout, r"\Acase\trange_sigma_m\t")
+        missing = run("landfall", "plot", "dem", "none.h5", cwd=self.folder)
+        self.assertEqual((missing.returncode, missing.stderr), (1, "landfall plot dem: none.h5: no such file\n"))
+
     def test_completion(self):
         script = self.write("landfall", run("landfall", "--print-completion").stdout)
         self.write("scan-sim", run("scan-sim", "--print-completion").stdout)
@@ -47,12 +65,16 @@ class Landfall(ToolTest):
             text = ('source "$1"; shift; COMP_WORDS=("$@"); COMP_CWORD=$((${#COMP_WORDS[@]} - 1)); _landfall_landfall; '
                     'printf "%s\\n" "${COMPREPLY[@]}"')
             command = ["bash", "-c", text, "bash", script, "landfall", *words]
-            return subprocess.run(command, capture_output=True, text=True, check=True).stdout.split()
+            return subprocess.run(command, capture_output=True, text=True, check=True, env={**os.environ, "PATH": f"{BIN}:{os.environ['PATH']}"}).stdout.split()
 
         self.assertIn("scan-sim", complete("s"))
         self.assertIn("run", complete(""))
         self.assertIn("--ranges-from", complete("scan-sim", "--ran"))
         self.assertIn("--require-safe", complete("run", "--req"))
+        self.assertEqual(complete("run", "--set", "scan.noise.ra"), ["scan." + key for key in complete("scan-sim", "--set", "noise.ra")])
+        self.assertEqual(complete("plot", "d"), ["dem", "draws"])
+        self.assertEqual(complete("study", "li"), ["list"])
+        self.assertEqual(complete("plot", "dem", "--lim"), ["--limit-m"])
 
     def test_study_status_from_another_folder(self):
         result = run("landfall", "study", "status", "noise", cwd=self.folder)
@@ -108,6 +130,13 @@ class Run(ToolTest):
         for name in OUTPUTS:
             self.assertEqual(read_bytes(self.out(name)), read_bytes(s[name]), name)
         self.assertEqual(printed, tables)
+
+    def test_messages_of_a_stage_name_keys_of_the_chain(self):
+        """Not options of regrid, which `landfall run` does not have."""
+        stderr = self.run_chain("-q", code=2, chain={**CHAIN, "regrid": {}}).stderr
+        self.assertIn(f"regrid: {self.path('chain.json')}: /regrid: {self.out('scan.h5')} may have a navigation or pointing error of unknown sigma; give "
+                      "regrid.uncertainty.navigation_sigma=", stderr)
+        self.assertNotIn(" --", stderr)
 
     def test_printed_commands_make_the_same_files(self):
         self.run_chain()
@@ -247,6 +276,19 @@ class Run(ToolTest):
         changes = self.config({"scan": {"noise": {"dropout_frac": 0.5}}})
         again = run("landfall", "run", "-c", "preset:paper", "-c", changes, "-o", "x", "--print-config")
         self.assertEqual(json.loads(again.stdout)["scan"]["noise"], {"range_sigma_m": paper["noise"]["range_sigma_m"], "dropout_frac": 0.5})
+
+    def test_a_section_may_be_a_file_next_to_the_chain(self):
+        """Alone or in a list; a raster that it names lies next to it."""
+        os.makedirs(self.path("site/parts"))
+        for name, tree in (("site/parts/terrain.json", {"from": "moon.tif", "seed": 5}), ("site/scan.json", {"noise": {"range_sigma_m": 0.5}}),
+                           ("site/chain.json", {"terrain": "parts/terrain.json", "scan": ["preset:paper", "scan.json", {"seed": 7}]})):
+            self.write(name, json.dumps(tree))
+        result = run("landfall", "run", "-c", "site/chain.json", "-o", "x", "--print-config", cwd=self.folder)
+        self.assertIn("site/parts/moon.tif: no such file", result.stderr)
+        self.write("site/parts/terrain.json", json.dumps({"seed": 5}))
+        printed = json.loads(self.succeed("landfall", "run", "-c", self.path("site/chain.json"), "-o", "x", "--print-config").stdout)
+        self.assertEqual((printed["terrain"]["seed"], printed["scan"]["seed"], printed["scan"]["noise"]), (5, 7, {"range_sigma_m": 0.5}))
+        self.assertEqual(printed["scan"]["detector"]["roll_deg"], 7.73)
 
     def grid(self, area, **sections):
         """The grid that an area gives the terrain."""

@@ -20,6 +20,7 @@ The catalogue lacks messages that no command line provokes:
 """
 import json
 import os
+import re
 import resource
 import shlex
 import shutil
@@ -136,6 +137,24 @@ class Catalogue(unittest.TestCase):
                     written = set(case.get("files", {})) | (outputs if fault["exit"] == 3 else set())
                     self.assertEqual(changed, written)
                 tidy(made)
+
+    def test_an_option_in_a_text_is_one_of_the_tool_that_is_named_before_it(self):
+        """So that a reader can give it: the tool that prints the text, or one that the text names. An option of the command itself may be wrong."""
+        with open(os.path.join(ROOT, "schemas", "dictionary", "tools.json"), encoding="utf-8") as file:
+            rows = [row["name"] for row in json.load(file)["tools"]]
+        names = [name for name in rows if name == "landfall run" or " " not in name and name != "landfall"]
+        helps = {name: subprocess.run([tool(name.split()[0]), *name.split()[1:], "--help"], capture_output=True, text=True, check=True).stdout for name in names}
+        options = {name: set(re.findall(r"(?<![\w-])--[a-z][a-z0-9-]*", text)) for name, text in helps.items()}
+        words = re.compile("|".join([*sorted(names, key=len, reverse=True), r"(?<![\w-])--[a-z][a-z0-9-]*"]))
+        count = 0
+        for _, case in cases_of(read_catalogue()):
+            given, named = [word.split("=")[0] for word in case["run"].split()], None
+            for word in words.findall(case["text"]):
+                named = named if word.startswith("--") else word
+                if word.startswith("--") and word not in given and named:
+                    count += 1
+                    self.assertIn(word, options[named], case)
+        self.assertGreater(count, 50)
 
     def test_the_texts_have_one_form(self):
         for _, case in cases_of(read_catalogue()):

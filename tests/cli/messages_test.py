@@ -100,7 +100,7 @@ class Warnings(ChainTest):
 
     def test_sigmas_without_range_noise(self):
         text = self.warning(*self.sigmas(self.scan(noise__range_sigma_m=0)))
-        self.assertEqual(text, "--uncertainty: the range noise is 0; give --range-sigma METRES if the lidar has noise")
+        self.assertEqual(text, "--uncertainty: the range noise is 0; give --range-sigma METRES or /uncertainty/range_sigma_m if the lidar has noise")
         self.assertEqual(self.comments(), {})
 
     def test_complete_sigmas_say_nothing(self):

@@ -7,9 +7,13 @@ import json
 import os
 import random
 import subprocess
+import sys
 import unittest
 
 import jsonschema
+
+sys.path.insert(0, os.path.join(os.environ["LANDFALL_ROOT"], "python"))
+from landfall.schema import read_json  # pylint: disable=wrong-import-position
 
 SEED = int(os.environ.get("LANDFALL_TEST_SEED", "20261126"))
 COUNT = 1500  # configurations of each schema
@@ -125,6 +129,31 @@ class Acceptance(unittest.TestCase):
         for name in SCHEMAS:
             for refused in (False, True):
                 self.assertGreater(counts[name, refused], COUNT / 20, (name, refused, counts))
+
+
+class Sections(unittest.TestCase):
+    """As an editor sees them: the schemas of chains, runs of draws and studies have those of the tools in their sections."""
+
+    def test_unknown_keys_of_a_section_are_found(self):
+        for words in (["landfall", "run"], ["monte-carlo"]):
+            printed = subprocess.run([os.path.join(os.environ["LANDFALL_BIN"], words[0]), *words[1:], "--print-schema"], capture_output=True, text=True, check=True)
+            validator = jsonschema.Draft7Validator(json.loads(printed.stdout))
+            self.assertTrue(validator.is_valid({"terrain": {"from": "a.tif", "center": [1, 2]}, "eval": "eval.json", "hazard": None,
+                                                "scan": ["preset:paper", {"noise": {"range_sigma_m": 1}, "scanner": {"max_deflection_deg": 9}}]}))
+            for wrong in ({"scan": {"noise": {"range_sigma": 1}}}, {"scan": ["preset:paper", {"noise": {"range_sigma": 1}}]}, {"eval": {"quantile": 2}},
+                          {"terrain": {"features": [{"type": "cone", "radius": 1}]}}, {"regrid": 3}, {"scan": {"from": "a.tif"}}):
+                self.assertFalse(validator.is_valid(wrong), (words, wrong))
+
+    def test_the_studies_that_ship_are_valid(self):
+        folder, count = os.path.join(os.environ["LANDFALL_BIN"], "..", "schemas"), collections.Counter()
+        for name in os.listdir(os.path.join(ROOT, "studies")):
+            kind = name.split(".")[-2] if name.count(".") > 1 else "study"
+            tree = read_json(os.path.join(ROOT, "studies", name)) if name.endswith(".json") else {}
+            if kind in ("design", "sensitivity", "draws") or kind == "study" and {"base", "axes"} & tree.keys():
+                with open(os.path.join(folder, f"{kind}.schema.json"), encoding="utf-8") as file:
+                    jsonschema.Draft7Validator(json.load(file)).validate(tree)
+                count[kind] += 1
+        self.assertTrue(all(count[kind] for kind in ("study", "design", "sensitivity", "draws")), count)
 
 
 if __name__ == "__main__":

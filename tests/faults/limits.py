@@ -63,8 +63,8 @@ def prepare(folder):
     with open(os.path.join(folder, "deep65.json"), "w", encoding="utf-8") as file:
         file.write("[" * 65 + "]" * 65)
     with open(os.path.join(folder, "huge.json"), "w", encoding="utf-8") as file:
-        json.dump({"base": {}, "axes": [{"key": "scan.noise.range_sigma_m", "list": [i / 1000 for i in range(101)]},
-                                        {"key": "scan.laser.scan_time_s", "list": list(range(1, 101))}],
+        json.dump({"base": {}, "axes": [{"key": "scan.noise.range_sigma_m", "values": [i / 1000 for i in range(101)]},
+                                        {"key": "scan.laser.scan_time_s", "values": list(range(1, 101))}],
                    "repeat": {"count": 100}}, file)
 
 

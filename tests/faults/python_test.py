@@ -320,7 +320,7 @@ class OddFiles(ChainTest):
 
     def test_names_are_printed_without_control_characters(self):
         result = run_command("plot_dem", "no\x1b[31m\u202e.h5")
-        self.assertEqual((result.returncode, result.stderr), (1, "plot_dem.py: no\\u001b[31m\\u202e.h5: no such file\n"))
+        self.assertEqual((result.returncode, result.stderr), (1, "landfall plot dem: no\\u001b[31m\\u202e.h5: no such file\n"))
         path = shutil.copy(self.chain.dem, self.path("a\x1b[31m $x^$.h5"))
         self.assertEqual(run_command("plot_dem", path).stdout, self.path("a\\u001b[31m $x^$-figure.png") + "\n")
 

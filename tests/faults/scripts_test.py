@@ -106,7 +106,7 @@ class Names(StudyTest):
         for name in ("python", "schemas", "studies", "lib/app/report/web"):
             shutil.copytree(os.path.join(ROOT, name), os.path.join(self.hostile, name), symlinks=True)
         shutil.copy(os.path.join(ROOT, "Makefile.studies"), self.hostile)
-        tree = study({**SIGMAS, "list": [0.01, 0.02], "label": MARKUP}, title=MARKUP + HIDDEN, description="$(touch hacked) " + MARKUP + HIDDEN)
+        tree = study({**SIGMAS, "values": [0.01, 0.02], "label": MARKUP}, title=MARKUP + HIDDEN, description="$(touch hacked) " + MARKUP + HIDDEN)
         with open(os.path.join(self.hostile, "studies", "tiny.json"), "w", encoding="utf-8") as file:
             json.dump(tree, file)
         self.run_in(self.hostile, "make", "-f", "Makefile.studies", "study", "STUDY=tiny", f"BIN={BIN}")
@@ -149,7 +149,7 @@ class Names(StudyTest):
     def test_a_shown_case_runs_only_the_four_tools(self):
         variants = {"$(touch hacked)": {"scan.seed": 1}, "b": {"scan.seed": 2}}
         tree = study({"name": "seed", "variants": variants},
-                     {"key": "scan.noise.a\n touch hacked #", "list": [1, 2]})
+                     {"key": "scan.noise.a\n touch hacked #", "values": [1, 2]})
         script = self.sweep("show", self.write(tree), 0).stdout
         stubs = self.path("stubs")
         os.mkdir(stubs)

@@ -13,7 +13,7 @@ from workshop import EVAL, PART, REGRID, SCAN, TERRAIN, Judge
 
 ROOT = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..")
 STUDY = {"base": {"terrain": TERRAIN, "scan": SCAN, "regrid": REGRID, "eval": EVAL},
-         "axes": [{"key": "scan.noise.range_sigma_m", "list": [0.01, 0.02]}, {"key": "regrid.resolution_m", "list": [0.1, 0.2]}]}
+         "axes": [{"key": "scan.noise.range_sigma_m", "values": [0.01, 0.02]}, {"key": "regrid.resolution_m", "values": [0.1, 0.2]}]}
 RESULTS = ("results.csv", "results.h5")
 
 

@@ -51,7 +51,7 @@ class Install(unittest.TestCase):
                      self.path("d.h5"), "-O", "--set", "half_width_m=6")
         with h5py.File(self.path("d.h5")) as file:
             self.assertGreater((file["count"][()] > 0).mean(), 0.05)
-        self.succeed(os.path.join(self.share, "python", "commands", "plot_dem.py"), self.path("d.h5"), "-o", self.path("d.png"))
+        self.succeed(self.tool("landfall"), "plot", "dem", self.path("d.h5"), "-o", self.path("d.png"))
         self.assertGreater(os.path.getsize(self.path("d.png")), 1000)
 
     def copy_without_plugins(self, name, prefix):
@@ -88,8 +88,7 @@ class Install(unittest.TestCase):
             self.assertTrue(result.stderr.startswith("landfall-info: OpenCL devices need the plugin landfall-opencl.so, "), result.stderr)
 
     def test_scripts_find_schemas_and_studies(self):
-        plan = self.succeed(os.path.join(self.share, "python", "commands", "sweep.py"), "studies", "studies", cwd=self.share)
-        self.assertIn("noise", plan)
+        self.assertIn("range_sigma_m", self.succeed(self.tool("landfall"), "study", "list", "noise", cwd=self.folder))
         self.succeed("make", "-C", self.share, "-f", "Makefile.studies", "-n", "example-2",
                      "BIN=" + self.path("nowhere"), "RUNS=" + self.path("runs"))
         installed, own = (sorted(os.listdir(os.path.join(folder, "schemas", "dictionary"))) for folder in (self.share, ROOT))
@@ -98,7 +97,10 @@ class Install(unittest.TestCase):
             if name == "dictionary":
                 continue
             with open(os.path.join(self.share, "schemas", name), encoding="utf-8") as file:
-                self.assertIn("$id", json.load(file))
+                schema = json.load(file)
+            self.assertIn("$id", schema)
+            if name in ("chain.schema.json", "study.schema.json"):
+                self.assertIn("noise", schema["definitions"]["scan"]["properties"], name)
         self.assertFalse(os.path.exists(os.path.join(self.share, "scripts")))
         self.assertEqual(self.compiled, [])
 
@@ -106,7 +108,7 @@ class Install(unittest.TestCase):
         study = {"base": {"terrain": {"grid": {"half_width_m": 4, "resolution_m": 0.1}},
                           "scan": {"laser": {"scan_time_s": 0.02}, "scanner": {"pattern": {"rows": 20, "columns": 20, "half_width_m": 3}}},
                           "regrid": {"half_width_m": 2, "resolution_m": 0.1}, "eval": {"region_radius_m": 1.5}},
-                 "axes": [{"key": "scan.noise.range_sigma_m", "list": [0.01, 0.02]}]}
+                 "axes": [{"key": "scan.noise.range_sigma_m", "values": [0.01, 0.02]}]}
         with open(self.path("tiny.json"), "w", encoding="utf-8") as file:
             json.dump(study, file)
         self.succeed("make", "-C", os.path.relpath(self.share, self.folder), "-f", "Makefile.studies", "study",

@@ -361,6 +361,11 @@ class Runs(Chain):
         with landfall.run("scan-sim", "flash-256", plan=True, output=self.path("flash.h5"), set={"laser.scan_time_s": 0.1}) as plan:
             self.assertEqual(plan.attrs["format_name"], "landfall.plan")
 
+    def test_the_chain_is_a_command_too(self):
+        for name in ("landfall run", "landfall-run"):
+            resolved = json.loads(landfall.run(name, {"scan": ["preset:paper", {"seed": 7}]}, print_config=True))
+            self.assertEqual(resolved["scan"]["seed"], 7)
+
     def test_several_configurations_are_merged_in_order(self):
         words, text = self.passed_to_tool(["paper", {"seed": 2}, "mine.json"])
         self.assertEqual((words, text), (["-c", "preset:paper", "-c", "-", "-c", "mine.json"], '{"seed": 2}'))

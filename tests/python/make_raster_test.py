@@ -58,7 +58,7 @@ class MakeRaster(unittest.TestCase):
         for arguments in (["-o", self.path], ["-o", self.path + "2", "--cells", 1], ["-o", self.path + "2", "--posting", 0]):
             result = run(*arguments)
             self.assertNotEqual(result.returncode, 0)
-            self.assertRegex(result.stderr, r"\Amake_raster.py: [^\n]+\n\Z")
+            self.assertRegex(result.stderr, r"\Alandfall make-raster: [^\n]+\n\Z")
 
 
 if __name__ == "__main__":

@@ -281,8 +281,10 @@ class PlotEvalTest(ScriptTest):
 
     def test_a_folder_that_does_not_exist_yet(self):
         make_evaluation(self.path("eval.h5"))
-        self.expect_success("plot_eval.py", "eval.h5", "-o", self.path("new/"))
-        self.assertEqual(sorted(os.listdir(self.path("new"))), sorted(f"{name}.png" for name in PICTURES))
+        for folder in ("new/", "other"):
+            self.expect_success("plot_eval.py", "eval.h5", "-o", self.path(folder))
+            self.assertEqual(sorted(os.listdir(self.path(folder))), sorted(f"{name}.png" for name in PICTURES))
+        self.expect_failure(2, "several figures are written; name a folder", "plot_eval.py", "eval.h5", "-o", "a.png")
         self.expect_failure(2, "does not exist", "plot_eval.py", "eval.h5", "-o", self.path("a/b/"))
 
     def test_no_holes(self):

@@ -33,9 +33,9 @@ BASE = {
     "regrid": {"half_width_m": 5, "resolution_m": 0.1},
     "eval": {"region_radius_m": 3.5, "footprint_m": 0.8},
 }
-SIGMAS = {"key": "scan.noise.range_sigma_m", "list": [0.01, 0.02, 0.05]}
-RESOLUTIONS = {"key": "regrid.resolution_m", "list": [0.1, 0.2]}
-LIMITS = {"key": "eval.limits.relative_elevation_m", "list": [0.05, 0.1]}
+SIGMAS = {"key": "scan.noise.range_sigma_m", "values": [0.01, 0.02, 0.05]}
+RESOLUTIONS = {"key": "regrid.resolution_m", "values": [0.1, 0.2]}
+LIMITS = {"key": "eval.limits.relative_elevation_m", "values": [0.05, 0.1]}
 
 
 def study(*axes, **keys):

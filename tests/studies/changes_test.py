@@ -69,9 +69,9 @@ class Changes(StudyTest):
     def test_a_bad_study_stops_make(self):
         self.write(study(SIGMAS))
         self.make("study-results")
-        self.write(study({**SIGMAS, "list": []}))
+        self.write(study({**SIGMAS, "values": []}))
         result = self.make("study-results", code=2)
-        self.assertIn("/axes/0/list: an array of 0 elements; expected at least 1", result.stderr)
+        self.assertIn("/axes/0/values: an array of 0 elements; expected at least 1", result.stderr)
 
     def test_without_a_study(self):
         result = subprocess.run(["make", "-C", ROOT, "-f", "Makefile.studies", "study"], capture_output=True, text=True,

@@ -319,7 +319,7 @@ class Run(DesignTest):
         self.write(file)
         result = self.run_it(code=1)
         self.assertIn("No candidate passes.", result.stdout)
-        self.assertRegex(result.stderr.splitlines()[-1], "^design.py: .*tiny.json: no candidate passes with a probability of 0.85$")
+        self.assertRegex(result.stderr.splitlines()[-1], "^landfall design: .*tiny.json: no candidate passes with a probability of 0.85$")
 
     def test_the_recipe(self):
         self.write(design_file(search={"candidates": 4, "start": [GOOD]}))

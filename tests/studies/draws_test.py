@@ -16,7 +16,7 @@ from landfall.study import figures, model, reader, results, rules, stages, table
 
 VELOCITY = "scan.navigation_error.velocity_mps.0"
 DRAWS = {"draws": 4, "metrics": "verdict", "vary": {VELOCITY: {"type": "normal", "sigma": 0.5}}}
-SPREADS = {"name": "sigma_mps", "key": f"draws.vary.{VELOCITY}.sigma", "list": [0.1, 2]}
+SPREADS = {"name": "sigma_mps", "key": f"draws.vary.{VELOCITY}.sigma", "values": [0.1, 2]}
 REPEAT = {"count": 2, "draws": {"scan.navigation_error.velocity_mps": {"normal": [0.1, 0.1, 0.1]}}}
 STEPS = ("terrain", "scan", "regrid", "eval", "draws")
 HAZARD = {"region_radius_m": 2, "sites": {"divert_radius_m": 2}}
@@ -44,8 +44,8 @@ class Plans(StudyTest):
         self.assertEqual(self.counts(draws_study(SPREADS)), [1, 1, 1, 1, 1, 2])
         self.assertEqual(self.counts(draws_study(SIGMAS)), [1, 1, 3, 3, 3, 3])
         self.assertEqual(self.counts(draws_study(RESOLUTIONS, LIMITS)), [1, 1, 1, 2, 4, 4])
-        self.assertEqual(self.counts(draws_study({"key": "scan.trajectory.position_m.2", "list": [50, 60]})), [1, 2, 2, 2, 2, 2])
-        tree = draws_study({"key": "hazard.limits.roughness_m", "list": [0.2, 0.3]})
+        self.assertEqual(self.counts(draws_study({"key": "scan.trajectory.position_m.2", "values": [50, 60]})), [1, 2, 2, 2, 2, 2])
+        tree = draws_study({"key": "hazard.limits.roughness_m", "values": [0.2, 0.3]})
         tree["base"]["hazard"] = HAZARD
         self.assertEqual(self.counts(tree), [1, 1, 1, 1, 1, 1])
 
@@ -53,7 +53,7 @@ class Plans(StudyTest):
         """Their seeds would draw the same numbers again."""
         tree = draws_study(SIGMAS, repeat=REPEAT)
         self.assertEqual(self.counts(tree), [1, 1, 6, 6, 6, 3])
-        self.assertEqual([config["scan"] for config in self.configs(tree)], [{"noise": {"range_sigma_m": sigma}} for sigma in SIGMAS["list"]])
+        self.assertEqual([config["scan"] for config in self.configs(tree)], [{"noise": {"range_sigma_m": sigma}} for sigma in SIGMAS["values"]])
         graph = self.graph(tree)
         cases = stages.cases_of(graph)
         self.assertEqual([cases[identity] for identity in graph.draws], [[0, 1], [2, 3], [4, 5]])
@@ -63,7 +63,7 @@ class Plans(StudyTest):
         """Errors of the scan without what moves its beams; regrid and eval of the case."""
         scan = {**BASE["scan"], "seed": 7, "noise": {"dropout_frac": 0.1},
                 "pointing_error": {"misalignment_rpy_rad": [0, 0, 1e-4], "time_stamp_bias_s": 1e-5}}
-        tree = draws_study(SPREADS, {**RESOLUTIONS, "list": [0.2]})
+        tree = draws_study(SPREADS, {**RESOLUTIONS, "values": [0.2]})
         tree["base"]["scan"] = scan
         [first, second] = self.configs(tree)
         self.assertEqual(first["scan"], {"seed": 7, "noise": {"dropout_frac": 0.1}, "pointing_error": {"time_stamp_bias_s": 1e-5}})
@@ -91,8 +91,8 @@ class Plans(StudyTest):
             reader.read_study(self.write(study(SPREADS)))
 
     def test_the_tool_checks_the_values(self):
-        for axis, message in (({**SPREADS, "list": [0.1, -1]}, r"sigma_mps = -1: monte-carlo: .*velocity_mps"),
-                              ({"key": "draws.draws", "list": [0]}, r"the first case: monte-carlo: .*draws")):
+        for axis, message in (({**SPREADS, "values": [0.1, -1]}, r"sigma_mps = -1: monte-carlo: .*velocity_mps"),
+                              ({"key": "draws.draws", "values": [0]}, r"the first case: monte-carlo: .*draws")):
             path = self.write(draws_study(axis))
             self.assertRegex(self.sweep("plan", path, "--out", self.out(), "--bin", BIN, code=2).stderr, message)
 
@@ -184,7 +184,7 @@ class Results(StudyTest):
                 self.assertIn("p_invalid", file)
                 self.assertEqual(json.loads(file["verdict_json"].asstr()[()]), json.loads(read(self.out("verdict", name[:-3] + ".json"))))
         many = {"key": "scan.noise.range_sigma_m", "linspace": [0.01, 0.17, rules.MAX_SHARED + 1]}
-        self.write(draws_study(many, {**LIMITS, "list": [0.04, 0.05]}, SPREADS, draws={**DRAWS, "draws": 1}), "many")
+        self.write(draws_study(many, {**LIMITS, "values": [0.04, 0.05]}, SPREADS, draws={**DRAWS, "draws": 1}), "many")
         self.plan(json.loads(read(self.path("many.json"))), name="many")
         text = read(self.out("study.mk", study_name="many")).decode()
         self.assertEqual([text.count(f"call stage,{kind},") for kind in ("metrics", "verdict")], [17, 68])
@@ -200,7 +200,7 @@ class Repeats(StudyTest):
         self.write(draws_study(SPREADS))
         self.assertEqual(self.stages_of(self.make("study-results", "-j2")), ["metrics", "terrain", "truth", "verdict", "verdict"])
         first = read(self.out("results.csv"))
-        self.write(draws_study({**SPREADS, "list": [0.1, 1, 2]}))
+        self.write(draws_study({**SPREADS, "values": [0.1, 1, 2]}))
         self.assertEqual(self.stages_of(self.make("study-results")), ["verdict"])
         self.write(draws_study(SPREADS))
         self.assertEqual(self.stages_of(self.make("study-results")), [])
@@ -243,7 +243,7 @@ class Repeats(StudyTest):
 
     def test_a_failure(self):
         """Beams that the seed moves cannot be redrawn; metrics are still made."""
-        self.write(draws_study({"key": "scan.pointing_error.jitter_sigma_rad", "list": [0, 1e-4]}))
+        self.write(draws_study({"key": "scan.pointing_error.jitter_sigma_rad", "values": [0, 1e-4]}))
         result = self.make("study-results", "-k", code=2)
         self.assertRegex(result.stderr, r"FAILED \(exit \d\): verdict of jitter sigma \S+ rad; the end of \S+\.log:\n +monte-carlo: ")
         self.assertEqual((len(self.files("metrics")), len(self.files("verdict"))), (2, 1))
@@ -255,7 +255,7 @@ class Repeats(StudyTest):
 class Traced(StudyTest):
     """Campaigns whose draws trace their own rays, with landings."""
 
-    HEIGHTS = {"name": "height_m", "key": "terrain.features.0.height_m", "list": [0.1, 1.5]}
+    HEIGHTS = {"name": "height_m", "key": "terrain.features.0.height_m", "values": [0.1, 1.5]}
     LANDING = {**DRAWS, "terrain_seed": "each", "landing": {"drift_time_s": 1}, "hazard": {**HAZARD, "lander": {"leg_radius_m": 0.4}}}
 
     def traced(self, *axes, draws=None, **keys):

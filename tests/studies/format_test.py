@@ -1,6 +1,8 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Study files: their meaning, and refusals that name the file, the key, the value and the bound."""
+import contextlib
+import io
 import json
 import math
 import os
@@ -51,16 +53,16 @@ class Cases(StudyTest):
         self.assertIsInstance(self.config(tree, "scan", 1)["detector"]["rows"], int)
 
     def test_a_zip_goes_together(self):
-        both = {"zip": [SIGMAS, {"key": "scan.noise.dropout_frac", "list": [0, 0.1, 0.2]}]}
+        both = {"zip": [SIGMAS, {"key": "scan.noise.dropout_frac", "values": [0, 0.1, 0.2]}]}
         self.assertEqual(self.values(study(both, LIMITS))[:3], [[0.01, 0, 0.05], [0.01, 0, 0.1], [0.02, 0.1, 0.05]])
 
     def test_several_keys_of_one_axis_get_its_value(self):
-        tree = study({"key": ["terrain.grid.resolution_m", "regrid.resolution_m"], "list": [0.1, 0.2]})
+        tree = study({"key": ["terrain.grid.resolution_m", "regrid.resolution_m"], "values": [0.1, 0.2]})
         self.assertEqual(self.config(tree, "terrain", 1)["grid"], {"half_width_m": 6, "resolution_m": 0.2})
         self.assertEqual(self.config(tree, "regrid", 1)["resolution_m"], 0.2)
 
     def test_scale_makes_a_vector(self):
-        tree = study({"name": "velocity", "key": "scan.navigation_error.velocity_mps", "list": [0, 2],
+        tree = study({"name": "velocity", "key": "scan.navigation_error.velocity_mps", "values": [0, 2],
                       "scale": [0.25, 0.25, 0.5]})
         self.assertEqual(self.values(tree), [[0], [2]])
         self.assertEqual(self.config(tree, "scan", 1)["navigation_error"], {"velocity_mps": [0.5, 0.5, 1]})
@@ -76,17 +78,17 @@ class Cases(StudyTest):
 
     def test_elements_of_arrays_that_are_defaults(self):
         """As --set does: the rest of the array is the default, here of the trajectory that a scan has by default."""
-        tree = study({"key": "scan.trajectory.position_m.2", "list": [300, 400]})
+        tree = study({"key": "scan.trajectory.position_m.2", "values": [300, 400]})
         tree["base"]["scan"] = {key: value for key, value in BASE["scan"].items() if key != "trajectory"}
         self.assertEqual(self.config(tree, "scan", 0)["trajectory"], {"position_m": [0, 0, 300]})
-        tree["axes"] = [{"key": "scan.navigation_error.velocity_mps.0", "list": [0.1]}]
+        tree["axes"] = [{"key": "scan.navigation_error.velocity_mps.0", "values": [0.1]}]
         self.assertEqual(self.config(tree, "scan", 0)["navigation_error"], {"velocity_mps": [0.1, 0, 0]})
         tree["axes"][0]["key"] = "scan.trajectory.velocity_mps.3"
         with self.assertRaisesRegex(UsageError, r'"3" is not an index into \[0, 0, -23\]'):
             self.config(tree, "scan", 0)
 
     def test_objects_are_named_by_labels(self):
-        tree = study({"key": "scan.scanner", "list": [BASE["scan"]["scanner"], {"type": "flash"}], "labels": ["FSM", "flash"]})
+        tree = study({"key": "scan.scanner", "values": [BASE["scan"]["scanner"], {"type": "flash"}], "labels": ["FSM", "flash"]})
         self.assertEqual(self.values(tree), [["FSM"], ["flash"]])
 
     def test_a_stage_without_a_key_replaces_its_configuration(self):
@@ -94,6 +96,24 @@ class Cases(StudyTest):
         self.write({"scanner": {"type": "flash"}}, "other/flash.scan")
         tree = study({"name": "lidar", "variants": {"flash": {"scan": "other/flash.scan.json"}}})
         self.assertEqual(self.config(tree, "scan"), {"scanner": {"type": "flash"}})
+
+    def test_a_configuration_may_be_a_list_that_is_merged(self):
+        """As in a chain file: presets, files and objects; null removes a key."""
+        self.write({"noise": {"range_sigma_m": 0.5, "dropout_frac": 0.1}}, "noisy.scan")
+        parts = ["preset:paper", "noisy.scan.json", {"noise": {"dropout_frac": None}, "seed": 3}]
+        tree = study({"name": "lidar", "variants": {"base": {"eval.quantile": 0.9}, "noisy": {"scan": parts[1:]}}})
+        tree["base"]["scan"] = parts
+        paper, scan = model.read_config("preset:paper", "scan", "."), self.config(tree, "scan")
+        self.assertEqual(scan["noise"], {**paper.pop("noise"), "range_sigma_m": 0.5})
+        self.assertEqual({key: scan[key] for key in ("seed", *paper)}, {**paper, "seed": 3})
+        self.assertEqual(self.config(tree, "scan", 1), {"noise": {"range_sigma_m": 0.5}, "seed": 3})
+        self.assertIn(self.path("noisy.scan.json"), self.read(tree).files)
+
+    def test_list_is_an_old_name_of_values(self):
+        with contextlib.redirect_stderr(io.StringIO()) as messages:
+            old = self.values(study({"zip": [{"key": "scan.seed", "list": [1, 2]}, {"key": "eval.quantile", "list": [0.8, 0.9]}]}))
+        self.assertEqual(old, [[1, 0.8], [2, 0.9]])
+        self.assertEqual(messages.getvalue(), f'landfall study: warning: {self.path("tiny.json")}: /axes/0/zip/0/list: "list" is an old name; write "values"\n')
 
     def test_data_paths_are_relative_to_their_file(self):
         os.mkdir(self.path("data"))
@@ -164,7 +184,7 @@ class Cases(StudyTest):
         self.assertGreater(min(abs(a - b) for a, b in zip(normal, normal[1:])), 0)
 
     def test_units_follow_from_names(self):
-        tree = study(SIGMAS, {"key": "scan.laser.pulse_rate_hz", "list": [2000]}, {"key": "scan.detector.rows", "list": [8]},
+        tree = study(SIGMAS, {"key": "scan.laser.pulse_rate_hz", "values": [2000]}, {"key": "scan.detector.rows", "values": [8]},
                      {**LIMITS, "unit": "furlong", "label": "limit", "log": True})
         axes = self.read(tree).axes()
         self.assertEqual([(a.name, a.unit) for a in axes],
@@ -185,20 +205,20 @@ BAD = [
     ('{"title":\ufeff"a"}', ["not JSON: Expecting value: line 1 column 10"]),
     ({"name": "a b"}, ["/name", '"a b"', "does not match"]),
     ({"base": {"lidar": {}}}, ["/base/lidar", "unknown key", "terrain, scan, regrid, eval"]),
-    ({"base": {"scan": 3}}, ["/base/scan", "3 is of type integer, not string or object"]),
+    ({"base": {"scan": 3}}, ["/base/scan", "3 is of type integer, not object or string or array"]),
     ({"base": {"scan": "nowhere.json"}}, ["/base/scan", "nowhere.json", "No such file"]),
     ({"base": {"scan": "preset:papr"}}, ["/base/scan", "presets/papr.scan.json: No such file"]),
     ({"set": {"lidar.seed": 1}}, ["/set/lidar.seed", "does not match"]),
     ({"set": {"scan.seed.x": 1}, "base": {"scan": {"seed": 4}}}, ["/set/scan.seed.x", '"x" cannot be set in 4']),
     ({"set": {"scan.a.3": 1}, "base": {"scan": {"a": [1, 2]}}}, ["/set/scan.a.3", '"3" is not an index into [1, 2]']),
     ({"set": {"scan": 3}}, ["/set/scan", "3 is not a configuration"]),
-    ({"axes": [{"key": "scan.seed"}]}, ["/axes/0", "none of list, linspace"]),
-    (axis(list=[1], linspace=[0, 1, 2]), ["/axes/0", "list and linspace"]),
-    (axis(list=[]), ["/axes/0/list", "an array of 0 elements; expected at least 1"]),
-    (axis(list=[1, 2, 1]), ["axis range_sigma_m", "value 1 twice"]),
-    (axis(list=[1], label=3), ["/axes/0/label", "3 is of type integer, not string"]),
-    (axis(list=[1], lable="x"), ["/axes/0/lable", "unknown key; known: ", "label"]),
-    (axis(list=[1, 2], labels=["a"]), ["/axes/0/list", "2 entries and 1 labels"]),
+    ({"axes": [{"key": "scan.seed"}]}, ["/axes/0", "none of values, linspace"]),
+    (axis(values=[1], linspace=[0, 1, 2]), ["/axes/0", "values and linspace"]),
+    (axis(values=[]), ["/axes/0/values", "an array of 0 elements; expected at least 1"]),
+    (axis(values=[1, 2, 1]), ["axis range_sigma_m", "value 1 twice"]),
+    (axis(values=[1], label=3), ["/axes/0/label", "3 is of type integer, not string"]),
+    (axis(values=[1], lable="x"), ["/axes/0/lable", "unknown key; known: ", "label"]),
+    (axis(values=[1, 2], labels=["a"]), ["/axes/0/values", "2 entries and 1 labels"]),
     (axis(linspace=[0, 1, 2], labels=["a", "b"]), ["/axes/0/labels", "does not go with linspace"]),
     (axis(linspace=[0, 1]), ["/axes/0/linspace", "an array of 2 elements; expected 3"]),
     (axis(linspace=[0, 1, 2.5]), ["/axes/0/linspace/2", "2.5 is not an integer in [2, 1000000]"]),
@@ -207,10 +227,10 @@ BAD = [
     (axis(linspace=[0, "1", 2]), ["/axes/0/linspace/1", '"1" is of type string, not number']),
     (axis(linspace=[2, 2, 3]), ["axis range_sigma_m", "value 2 twice"]),
     (axis(logspace=[0, 1, 3]), ["/axes/0/logspace", "0 is not above 0"]),
-    (axis(list=[{"a": 1}]), ["/axes/0/list/0", "needs a name in \"labels\""]),
-    (axis(list=["a"], scale=2), ["/axes/0/list/0", '"a" is not a number and cannot be scaled']),
-    (study({"key": "noise.sigma", "list": [1]}), ["/axes/0/key", '"noise.sigma" does not match']),
-    (study({"list": [1]}), ["/axes/0", 'needs the key "key"']),
+    (axis(values=[{"a": 1}]), ["/axes/0/values/0", "needs a name in \"labels\""]),
+    (axis(values=["a"], scale=2), ["/axes/0/values/0", '"a" is not a number and cannot be scaled']),
+    (study({"key": "noise.sigma", "values": [1]}), ["/axes/0/key", '"noise.sigma" does not match']),
+    (study({"values": [1]}), ["/axes/0", 'needs the key "key"']),
     (study({"variants": {"a": {"scan.seed": 1}}}), ["/axes/0", 'needs the key "name"']),
     (study({"name": "kind", "variants": {}}), ["/axes/0/variants", "is empty"]),
     (study({"name": "kind", "key": "scan.seed", "variants": {"a": {"scan.seed": 1}}}), ["/axes/0/key", "does not go with variants"]),
@@ -220,11 +240,11 @@ BAD = [
     (study({"zip": [SIGMAS, {"zip": [SIGMAS, LIMITS]}]}), ["/axes/0/zip/1", "a zip in a zip"]),
     (study(SIGMAS, SIGMAS), ["/axes", "two axes are named range_sigma_m"]),
     (study(SIGMAS, {**SIGMAS, "name": "other"}), ["axis other", "scan.noise.range_sigma_m overwrites"]),
-    (study(SIGMAS, {"name": "noise", "key": "scan.noise", "list": [{}], "labels": ["none"]}),
+    (study(SIGMAS, {"name": "noise", "key": "scan.noise", "values": [{}], "labels": ["none"]}),
      ["axis noise", "scan.noise overwrites scan.noise.range_sigma_m of the axis range_sigma_m"]),
     (study({**SIGMAS, "name": "case"}), ["/axes", "cannot be named case"]),
     (study({**SIGMAS, "name": "repeat"}), ["/axes", "cannot be named repeat"]),
-    (study({"key": "scan.trajectory.position_m.5", "list": [1]}), ["axis position_m", '"5" is not an index into [0, 0, 50]']),
+    (study({"key": "scan.trajectory.position_m.5", "values": [1]}), ["axis position_m", '"5" is not an index into [0, 0, 50]']),
     (study(*({"name": f"a{i}", "key": f"scan.a{i}", "linspace": [0, 1, 1000]} for i in range(3))),
      ["/axes", "the number of cases, 1000000000, is not <= 1000000"]),
     (study(repeat={"count": 0}), ["/repeat/count", "0 is not in [1, 1000000]"]),
@@ -235,15 +255,18 @@ BAD = [
     (study(repeat={"count": 2, "draws": {"scan.x": {}}}), ["/repeat/draws/scan.x", "none of normal, uniform"]),
     (study(repeat={"count": 2, "draws": {"scan.x": {"normal": -1}}}), ["/repeat/draws/scan.x/normal", "-1 is not >= 0"]),
     (study(repeat={"count": 2, "draws": {"scan.x": {"uniform": [2, 1]}}}), ["/repeat/draws/scan.x/uniform", "[2, 1]"]),
+    (study(set={"scan": ["preset:paper", 3]}), ["/set/scan/1: 3 is not a configuration"]),
+    (study(set={"scan": ["paper"]}), ["/set/scan", "paper: No such file or directory; did you mean preset:paper?"]),
+    (axis(list=[1], values=[2]), ["/axes/0/list", "unknown key"]),
     (study(options={"regrid": ["--fast"]}), ["/options/regrid/0", '"--fast" is not one of', "--corrected"]),
     (study(plot={"metrics": []}), ["/plot/metrics", "expected at least 1"]),
 ]
 # Inputs that the tools refuse.
 REFUSED = [
-    (study({"key": "scan.noise.range_sigma", "list": [0.1]}), ["the first case: scan-sim: /scan/noise/range_sigma: "]),
-    (study({"key": "scan.noise.dropout_frac", "list": [0.1, 1.5]}), ["dropout_frac = 1.5", "/noise/dropout_frac", "1.5"]),
+    (study({"key": "scan.noise.range_sigma", "values": [0.1]}), ["the first case: scan-sim: /scan/noise/range_sigma: "]),
+    (study({"key": "scan.noise.dropout_frac", "values": [0.1, 1.5]}), ["dropout_frac = 1.5", "/noise/dropout_frac", "1.5"]),
     (study({"key": "scan.noise.dropout_frac", "linspace": [0, 2, 21]}), ["dropout_frac = 2", "/noise/dropout_frac"]),
-    (study({"key": "terrain.grid.resolution_m", "list": [0.1, -1]}), ["resolution_m = -1", "terrain-gen", "/grid/resolution_m"]),
+    (study({"key": "terrain.grid.resolution_m", "values": [0.1, -1]}), ["resolution_m = -1", "terrain-gen", "/grid/resolution_m"]),
     (study(set={"eval.quantile": 2}), ["dem-eval", "/quantile: 2"]),
     (study(set={"regrid.method": "best"}), ["regrid", "/method"]),
 ]
@@ -253,7 +276,7 @@ class BadStudies(StudyTest):
     def refused(self, tree, words, *options):
         path = self.write(tree)
         message = self.sweep("plan", path, "--out", self.out(), "--bin", BIN_FOLDER, *options, code=2).stderr
-        self.assertRegex(message, r"\Asweep.py: [^\n]+\n\Z", tree)
+        self.assertRegex(message, r"\Alandfall study: [^\n]+\n\Z", tree)
         for word in [path, *words]:
             self.assertIn(word, message)
         self.assertFalse(os.path.exists(self.out()), tree)

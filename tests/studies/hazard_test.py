@@ -15,7 +15,7 @@ from landfall.errors import UsageError
 from landfall.study import figures, names, reader, results, rules, stages, table, verdicts
 
 HAZARD = {"region_radius_m": 2, "sites": {"divert_radius_m": 2}}
-CLEARANCES = {"key": "hazard.limits.roughness_m", "list": [0.2, 0.3]}
+CLEARANCES = {"key": "hazard.limits.roughness_m", "values": [0.2, 0.3]}
 STEPS = ("terrain", "scan", "regrid", "eval", "hazard")
 
 
@@ -56,7 +56,7 @@ class Plans(StudyTest):
             self.assertIn(base.removeprefix("preset:")[:4], read_study.files[-1])
 
     def test_the_tool_checks_the_values(self):
-        path = self.write(hazard_study({"key": "hazard.limits.slope_deg", "list": [10, -1]}))
+        path = self.write(hazard_study({"key": "hazard.limits.slope_deg", "values": [10, -1]}))
         message = self.sweep("plan", path, "--out", self.out(), "--bin", BIN, code=2).stderr
         self.assertRegex(message, r"slope_deg = -1: hazard-map: .*limits/slope_deg")
 
@@ -121,7 +121,7 @@ class Results(StudyTest):
 
     def test_a_case_without_a_safe_place(self):
         """Its columns of the best site are empty."""
-        self.write(hazard_study({"key": "hazard.limits.slope_deg", "list": [10, 0.001]}, set={"scan.noise.range_sigma_m": 0.01}))
+        self.write(hazard_study({"key": "hazard.limits.slope_deg", "values": [10, 0.001]}, set={"scan.noise.range_sigma_m": 0.01}))
         self.make("study-results")
         first, second = self.rows()
         self.assertGreater(float(first["site.p_touchdown"]), 0)
@@ -130,7 +130,7 @@ class Results(StudyTest):
 
     def test_a_case_with_nothing_to_judge_is_a_row(self):
         """The worst lidar of a study leaves no place that can be judged: its metrics are in the table, its score is empty, and make continues."""
-        tree = hazard_study({"key": "scan.noise.dropout_frac", "list": [0, 0.99]}, set={"hazard.hole_fill_bins": 0, "hazard.region_radius_m": 1})
+        tree = hazard_study({"key": "scan.noise.dropout_frac", "values": [0, 0.99]}, set={"hazard.hole_fill_bins": 0, "hazard.region_radius_m": 1})
         self.write(tree)
         self.make("study", "KEEP=hazard")
         first, second = self.rows()
@@ -213,7 +213,7 @@ class Repeats(StudyTest):
         self.write(hazard_study(SIGMAS, CLEARANCES))
         self.make("study-results", "-j2", "KEEP=dem")
         first, rows = read(self.out("results.csv")), self.rows()
-        self.write(hazard_study(SIGMAS, {**CLEARANCES, "list": [0.2, 0.3, 0.4]}))
+        self.write(hazard_study(SIGMAS, {**CLEARANCES, "values": [0.2, 0.3, 0.4]}))
         self.assertEqual(self.stages_of(self.make("study-results", "-j2", "KEEP=dem")), ["score"] * 3)
         self.assertEqual([row["score.counts.safe_safe"] for row in self.rows() if row["roughness_m"] != "0.4"],
                          [row["score.counts.safe_safe"] for row in rows])
@@ -223,9 +223,9 @@ class Repeats(StudyTest):
 
     def test_another_configuration_without_kept_dems(self):
         """The DEM is made for it again, and nothing else that reads the DEM."""
-        self.write(hazard_study({**SIGMAS, "list": [0.01]}, CLEARANCES))
+        self.write(hazard_study({**SIGMAS, "values": [0.01]}, CLEARANCES))
         self.make("study-results")
-        self.write(hazard_study({**SIGMAS, "list": [0.01]}, CLEARANCES, hazard={**HAZARD, "touchdown_sigma_m": 0.5}))
+        self.write(hazard_study({**SIGMAS, "values": [0.01]}, CLEARANCES, hazard={**HAZARD, "touchdown_sigma_m": 0.5}))
         self.assertEqual(self.stages_of(self.make("study-results", "-j2")), ["dem", "score", "score"])
         self.assertEqual(self.files("shared"), [])
         self.assertIn("Nothing to be done", self.make("study-results").stdout)
@@ -253,7 +253,7 @@ class Repeats(StudyTest):
     def test_prune_keeps_what_the_plan_names(self):
         self.write(hazard_study(CLEARANCES))
         self.make("study-results")
-        self.write(hazard_study({**CLEARANCES, "list": [0.2]}))
+        self.write(hazard_study({**CLEARANCES, "values": [0.2]}))
         self.make("study-results")
         self.assertRegex(self.sweep("prune", self.out()).stdout, r"\A[1-9]\d* files removed, ")
         self.assertEqual([len(self.files(folder)) for folder in ("score", "sites", "metrics")], [1, 1, 1])
@@ -261,7 +261,7 @@ class Repeats(StudyTest):
 
     def test_a_failure(self):
         """Legs shorter than two bins are refused when hazard-map sees the DEM; metrics are still made."""
-        self.write(hazard_study({"key": "hazard.lander.leg_radius_m", "list": [0.85, 0.15]}))
+        self.write(hazard_study({"key": "hazard.lander.leg_radius_m", "values": [0.85, 0.15]}))
         result = self.make("study-results", "-k", code=2)
         self.assertRegex(result.stderr, r"FAILED \(exit 2\): score of leg radius 0\.15 m; the end of \S+\.log:\n +hazard-map: .*leg_radius_m")
         self.assertEqual(len(self.files("metrics")), 1)

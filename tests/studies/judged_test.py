@@ -20,7 +20,7 @@ from landfall.answers import design_problem, model, runs
 tools.BIN = BIN
 WIDE = {"invalid_frac": 1, "hole_bins": 10000, "distance_bins": 100}
 # Bins of 0.1 and 0.2 m: 9 x 9 and 5 x 5 in a footprint of 0.8 m; of 0.25 m 3 x 3, of 0.5 m one.
-POSTINGS = {"key": "regrid.resolution_m", "list": [0.1, 0.2, 0.25, 0.5]}
+POSTINGS = {"key": "regrid.resolution_m", "values": [0.1, 0.2, 0.25, 0.5]}
 VERDICTS = ["fail", "fail", "not judged", "not judged"]
 
 
@@ -52,7 +52,7 @@ class Studies(StudyTest):
 
     def test_only_cases_that_are_not_judged(self):
         tree = noisy()
-        tree["axes"] = [{"key": "regrid.resolution_m", "list": [0.5]}]
+        tree["axes"] = [{"key": "regrid.resolution_m", "values": [0.5]}]
         self.write(tree)
         self.make("study")
         self.assertEqual([row["pass"] for row in self.rows()], [""])

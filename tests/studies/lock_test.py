@@ -160,7 +160,7 @@ class Makes(StudyTest):
         self.assertEqual(self.finish(first)[0], 0)
 
     def test_a_study_that_is_refused_leaves_no_folder(self):
-        self.write(study({"key": "scan.seed", "list": []}))
+        self.write(study({"key": "scan.seed", "values": []}))
         self.make("study-results", code=2)
         self.assertFalse(os.path.exists(self.out()))
 

@@ -29,7 +29,7 @@ class Builds(StudyTest):
         self.assertIn("Nothing to be done", again.stdout)
         self.assertEqual(os.stat(self.out("results.csv")).st_mtime_ns, before)
 
-        self.write(study({**SIGMAS, "list": [0.01, 0.02, 0.05, 0.07]}, RESOLUTIONS, LIMITS))
+        self.write(study({**SIGMAS, "values": [0.01, 0.02, 0.05, 0.07]}, RESOLUTIONS, LIMITS))
         self.make("study-results", "-j2")
         self.assertEqual([self.runs_of(step, since=before) for step in steps], [0, 1, 2, 4])
         self.assertEqual(len(self.rows()), 16)
@@ -40,7 +40,7 @@ class Builds(StudyTest):
 
     def test_a_case_equals_the_chain_by_hand(self):
         """The chain by hand uses `sweep.py show`: one traced scan with its errors, all layers, no shared files."""
-        path = self.write(study(SIGMAS, {"key": "scan.noise.dropout_frac", "list": [0, 0.2]}, RESOLUTIONS,
+        path = self.write(study(SIGMAS, {"key": "scan.noise.dropout_frac", "values": [0, 0.2]}, RESOLUTIONS,
                                 repeat={"count": 2, "draws": {"scan.navigation_error.velocity_mps": {"normal": [0.1, 0.1, 0.1]}}},
                                 options={"regrid": ["--corrected"]}))
         self.make("study-results", "-j2")
@@ -84,7 +84,7 @@ class Builds(StudyTest):
 
     def test_a_failure_does_not_affect_other_cases(self):
         """The DEM of the second case is smaller than the region, so its evaluation fails; the others are made."""
-        self.write(study({"key": "regrid.half_width_m", "list": [5, 2, 4]}))
+        self.write(study({"key": "regrid.half_width_m", "values": [5, 2, 4]}))
         result = self.make("study-results", "-k", "-j2", code=2)
         self.assertEqual(len(self.files("metrics")), 2)
         self.assertRegex(result.stderr, r"FAILED \(exit 2\): metrics of half width 2 m; the end of \S+\.log:\n +dem-eval: .*region")
@@ -100,7 +100,7 @@ class Builds(StudyTest):
     def test_a_failure_in_one_recipe(self):
         """If one recipe makes everything that depends on a scan, the results that can be made are made and kept."""
         sigmas = {"key": "scan.noise.range_sigma_m", "linspace": [0.01, 0.17, 17]}
-        self.write(study(sigmas, {"key": "regrid.half_width_m", "list": [5, 2]}, set={"scan.laser.scan_time_s": 0.05}))
+        self.write(study(sigmas, {"key": "regrid.half_width_m", "values": [5, 2]}, set={"scan.laser.scan_time_s": 0.05}))
         self.make("study-results", "-k", "-j2", code=2)
         self.assertEqual(len(self.files("metrics")), 17)
         status = self.make("study-status").stdout
@@ -147,7 +147,7 @@ class Builds(StudyTest):
         self.assertEqual([read(self.out(name)) for name in ("results.csv", "results.h5")], first)
 
     def test_columns_of_any_name(self):
-        self.write(study({"key": "scan.scanner.pattern.columns", "list": [20, 19]}, {"name": "study_json", "key": "scan.seed", "list": [1]}))
+        self.write(study({"key": "scan.scanner.pattern.columns", "values": [20, 19]}, {"name": "study_json", "key": "scan.seed", "values": [1]}))
         self.make("study-results", "-j2")
         self.assertEqual([row["columns"] for row in self.rows()], ["20", "19"])
         with h5py.File(self.out("results.h5")) as file:

@@ -147,7 +147,7 @@ class Margins(StudyTest):
                                    (["--report", self.path("none", "m.html")], "does not exist"), (["-c", self.path("none.json")], "none.json")):
             with self.subTest(message):
                 error = self.run_it(*arguments, code=2).stderr
-                self.assertRegex(error, r"\A(landfall margin|margin\.py): [^\n]*\n\Z")
+                self.assertRegex(error, r"\Alandfall margin: [^\n]*\n\Z")
                 self.assertIn(message, error)
                 self.assertFalse(os.path.exists(self.path("m.json")))
         self.write("", "m")

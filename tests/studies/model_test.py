@@ -415,7 +415,7 @@ class Dakota(ModelTest):
 
     def test_a_row_that_fails(self):
         """Dakota sees the word fail, a person the reason."""
-        self.assertEqual(self.run_model(STANDARD.format(2, -1, 5), message="landfall-model: params.in: .*range_sigma_m"), "fail\n")
+        self.assertEqual(self.run_model(STANDARD.format(2, -1, 5), message="landfall model: params.in: .*range_sigma_m"), "fail\n")
 
     def test_files_that_are_refused(self):
         good = STANDARD.format(2, 0.02, 5)
@@ -426,12 +426,12 @@ class Dakota(ModelTest):
                               (good.replace("0.02", "two"), 'sigma: "two" is not a number'),
                               (good.split("functions")[0] + "functions\n", "ends after 0 of 2 functions"),
                               ("nonsense\n", 'line 1: "nonsense" is neither')):
-            self.assertIsNone(self.run_model(text, code=1, message=f"landfall-model: params.in: .*{message}"))
+            self.assertIsNone(self.run_model(text, code=1, message=f"landfall model: params.in: .*{message}"))
         os.remove(self.path("params.in"))
         with self.assertRaisesRegex(DataError, "No such file"):
             dakota.read_parameters(self.path("params.in"))
         self.write({"base": BASE, "inputs": {"sigma": SIGMA}}, "model")
-        self.run_model(good, code=2, message='landfall-model: model.json: /: needs the key "outputs"')
+        self.run_model(good, code=2, message='landfall model: model.json: /: needs the key "outputs"')
 
 
 if __name__ == "__main__":

@@ -1,6 +1,6 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""sweep.py plan: each stage occurs once, only changed files are written, and scans that differ in errors share a truth."""
+"""The plan of a study: each stage occurs once, only changed files are written, and scans that differ in errors share a truth."""
 import json
 import os
 import re
@@ -26,7 +26,7 @@ class Stages(StudyTest):
         self.assertEqual(len(self.graph(tree).cases), 2)
 
     def test_terrains_are_not_mixed(self):
-        tree = study({"key": "terrain.base", "list": [{"type": "plane"}, {"type": "plane", "slope_x": 0.1}], "labels": ["a", "b"]},
+        tree = study({"key": "terrain.base", "values": [{"type": "plane"}, {"type": "plane", "slope_x": 0.1}], "labels": ["a", "b"]},
                      SIGMAS)
         self.assertEqual(self.counts(tree), [2, 2, 6, 6, 6])
         graph = self.graph(tree)
@@ -37,11 +37,11 @@ class Stages(StudyTest):
         for key, values in (("noise.range_bias_m", [0, 1]), ("noise.dropout_frac", [0, 0.5]), ("seed", [1, 2]),
                             ("navigation_error.position_m", [[0, 0, 0], [0, 0, 1]]),
                             ("pointing_error.time_stamp_bias_s", [0, 0.1])):
-            self.assertEqual(self.counts(study({"key": "scan." + key, "list": values}))[:3], [1, 1, 2], key)
+            self.assertEqual(self.counts(study({"key": "scan." + key, "values": values}))[:3], [1, 1, 2], key)
 
     def test_the_disk_that_truths_take_is_told(self):
         """40 bytes of each ray: 400 pixels, 20,000 and 40,000 pulses."""
-        tree = study({"key": "scan.noise.range_bias_m", "list": [0, 1]}, {"key": "scan.laser.scan_time_s", "list": [20, 40]})
+        tree = study({"key": "scan.noise.range_bias_m", "values": [0, 1]}, {"key": "scan.laser.scan_time_s", "values": [20, 40]})
         tree["set"] = {"scan.detector.rows": 16, "scan.detector.columns": 25, "scan.laser.pulse_rate_hz": 1000}
         graph = self.graph(tree)
         self.assertEqual(rules.disk_text(graph, {"scan"}), "on the disk: 2 truths, about 960 MB, until study-clean; KEEP=scan")
@@ -57,18 +57,18 @@ class Stages(StudyTest):
                             ("pointing_error.jitter_sigma_rad", [0, 0.1]), ("pointing_error.jitter_time_s", [0, 0.1]),
                             ("pointing_error.mirror_time_bias_s", [0, 1e-5]),
                             ("pointing_error.misalignment_rpy_rad", [[0, 0, 0], [0, 0, 0.1]])):
-            self.assertEqual(self.counts(study({"key": "scan." + key, "list": values}))[:3], [1, 0, 2], key)
+            self.assertEqual(self.counts(study({"key": "scan." + key, "values": values}))[:3], [1, 0, 2], key)
 
     def test_a_scan_with_a_receiver_is_traced_for_itself(self):
-        for axis in ({"key": "scan.receiver.type", "list": ["none", "peak", "centroid"]},
-                     {"key": "scan.receiver.timer_step_s", "list": [0, 1e-9, 2e-9]}, {"key": "scan.seed", "list": [1, 2, 3]}):
+        for axis in ({"key": "scan.receiver.type", "values": ["none", "peak", "centroid"]},
+                     {"key": "scan.receiver.timer_step_s", "values": [0, 1e-9, 2e-9]}, {"key": "scan.seed", "values": [1, 2, 3]}):
             tree = study(axis)
             tree["set"] = {"scan.receiver": {"type": "peak"}, "scan.link": {"reference_pe": 400, "reference_range_m": 500}}
             self.assertEqual(self.counts(tree)[:3], [1, 0, 3], axis["key"])
-        self.assertEqual(self.counts(study({"key": "scan.receiver.timer_step_s", "list": [0, 1e-9]}))[:3], [1, 1, 2])
+        self.assertEqual(self.counts(study({"key": "scan.receiver.timer_step_s", "values": [0, 1e-9]}))[:3], [1, 1, 2])
 
     def test_seeds_that_move_the_true_beams(self):
-        seeds = {"key": "scan.seed", "list": [1, 2, 3]}
+        seeds = {"key": "scan.seed", "values": [1, 2, 3]}
         prisms = {"type": "risley", "encoder_sigma_rad": 0.001}
         for more, truths in (({"scan.pointing_error": {"jitter_sigma_rad": 1e-4}}, 0),
                              ({"scan.pointing_error": {"jitter_sigma_rad": [0, 1e-4]}}, 0),
@@ -114,7 +114,7 @@ class Plans(StudyTest):
         self.plan(study(SIGMAS, RESOLUTIONS))
         self.assertEqual({name: time for name, time in self.times(folder).items() if name != "study.mk"},
                          {name: time for name, time in times.items() if name != "study.mk"})
-        self.plan(study({**SIGMAS, "list": [0.01, 0.02, 0.05, 0.07]}, RESOLUTIONS))
+        self.plan(study({**SIGMAS, "values": [0.01, 0.02, 0.05, 0.07]}, RESOLUTIONS))
         later = self.times(folder)
         changed = {name for name in later if later[name] != times.get(name)}
         self.assertEqual({name for name in changed if name.startswith("config/")},
@@ -131,7 +131,7 @@ class Plans(StudyTest):
     def test_names_depend_on_all_inputs_of_a_stage(self):
         self.plan(study(SIGMAS), name="a")
         first = self.rules("a")
-        self.plan(study({**SIGMAS, "list": [0.01, 0.03]}, set={"eval.quantile": 0.9}), name="b")
+        self.plan(study({**SIGMAS, "values": [0.01, 0.03]}, set={"eval.quantile": 0.9}), name="b")
         second = self.rules("b")
         self.assertEqual({name for name in first if name.startswith(("terrain/", "truth/"))},
                          {name for name in second if name.startswith(("terrain/", "truth/"))})
@@ -195,6 +195,33 @@ class Plans(StudyTest):
         self.assertEqual(len(json.loads(read(self.out("cases.json")))["cases"]), 5000)
         recipes = self.make("-n", "study-results").stdout
         self.assertEqual(recipes.count("studies/runners/run-stage"), 5002)
+
+    COST = (r"cost: about (\S+) s with {} at a time, by the first case \((.*)\); a stage needs up to \d+ MB of memory")
+
+    def test_cost(self):
+        """The seconds of the first case's stages, times their numbers."""
+        printed = self.sweep("cost", self.write(study(SIGMAS, RESOLUTIONS)), "--bin", BIN).stdout
+        found = re.fullmatch(r"tiny: 6 cases; " + self.COST.format("1 stage") + r"; on the disk: 1 truth, .*\n", printed)
+        self.assertTrue(found, printed)
+        stages = re.findall(r"(\d+) x (\w+) (\S+) s", found[2])
+        self.assertEqual([(kind, int(count)) for count, kind, _ in stages], [("terrain", 1), ("truth", 1), ("scan", 3), ("regrid", 6), ("eval", 6)])
+        self.assertAlmostEqual(float(found[1]), sum(int(count) * float(seconds) for count, _, seconds in stages), delta=1)
+        self.assertIn("--jobs 0: is not >= 1", self.sweep("cost", "noise", "-j", 0, code=2).stderr)
+        wrong = self.write(study(set={"eval.quantile": 2}), "wrong")
+        self.assertRegex(self.sweep("cost", wrong, "--bin", BIN).stdout, r"\Awrong: 1 case; cost: unknown, because the first case fails: dem-eval: .*/quantile: 2 is not")
+
+    def test_a_large_study_shows_its_cost_before_it_starts(self):
+        tree = study(SIGMAS, RESOLUTIONS, LIMITS, repeat={"count": 3})
+        lines = self.make_plan(tree, "-j2")
+        self.assertRegex("\n".join(lines), self.COST.format("2 stages"))
+        self.assertEqual(os.listdir(self.out("scratch")), [])
+        os.utime(self.write(tree))
+        self.assertNotIn("cost: ", "".join(self.make_plan(tree, "-j2")), "the second plan")
+        self.assertNotIn("cost: ", "".join(self.make_plan(study(SIGMAS), "-j2", study_name="small")))
+
+    def make_plan(self, tree, *options, study_name="tiny"):
+        self.write(tree, study_name)
+        return self.make("study-plan", *options, study_name=study_name).stdout.splitlines()
 
     def test_list_and_show(self):
         path = self.write(study(SIGMAS, LIMITS))

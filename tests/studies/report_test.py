@@ -204,7 +204,7 @@ class MadeStudy(ReportTest):
 
 class ChangedStudy(ReportTest):
     def test_failed_and_missing_cases(self):
-        self.write(study({"key": "regrid.half_width_m", "list": [5, 2, 4]}))
+        self.write(study({"key": "regrid.half_width_m", "values": [5, 2, 4]}))
         self.make("study", "-k", "-j2", code=2)
         self.assertFalse(os.path.exists(self.out("report.html")))
         self.make("study-partial")
@@ -223,19 +223,19 @@ class ChangedStudy(ReportTest):
         self.assertEqual((self.page().tree["failures"]), {"logs": [], "notMade": [1]})
 
     def test_a_table_of_a_different_plan(self):
-        folder = fake_study(self, {"key": "regrid.resolution_m", "list": [0.1, 0.2, 0.25]})
+        folder = fake_study(self, {"key": "regrid.resolution_m", "values": [0.1, 0.2, 0.25]})
         self.report()
-        self.plan(study({"key": "regrid.resolution_m", "list": [0.1, 0.3, 0.25]}), "--no-check")
+        self.plan(study({"key": "regrid.resolution_m", "values": [0.1, 0.3, 0.25]}), "--no-check")
         self.assertRegex(self.report("-O", code=1).stderr, r"results.h5: case 1: resolution_m differs from cases.json")
         with open(os.path.join(folder, "study.mk"), "w", encoding="utf-8") as file:
             file.write("# nothing\n")
-        self.plan(study({"key": "regrid.resolution_m", "list": [0.1, 0.2, 0.25]}), "--no-check")
+        self.plan(study({"key": "regrid.resolution_m", "values": [0.1, 0.2, 0.25]}), "--no-check")
         os.remove(os.path.join(folder, "figures", "percentiles.csv"))
         self.assertIn("percentiles.csv", self.report("-O", code=1).stderr)
 
     def test_folders_are_removed_from_paths(self):
-        config = report_study.without_folders({"base": {"path": "/home/me/secret/a.tif"}, "list": [{"path": 'NETCDF:"/x/y.h5":z'}]})
-        self.assertEqual(config, {"base": {"path": "a.tif"}, "list": [{"path": 'NETCDF:"y.h5":z'}]})
+        config = report_study.without_folders({"base": {"path": "/home/me/secret/a.tif"}, "values": [{"path": 'NETCDF:"/x/y.h5":z'}]})
+        self.assertEqual(config, {"base": {"path": "a.tif"}, "values": [{"path": 'NETCDF:"y.h5":z'}]})
 
     def test_changes_reproduce_the_configuration(self):
         base = {"a": 1, "b": {"c": [1, 2, {"d": True}]}, "e": "x"}
@@ -365,7 +365,7 @@ class InBrowser(ReportTest):
 
     def test_a_case_with_draws_as_a_study_file(self):
         """The run of draws of the saved study is the same one: it has scan, regrid and eval from its case."""
-        tree = study({"key": "draws.draws", "list": [1, 2]}, SIGMAS)
+        tree = study({"key": "draws.draws", "values": [1, 2]}, SIGMAS)
         tree["base"]["draws"] = {"metrics": "verdict"}
         planned = stages.build(reader.read_study(self.write(tree)))
         self.make("study", "-j2")
@@ -376,7 +376,7 @@ class InBrowser(ReportTest):
             self.assertEqual(list(alone.draws), [planned.cases[case][1]["draws"].id])
 
     def test_a_failed_case_and_the_address_of_a_case(self):
-        self.write(study({"key": "regrid.half_width_m", "list": [5, 2, 4]}))
+        self.write(study({"key": "regrid.half_width_m", "values": [5, 2, 4]}))
         self.make("study-results", "-k", "-j2", code=2)
         self.make("study-partial")
         self.browser.get("file://" + self.out("report.html") + "#case-1")
@@ -408,7 +408,7 @@ class InBrowser(ReportTest):
 
     def test_widths(self):
         long_name = {"name": "a_very_long_name_of_an_axis_that_nobody_would_choose_but_somebody_will", "key": "scan.noise.range_sigma_m",
-                     "list": [0, 0.01]}
+                     "values": [0, 0.01]}
         self.open(long_name, RESOLUTIONS, description="word " * 100, repeat={"count": 2}, fragment="#case-1")
         self.assertTrue(self.by_css("#case-detail").is_displayed())
         for details in self.browser.find_elements("css selector", "details"):
@@ -421,7 +421,7 @@ class InBrowser(ReportTest):
                                              ".map(part => part.id)"), [])
 
     def test_points_of_three_axes_fit(self):
-        self.open(SIGMAS, RESOLUTIONS, {"key": "scan.noise.dropout_frac", "list": [0, 0.2]}, repeat={"count": 2},
+        self.open(SIGMAS, RESOLUTIONS, {"key": "scan.noise.dropout_frac", "values": [0, 0.2]}, repeat={"count": 2},
                   plot={"metrics": plot_study.DEFAULT_METRICS})
         self.window.resize(1400)
         self.assertEqual(self.run_script("return document.querySelector('table.points').rows[0].cells.length"), 3 + 1 + 7 + 5)

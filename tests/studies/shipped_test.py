@@ -66,7 +66,7 @@ class Shipped(StudyTest):
         self.write({"base": {}, "axis": []}, "bad")
         result = self.sweep("studies", self.folder, code=2)
         self.assertEqual(result.stdout, "")
-        self.assertRegex(result.stderr, "^sweep.py: .*bad.json.*axis")
+        self.assertRegex(result.stderr, "^landfall study: .*bad.json.*axis")
 
     def test_each_page_has_the_number_of_cases(self):
         """The number on the page is that of the study file, so that a page is updated when its study changes."""

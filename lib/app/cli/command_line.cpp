@@ -52,6 +52,7 @@ std::string not_expected(const CLI::App& app, const std::string& arguments) {
   std::istringstream words(arguments);
   std::string word;
   while (words >> word && word.front() != '-') continue;
+  if (arguments == "help") return "'help' is not a command of this tool; did you mean --help?";
   if (word.empty() || word.front() != '-') return "'" + arguments + "' is one argument too many";
   const std::string name = word.substr(0, word.find('='));
   std::vector<std::string> known;

@@ -13,6 +13,7 @@
 #include "base/text/joined.h"
 #include "store/config/schema.h"
 #include "store/config/schema_keys.h"
+#include "store/config/stage_sections.h"
 
 namespace landfall::cli {
 namespace {
@@ -75,14 +76,20 @@ std::string path_of(const SchemaKey& key) {
   return path;
 }
 
-Values values_of(const Tool& tool) {
-  Values values;
-  for (const SchemaKey& key : schema_keys(embedded_schema(tool.schema))) {
+void add_values(Values& values, const std::string& schema, const std::string& prefix) {
+  for (const SchemaKey& key : schema_keys(embedded_schema(schema))) {
     if (key.type.empty()) continue;
-    std::set<std::string>& all = values[path_of(key)];
+    std::set<std::string>& all = values[prefix + path_of(key)];
     for (const std::string& value : key.values) all.insert(in_shell(value));
     if (key.type == "boolean") all.insert({"false", "true"});
   }
+}
+
+Values values_of(const Tool& tool) {
+  Values values;
+  add_values(values, tool.schema, "");
+  if (has_stage_sections(tool.schema))
+    for (const std::string& stage : stage_sections(tool.schema)) add_values(values, stage, stage + ".");
   return values;
 }
 

@@ -34,6 +34,8 @@ struct CommonOptions {
   bool record_environment = false;
   bool list_presets = false;
   std::string log_path;
+  std::string
+      section;  ///< of a chain's configuration, of which this run is a stage; empty in a run of its own
   bool print_man = false;
   bool print_completion = false;
   int compression = 1;

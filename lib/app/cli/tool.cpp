@@ -168,8 +168,7 @@ ExitCode run_session(const Tool& tool, Session& session) {
 
 ExitCode run_tool(const Tool& tool, const CommonOptions& options, RunLog& log, const Host* host) {
   if (options.print_schema || options.list_presets) {
-    standard_output() << (options.print_schema ? embedded_schema(tool.schema).dump(2) + "\n"
-                                               : preset_list(tool.schema));
+    standard_output() << (options.print_schema ? printed_schema(tool.schema) : preset_list(tool.schema));
     return ExitCode::done;
   }
   Session session(tool, options, log, host);
@@ -268,6 +267,7 @@ int tool_main(int argc, const char* const* argv, const Tool& tool, Invocation* i
   if (host == nullptr) hold_closed_standard_streams();
   CLI::App app(tool.summary, tool.name);
   CommonOptions options;
+  if (invocation != nullptr) options.section = invocation->section;
   RunLog log;
   const auto fail = [&](const std::string& message, ExitCode code) {
     constexpr std::string_view kSet = "config: ";  // the keys of --set

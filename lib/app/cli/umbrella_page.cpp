@@ -15,19 +15,36 @@ constexpr const char* kPurpose =
     "landfall simulates a lander's scanning lidar, builds the elevation model that the lander would see, and "
     "judges it.";
 
-/// `landfall` forgets its first word, so that the tool's function sees the command line of the tool.
-constexpr const char* kUmbrellaBegin = R"sh(_landfall_landfall() {
+/// `landfall` forgets its first word, so that the tool's function sees the command line of the tool. The
+/// options of a command of Python are read from its --help, once in a shell.
+constexpr const char* kUmbrellaBegin = R"sh(declare -A _landfall_python_options
+_landfall_python() {  # COMMAND
+  local current=${COMP_WORDS[COMP_CWORD]}
+  if [[ $current != -* ]]; then _landfall_files "$current" ''; return; fi
+  if [[ ! ${_landfall_python_options[$1]} ]]; then
+    _landfall_python_options[$1]=$("${COMP_WORDS[0]}" $1 --help 2>/dev/null | grep -oE -- '--[a-z][a-z-]*' | sort -u)
+  fi
+  COMPREPLY=($(compgen -W "${_landfall_python_options[$1]}" -- "$current"))
+}
+_landfall_landfall() {
+  local second="${COMP_WORDS[1]} ${COMP_WORDS[2]}" command tool=
   if ((COMP_CWORD == 1)); then
-    COMPREPLY=($(compgen -W "$_landfall_commands" -- "${COMP_WORDS[1]}"))
+    COMPREPLY=($(compgen -W "$(cut -d' ' -f1 <<<"$_landfall_commands")" -- "${COMP_WORDS[1]}"))
     return
   fi
-  local tool=
-  case ${COMP_WORDS[1]} in
+  if ((COMP_CWORD == 2)) && command=$(sed -n "s/^${COMP_WORDS[1]//[^a-z-]/.} //p" <<<"$_landfall_commands") && [[ $command ]]; then
+    COMPREPLY=($(compgen -W "$command" -- "${COMP_WORDS[2]}"))
+    if grep -qx -- "${COMP_WORDS[1]}" <<<"$_landfall_commands"; then COMPREPLY+=($(compgen -f -- "${COMP_WORDS[2]}")); fi
+    return
+  fi
+  for command in "$second" "${COMP_WORDS[1]}"; do
+    case $command in
 )sh";
 
 constexpr const char* kUmbrellaEnd =
-    R"sh(    *) COMPREPLY=($(compgen -f -- "${COMP_WORDS[COMP_CWORD]}")); return ;;
-  esac
+    R"sh(    esac
+  done
+  if [[ ! $tool ]]; then _landfall_files "${COMP_WORDS[COMP_CWORD]}" ''; return; fi
   local function=_landfall_${tool//[- ]/_}
   if ! declare -F "$function" >/dev/null; then
     local folder
@@ -56,11 +73,15 @@ bool is_program(const std::string& name) { return name.find(' ') == std::string:
 
 }  // namespace
 
-std::string umbrella_help() {
-  std::string text = std::string(kPurpose) + "\n\nlandfall COMMAND [OPTION...]\n\n";
+std::string umbrella_help(const std::string& group) {
+  const std::string begin = group.empty() ? "" : group + " ";
+  std::string list;
   for (const dictionary::Tool& command : commands())
-    text += print("  %-12s %s\n", command.command, command.brief);
-  return text +
+    if (const std::string name = command.command;
+        name.starts_with(begin) && name.find(' ', begin.size()) == std::string::npos)
+      list += print("  %-11s  %s\n", command.command + begin.size(), command.brief);
+  if (!group.empty()) return list.empty() ? "" : "landfall " + group + " COMMAND [OPTION...]\n\n" + list;
+  return std::string(kPurpose) + "\n\nlandfall COMMAND [OPTION...]\n\n" + list +
          "\nlandfall help COMMAND lists a command's options, landfall --version prints the version.\n"
          "Documentation: man landfall, docs/user/landfall.md.\n";
 }
@@ -83,11 +104,11 @@ std::string umbrella_completion(const std::string& own) {
   for (const dictionary::Tool& command : commands()) {
     const std::string name = command.command;
     const std::string tool = command.name;
-    names += (names.empty() ? "" : " ") + name;
-    if (is_program(tool))
-      cases += "    " + name + ") tool=" + tool + " ;;\n";
-    else if (own.find(completion_function(tool)) != std::string::npos)
-      cases += "    " + name + ") tool='" + tool + "' ;;\n";
+    names += (names.empty() ? "" : "\n") + name;
+    if (*command.module != '\0')
+      cases += "      '" + name + "') _landfall_python '" + name + "'; return ;;\n";
+    else if (is_program(tool) || own.find(completion_function(tool)) != std::string::npos)
+      cases += "      '" + name + "') tool='" + tool + "'; break ;;\n";
   }
   return own + "# bash completion of landfall\n_landfall_commands='" + names + "'\n" + kUmbrellaBegin +
          cases + kUmbrellaEnd;

@@ -168,9 +168,9 @@ std::optional<MapFrame> export_map(const PointReader& points, const std::string&
     points.file().fail(std::string("its map cannot be read: ") + error.what() + "; --frame site needs none");
   }
   if (!map && frame == "map")
-    throw UsageError(
-        "--frame map: " + points.file().name() +
-        " has no CRS: its site frame is on no map; import points with --crs, or use --frame site");
+    throw UsageError("--frame map: " + points.file().name() +
+                     " has no CRS: its site frame is on no map; import points with landfall-import --crs, or "
+                     "use --frame site");
   if (!map || !points.is_imported()) return map;
   const SourceHeights heights = source_heights(points.file());
   map->center_height = heights.center;

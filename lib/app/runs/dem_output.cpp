@@ -52,13 +52,13 @@ UncertaintyInputs uncertainty_inputs(const Scans& scans, const std::vector<Place
   });
 }
 
-std::vector<std::string> warnings_of(const UncertaintyInputs& inputs) {
+std::vector<std::string> warnings_of(const UncertaintyInputs& inputs, const UncertaintyWords& words) {
   std::vector<std::string> warnings;
   if (inputs.parameters.range_sigma_m == 0)
-    warnings.emplace_back(
-        "--uncertainty: the range noise is 0; give --range-sigma METRES if the lidar has noise");
+    warnings.push_back(words.subject + "the range noise is 0; give " + words.range_sigma +
+                       " if the lidar has noise");
   if (!inputs.left_out.empty())
-    warnings.push_back("--uncertainty: the sigmas leave out errors of the scans: " + inputs.left_out);
+    warnings.push_back(words.subject + "the sigmas leave out errors of the scans: " + inputs.left_out);
   return warnings;
 }
 
@@ -175,7 +175,8 @@ BinnedReturns make_dem(const RegridConfig& config, const DemSources& sources, De
   std::optional<UncertaintyInputs> uncertainty;
   if (layers.uncertainty) {
     uncertainty = uncertainty_inputs(scans, placements.of, output);
-    for (std::string& warning : warnings_of(*uncertainty)) warnings.push_back(std::move(warning));
+    for (std::string& warning : warnings_of(*uncertainty, uncertainty_words(output.config_name)))
+      warnings.push_back(std::move(warning));
     if (!uncertainty->left_out.empty())
       layers.left_out = "leaves out errors of the scans: " + uncertainty->left_out;
   }

@@ -123,15 +123,15 @@ void require_same_echoes(const RangeFile& scan, const Json& ours, const Refusal&
     refuse("a Geiger-mode receiver needs the whole waveforms, which no scan keeps; trace the rays");
   const bool lacks_later = receiver.value("returns", "first") == "first" && !scan.keeps_later_echoes();
   if (!scan.keeps_echoes() || lacks_later)
-    refuse("does not hold the echoes that its receiver saw; make it with --keep-echoes");
+    refuse("does not hold the echoes that its receiver saw; make it with scan-sim --keep-echoes");
 }
 
 void require_complete_ranges(const RangeFile& scan, const Refusal& refuse) {
   if (!loses_nothing(scan.file().config()) && !scan.keeps_misses())
     refuse(
         "the ranges of its dropped, dead and undetected pixels are missing; make it with "
-        "--keep-misses, or with /noise/dropout_frac and /noise/dead_pixel_frac 0 and no receiver");
-  if (!scan.has_exact_ranges()) refuse("its ranges are in single precision (--float32)");
+        "scan-sim --keep-misses, or with /noise/dropout_frac and /noise/dead_pixel_frac 0 and no receiver");
+  if (!scan.has_exact_ranges()) refuse("its ranges are in single precision (scan-sim --float32)");
 }
 
 }  // namespace

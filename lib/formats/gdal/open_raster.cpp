@@ -65,6 +65,9 @@ std::string promised_format(const std::string& path) {
 }
 
 [[noreturn]] void refuse_unopened(const DemBase& dem, const GdalErrors& errors) {
+  std::error_code unreachable;
+  if (dem.path.find(':') == std::string::npos && !std::filesystem::exists(dem.path, unreachable))
+    throw FormatError(dem.path + ": no such file");
   const std::string reason = errors.reason();
   if (reason.find("not recognized as a supported file format") == std::string::npos)
     throw FormatError(dem.path + ": GDAL cannot open it (" + reason + "); get or export it again");

@@ -54,9 +54,7 @@ void note_leftovers(JsonSource& merged, const JsonSource& next, const nlohmann::
 JsonSource read_one(const std::string& name, const std::string& schema) {
   JsonSource source =
       name.starts_with(kPrefix) ? read_preset(name.substr(kPrefix.size()), schema) : read_json(name);
-  if (!has_stage_sections(schema)) return source;
-  expand_stage_sections(source);
-  place_import(source.value, std::filesystem::path(name).parent_path());
+  if (has_stage_sections(schema)) expand_stage_sections(source, std::filesystem::path(name).parent_path());
   return source;
 }
 

@@ -20,8 +20,7 @@ struct Preset {
 /// Reads the configurations that -c names and merges them in order (RFC 7396: a later value replaces an
 /// earlier one, objects are merged, null removes). Each is a file, "-" (standard input) or "preset:NAME".
 /// Without any, the configuration is empty. Sections of stages are expanded before they are merged
-/// (expand_stage_sections()), and the raster that a file names is placed in its folder (place_import()).
-/// Throws UsageError as read_json() does, and for an unknown preset.
+/// (expand_stage_sections()). Throws UsageError as read_json() does, and for an unknown preset.
 [[nodiscard]] JsonSource read_config(const std::vector<std::string>& names, const std::string& schema);
 
 }  // namespace landfall

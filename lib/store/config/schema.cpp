@@ -19,6 +19,7 @@
 #include "base/core/error.h"
 #include "base/text/joined.h"
 #include "base/text/shown_text.h"
+#include "store/config/embedded_composed.h"
 #include "store/config/embedded_schemas.h"
 #include "store/config/schema_keys.h"
 
@@ -307,6 +308,12 @@ const Json& embedded_schema(const std::string& name) {
   for (const auto& schema : embedded::kSchemas)
     if (schema.name == name + ".schema.json") return parsed[name] = Json::parse(schema.text);
   throw std::out_of_range("no schema is named " + name);
+}
+
+std::string printed_schema(const std::string& name) {
+  for (const auto& schema : embedded::kComposed)
+    if (schema.name == name + ".schema.json") return schema.text;
+  return embedded_schema(name).dump(2) + "\n";
 }
 
 Json resolve_config(const JsonSource& source, const Json& schema) {

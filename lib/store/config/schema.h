@@ -16,6 +16,10 @@ namespace landfall {
 /// terrain, scan, regrid, eval, hazard, draws or chain. Any other throws std::out_of_range.
 [[nodiscard]] const nlohmann::json& embedded_schema(const std::string& name);
 
+/// The text of that schema for users and editors; with those of the stages in its sections, where it has such
+/// (cmake/composed_schema.py).
+[[nodiscard]] std::string printed_schema(const std::string& name);
+
 /// Checks a configuration against a schema and fills in the schema's defaults: the resolved configuration.
 ///
 /// A walk over schema and value together fills in the defaults and reports errors; it knows the keywords of

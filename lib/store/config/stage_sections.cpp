@@ -22,6 +22,14 @@ namespace {
 
 using Json = nlohmann::json;
 
+namespace fs = std::filesystem;
+
+/// The place of a value: its pointer in a file, for messages, and the folder of the file.
+struct Place {
+  std::string where;
+  fs::path folder;
+};
+
 constexpr double kTerrainMargin = 10;  // m
 constexpr double kFineSpacing = 0.1;   // m; no terrain needs finer nodes than this because of a footprint
 constexpr double kNodesPerFootprint = 17;
@@ -39,30 +47,60 @@ void merge_keeping_nulls(Json& base, const Json& changes) {
       base[key] = value;
 }
 
-/// The configuration that a preset or an object stands for.
-Json part_of(const Json& part, const std::string& stage, const std::string& where) {
-  if (!part.is_string()) return part;
-  const auto name = part.get<std::string>();
-  if (!name.starts_with("preset:"))
-    throw UsageError(where + ": '" + abbreviated(name) + "' is neither an object nor preset:NAME");
+/// Joins "from" of a section of the terrain to the folder of the file that names it. Absolute paths and names
+/// that are no file there but one of GDAL's (NETCDF:"f.h5":z) stay.
+void place_import(Json& section, const fs::path& folder) {
+  if (!section.is_object() || !section.contains("from") || !section["from"].is_string()) return;
+  const auto name = section["from"].get<std::string>();
+  const fs::path placed = folder / name;
+  std::error_code unreachable;
+  const bool is_gdal_name = name.find(':') != std::string::npos && !fs::exists(placed, unreachable);
+  if (!name.empty() && !is_gdal_name) section["from"] = placed.string();
+}
+
+/// The message for a text that names neither a preset nor a file.
+std::string unknown_file(const std::string& name, const std::string& stage) {
+  const std::string preset = "preset:" + name;
+  const bool is_preset = std::ranges::any_of(presets(stage), [&](const Preset& p) { return p.name == name; });
+  return "'" + abbreviated(name) + "': no such file; " +
+         (is_preset ? "did you mean \"" + preset + "\"?"
+                    : "expected an object, a file, \"preset:NAME\" or a list of these");
+}
+
+/// The configuration that an object, a preset or a file, seen from `folder`, stands for.
+Json part_of(const Json& part, const std::string& stage, const Place& place) {
+  if (!part.is_string()) {
+    Json own = part;
+    if (stage == "terrain") place_import(own, place.folder);
+    return own;
+  }
+  auto name = part.get<std::string>();
+  const bool is_file = !name.starts_with("preset:");
+  std::error_code unreachable;
+  if (is_file && !fs::exists(place.folder / name, unreachable))
+    throw UsageError(place.where + ": " + unknown_file(name, stage));
+  if (is_file) name = (place.folder / name).string();
   try {
-    return read_config({name}, stage).value;
+    Json read = read_config({name}, stage).value;
+    if (stage == "terrain" && is_file) place_import(read, fs::path(name).parent_path());
+    return read;
   } catch (const UsageError& error) {
-    throw UsageError(where + ": " + error.what());
+    throw UsageError(place.where + ": " + error.what());
   }
 }
 
-void expand(Json& section, const std::string& stage, const std::string& where) {
-  if (section.is_string()) section = part_of(section, stage, where);
+void expand(Json& section, const std::string& stage, const Place& place) {
   if (section.is_array()) {
     Json merged = Json::object();
     for (std::size_t i = 0; i < section.size(); ++i) {
-      const std::string element = where + "/" + std::to_string(i);
-      const Json part = part_of(section[i], stage, element);
-      if (!part.is_object()) throw UsageError(element + ": is neither an object nor preset:NAME");
+      const std::string element = place.where + "/" + std::to_string(i);
+      const Json part = part_of(section[i], stage, {element, place.folder});
+      if (!part.is_object()) throw UsageError(element + ": is not an object, a file or \"preset:NAME\"");
       merge_keeping_nulls(merged, part);
     }
     section = std::move(merged);
+  } else {
+    section = part_of(section, stage, place);
   }
   if (!section.is_object()) return;
   section.erase("$schema");
@@ -136,11 +174,11 @@ const std::vector<std::string>& stage_sections(const std::string& schema) {
 
 bool has_stage_sections(const std::string& schema) { return schema == "chain" || schema == "draws"; }
 
-void expand_stage_sections(JsonSource& source) {
+void expand_stage_sections(JsonSource& source, const std::filesystem::path& folder) {
   if (!source.value.is_object()) return;
-  for (const char* const schema : {"chain", "draws"})
-    for (const std::string& stage : stage_sections(schema))
-      if (source.value.contains(stage)) expand(source.value[stage], stage, source.name + ": /" + stage);
+  for (const std::string& stage : stage_sections("chain"))
+    if (source.value.contains(stage))
+      expand(source.value[stage], stage, {source.name + ": /" + stage, folder});
 }
 
 bool is_import(const Json& config) {
@@ -148,17 +186,6 @@ bool is_import(const Json& config) {
   const Json& terrain = config["terrain"];
   return terrain.is_object() && terrain.contains("from") && terrain["from"].is_string() &&
          terrain["from"] != "";
-}
-
-void place_import(Json& config, const std::filesystem::path& folder) {
-  if (!is_import(config)) return;
-  Json& from = config["terrain"]["from"];
-  const auto name = from.get<std::string>();
-  const std::filesystem::path placed = folder / name;
-  std::error_code unreachable;
-  const bool is_gdal_name =
-      name.find(':') != std::string::npos && !std::filesystem::exists(placed, unreachable);
-  if (!is_gdal_name) from = placed.string();
 }
 
 double terrain_half_width(double half_width_m, double resolution_m) {

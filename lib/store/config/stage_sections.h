@@ -16,10 +16,11 @@ namespace landfall {
 /// Whether configurations of this schema have such sections: chain and draws.
 [[nodiscard]] bool has_stage_sections(const std::string& schema);
 
-/// Replaces each section that is "preset:NAME", or a list of presets and objects, by the object that they
-/// give when they are merged in order (RFC 7396). Throws UsageError for an unknown preset and for another
-/// text; other values are left for the schema to refuse.
-void expand_stage_sections(JsonSource& source);
+/// Replaces each section that is "preset:NAME", the name of a file in `folder`, or a list of these and of
+/// objects, by the object that they give when they are merged in order (RFC 7396). /terrain/from is joined to
+/// the folder of the file that it is read from; absolute paths and GDAL's names (NETCDF:"f.h5":z) stay.
+/// Throws UsageError for an unknown preset or file; other values are left for the schema to refuse.
+void expand_stage_sections(JsonSource& source, const std::filesystem::path& folder = {});
 
 /// Fills in what /area gives and a section leaves out (docs/user/landfall.md): half_width_m and resolution_m
 /// of /regrid and, 10 m wider, rounded up to its nodes and with a spacing of at most max(0.1 m,
@@ -30,10 +31,6 @@ void fill_area(nlohmann::json& config, bool makes_all);
 
 /// Whether /terrain of a configuration with stage sections names a raster or mesh.
 [[nodiscard]] bool is_import(const nlohmann::json& config);
-
-/// Joins /terrain/from to the folder of the file that it is read from. Absolute paths and names that are no
-/// file there but one of GDAL's (NETCDF:"f.h5":z) stay.
-void place_import(nlohmann::json& config, const std::filesystem::path& folder);
 
 /// The half width of a terrain under a map of this half width.
 [[nodiscard]] double terrain_half_width(double half_width_m, double resolution_m);

@@ -84,22 +84,22 @@ double with_timer(double range_sigma_m, const Json& config) {
   return std::sqrt(range_sigma_m * range_sigma_m + jitter_m * jitter_m + step_m * step_m / 12);
 }
 
-double range_sigma_m(const std::vector<ScanOrigin>& scans) {
+double range_sigma_m(const std::vector<ScanOrigin>& scans, const UncertaintyWords& words) {
   static const Json::json_pointer kWhere("/noise/range_sigma_m");
-  const std::string remedy = "; give --range-sigma METRES or /uncertainty/range_sigma_m";
+  const std::string remedy = "; give " + words.range_sigma;
   std::optional<double> common;
   for (const ScanOrigin& scan : scans) {
     std::optional<double> sigma = number_at(scan.config, kWhere);
-    if (!sigma) throw UsageError("--uncertainty: " + scan.name + " does not state its range noise" + remedy);
+    if (!sigma) throw UsageError(words.subject + scan.name + " does not state its range noise" + remedy);
     if (const auto errors = errors_of(scan.config, CoveringSigma::given); !errors.empty())
-      throw UsageError("--uncertainty: " + scan.name + " has range noise that is not uniform (" +
-                       errors.front() + ")" + remedy);
+      throw UsageError(words.subject + scan.name + " has range noise that is not uniform (" + errors.front() +
+                       ")" + remedy);
     if (is_on(scan.config, "/receiver/type", {"none"}))
-      throw UsageError("--uncertainty: " + scan.name +
+      throw UsageError(words.subject + scan.name +
                        " has range noise that follows the signal (/receiver/type)" + remedy);
     sigma = with_timer(*sigma, scan.config);
     if (common && *common != *sigma)
-      throw UsageError("--uncertainty: range noise " + number_text(*common) + " m in " + scans.front().name +
+      throw UsageError(words.subject + "range noise " + number_text(*common) + " m in " + scans.front().name +
                        ", " + number_text(*sigma) + " m in " + scan.name + remedy);
     common = sigma;
   }
@@ -125,14 +125,12 @@ bool has_no_navigation_error(const Json& config) {
   return other_navigation_errors(config).empty();
 }
 
-void require_no_navigation_error(const std::vector<ScanOrigin>& scans) {
+void require_no_navigation_error(const std::vector<ScanOrigin>& scans, const UncertaintyWords& words) {
   for (const ScanOrigin& scan : scans)
     if (!has_no_navigation_error(scan.config))
-      throw UsageError(
-          "--uncertainty: " + scan.name +
-          " may have a navigation or pointing error of unknown sigma; give "
-          "--navigation-sigma position_m=METRES (or velocity_mps=, rpy_rad=, rpy_rate_radps=; 0 for "
-          "none) or /uncertainty/navigation_sigma");
+      throw UsageError(words.subject + scan.name +
+                       " may have a navigation or pointing error of unknown sigma; give " +
+                       words.navigation_sigma);
 }
 
 /// The navigation and pointing errors of a scan for which the sigmas are 0.
@@ -201,16 +199,27 @@ void add_navigation_sigma(Json& config, const std::string& assignment) {
   sigmas[key] = sigmas_of(assignment.substr(equals + 1), assignment);
 }
 
+UncertaintyWords uncertainty_words(const std::string& name) {
+  if (!name.ends_with(": /regrid"))
+    return {"--uncertainty: ", "--range-sigma METRES or /uncertainty/range_sigma_m",
+            "--navigation-sigma position_m=METRES (or velocity_mps=, rpy_rad=, rpy_rate_radps=; 0 for none) "
+            "or /uncertainty/navigation_sigma"};
+  return {name + ": ", "regrid.uncertainty.range_sigma_m=METRES",
+          R"(regrid.uncertainty.navigation_sigma={"position_m":[X,Y,Z]} (or velocity_mps, rpy_rad, )"
+          "rpy_rate_radps; [0,0,0] for none)"};
+}
+
 UncertaintyParameters uncertainty_parameters(const Json& config, const std::string& name,
                                              const std::vector<ScanOrigin>& scans) {
   const Json given = config.value("uncertainty", Json::object());
+  const UncertaintyWords words = uncertainty_words(name);
   UncertaintyParameters parameters;
   parameters.range_sigma_m =
-      given.contains("range_sigma_m") ? given["range_sigma_m"].get<double>() : range_sigma_m(scans);
+      given.contains("range_sigma_m") ? given["range_sigma_m"].get<double>() : range_sigma_m(scans, words);
   if (given.contains("navigation_sigma"))
     parameters.navigation = navigation_sigma(given["navigation_sigma"]);
   else
-    require_no_navigation_error(scans);
+    require_no_navigation_error(scans, words);
   at_path(name + ": /uncertainty/", [&] { check(parameters); });
   return parameters;
 }

@@ -24,10 +24,19 @@ struct ScanOrigin {
 /// UsageError.
 void add_navigation_sigma(nlohmann::json& config, const std::string& assignment);
 
+/// How messages name the uncertainty of a DEM and its sigmas: by the options of regrid, or, where its
+/// configuration `name` is a section of another ("chain.json: /regrid"), by keys.
+struct UncertaintyWords {
+  std::string subject;  ///< the beginning of a message
+  std::string range_sigma;
+  std::string navigation_sigma;
+};
+[[nodiscard]] UncertaintyWords uncertainty_words(const std::string& name);
+
 /// The sigmas of regrid.json's /uncertainty; missing ones are taken from the scans. range_sigma_m is that of
 /// the scans if they agree, with the timer's jitter and steps, and navigation_sigma is 0 if they were made
-/// without navigation and pointing errors. Throws UsageError, saying which option to give, if a sigma cannot
-/// be determined: a navigation error in a scan is one draw, not its sigma.
+/// without navigation and pointing errors. Throws UsageError, saying which option or key to give, if a sigma
+/// cannot be determined: a navigation error in a scan is one draw, not its sigma.
 [[nodiscard]] UncertaintyParameters uncertainty_parameters(const nlohmann::json& config,
                                                            const std::string& name,
                                                            const std::vector<ScanOrigin>& scans);

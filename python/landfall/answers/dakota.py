@@ -77,7 +77,7 @@ def results_text(of, found, functions):
 
 
 def main(arguments):
-    parser = command.Parser(prog="landfall-model", description=__doc__.split("\n", maxsplit=1)[0])
+    parser = command.Parser(description=__doc__.split("\n", maxsplit=1)[0])
     parser.add_argument("parameters", metavar="PARAMS", help="Dakota's parameters file, standard or APREPRO format")
     parser.add_argument("results", metavar="RESULTS", help="Dakota's results file")
     parser.add_argument("--model", metavar="FILE", default="model.json", help="base, inputs and outputs (model.json)")
@@ -99,4 +99,4 @@ def main(arguments):
     text = results_text(of, found, functions)
     command.write_text(options.results, text)
     for why in of.failures.values():
-        print(printable(f"landfall-model: {options.parameters}: {why}"), file=os.sys.stderr)
+        print(printable(f"landfall model: {options.parameters}: {why}"), file=os.sys.stderr)

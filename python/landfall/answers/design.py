@@ -173,7 +173,7 @@ def _candidates(problem, answer):
 
 
 def main(arguments):
-    parser = command.Parser(prog="design.py", description="The cheapest lidar whose DEM passes with a given probability.")
+    parser = command.Parser(description="The cheapest lidar whose DEM passes with a given probability.")
     runs.add_options(parser, "design file (docs/user/studies/design.md)")
     options = parser.parse_args(arguments)
     model.optuna()

@@ -224,7 +224,7 @@ def margins(judge, postings, chosen=None):
 
 
 def options_of(arguments):
-    parser = command.Parser(prog="landfall margin", description="How far a chain is from its limits: the margin of each requirement, the largest error of each kind "
+    parser = command.Parser(description="How far a chain is from its limits: the margin of each requirement, the largest error of each kind "
                             "with which it passes, and the postings that pass.")
     parser.add_argument("-c", "--config", metavar="FILE", action="append", default=[], help="configuration of landfall run: a file, - (standard input) or preset:NAME; repeatable")
     parser.add_argument("--set", metavar="KEY=JSON", action="append", default=[], help="set a configuration value; repeatable")

@@ -36,7 +36,7 @@ PART_DRAWS = 32  # of one run of monte-carlo: what is lost at most where a run i
 
 
 def read_base(tree, folder, name, where="/base"):
-    """{stage: resolved configuration}. Each is given as an object, the name of its file in `folder`, or preset:NAME.
+    """{stage: resolved configuration}. Each is given as an object, the name of its file in `folder`, preset:NAME, or a list of these.
 
     All defaults are filled in by the tools, so that every key has a value. `hazard` is there only if it is given.
     """
@@ -47,7 +47,7 @@ def read_base(tree, folder, name, where="/base"):
 
 
 def _read_stage(given, stage, folder, where):
-    place = where if isinstance(given, dict) else f"{config_path(given, stage, folder)}: "
+    place = f"{config_path(given, stage, folder)}: " if isinstance(given, str) else where
     return resolved(stage, read_config(given, stage, folder, where), place)
 
 

@@ -172,7 +172,7 @@ def figure_of(problem, answer):
 
 
 def main(arguments):
-    parser = command.Parser(prog="sensitivity.py", description="Sobol indices of groups of errors.")
+    parser = command.Parser(description="Sobol indices of groups of errors.")
     runs.add_options(parser, "sensitivity file (docs/user/studies/sensitivity.md)")
     options = parser.parse_args(arguments)
     model.openturns()

@@ -1,11 +1,12 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-# The figures are those of the commands plot_dem.py, plot_eval.py, ...: these functions give the options as their command lines would, and return
-# the figure instead of writing it. A figure is closed in pyplot, so that a notebook shows it once, as the value of the cell. It is made and drawn with
+# The figures are those of the commands `landfall plot`: these functions give the options as their command lines would, and return the
+# figure instead of writing it. A figure is closed in pyplot, so that a notebook shows it once, as the value of the cell. It is made and drawn with
 # matplotlib's defaults and the package's settings, whatever a matplotlibrc or the notebook set; the notebook's settings hold for its other figures.
 """Figures of landfall's files, as matplotlib Figures: landfall.plot.dem(landfall.open("dem.h5")).
 
-Each function takes a file as its path or as landfall.open() returned it, or a result in memory, landfall.grid(...). A dataset whose values were changed since is refused, because the
-figure would not show them. Options are those of the command of the same name (plot_dem.py --limit-m 0.03: limit_m=0.03).
+Each function takes a file as its path or as landfall.open() returned it, or a result in memory, landfall.grid(...). A dataset whose values were
+changed since is refused, because the figure would not show them. Options are those of the command of the same name (landfall plot dem --limit-m 0.03:
+limit_m=0.03).
 
 Lengths are metres in the frame of the file (x to the right, y up on the map), angles degrees, `dpi` 50 to 600 pixels per inch. Every function
 raises DataError, naming the file, if it is missing, damaged, of another kind or without a layer that the figure needs, and UsageError if an

@@ -29,11 +29,11 @@ def require_png(path, ending=".png"):
         raise UsageError(f"--output {path}: the name must end in {ending}")
 
 
-def parser_of(prog, description, sources, add_options=None, ending="-figure.png"):
+def parser_of(description, sources, add_options=None, ending="-figure.png"):
     """The function parse(arguments) of a command that draws files: `sources` are its arguments, {name: the file in the help text};
     add_options(parser) adds its other options. Without --output the PNG is next to the last of the files and named after it."""
     def parse(arguments):
-        parser = command.Parser(prog=prog, description=description)
+        parser = command.Parser(description=description)
         for name, file in sources.items():
             parser.add_argument(name, metavar=f"{file}.h5")
         parser.add_argument("-o", "--output", metavar="PNG", help=f"output file (default: {file}{ending} next to it)")
@@ -92,11 +92,11 @@ def main_of(parse, figure_of):
     return main
 
 
-def main_of_tools(prog, description, figure_of, animation_of=None):
+def main_of_tools(description, figure_of, animation_of=None):
     """The function main(arguments) of a command that writes one figure of runs of the tools, figure_of(an empty folder, options), or with --animate
     the text of an SVG, animation_of(folder, options)."""
     def parse(arguments):
-        parser = command.Parser(prog=prog, description=description)
+        parser = command.Parser(description=description)
         parser.add_argument("-o", "--output", metavar="PNG|SVG" if animation_of else "PNG", required=True)
         if animation_of:
             parser.add_argument("--animate", action="store_true", help="an SVG that shows them at work")

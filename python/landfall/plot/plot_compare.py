@@ -20,7 +20,7 @@ def add_options(parser):
     parser.add_argument("--vertical-datum", choices=["as-is"], help="compare heights on different or unknown vertical datums as they are")
 
 
-parse = plot_command.parser_of("plot_compare.py", __doc__, {"dem_a": "A", "dem_b": "B"}, add_options, "-compared.png")
+parse = plot_command.parser_of(__doc__, {"dem_a": "A", "dem_b": "B"}, add_options, "-compared.png")
 
 
 def read(path, layer):

@@ -22,7 +22,7 @@ def add_options(parser):
     parser.set_defaults(draw_region=None)  # of an evaluation
 
 
-parse = plot_command.parser_of("plot_dem.py", __doc__, {"dem": "DEM"}, add_options)
+parse = plot_command.parser_of(__doc__, {"dem": "DEM"}, add_options)
 
 
 def read(path):

@@ -22,7 +22,7 @@ TERRAIN_COLOR = "#f4f1ea"  # where a probability is 0
 CLASSES = 30
 
 
-parse = plot_command.parser_of("plot_draws.py", __doc__, {"draws": "DRAWS"})
+parse = plot_command.parser_of(__doc__, {"draws": "DRAWS"})
 
 
 class Draws:

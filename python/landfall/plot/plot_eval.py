@@ -12,6 +12,7 @@ import os
 import numpy as np
 
 from landfall import command, dictionary, files
+from landfall.errors import UsageError
 from landfall.plot import captions, maps, plot_command, plot_dem, scales, scores, verdict_page
 
 LAYERS = ["e_z", "abs_x", "abs_y", "abs_z", "rel_x", "rel_y", "rel_z", "invalid", "in_region", "fail"]
@@ -19,19 +20,21 @@ ZOOM_WIDTH_M = 6.0
 
 
 def parse(arguments):
-    parser = command.Parser(prog="plot_eval.py", description=__doc__)
+    parser = command.Parser(description=__doc__)
     parser.add_argument("evaluation", metavar="EVAL.h5")
     parser.add_argument("--dem", metavar="DEM.h5", help="also draw its true and estimated elevation")
     parser.add_argument("-o", "--output", metavar="DIR|PREFIX",
-                        help="a folder (made if the name ends with /), or the prefix of the figures' names "
-                             "(default: EVAL-)")
+                        help="a folder, made if it does not exist, or the prefix of the figures' names, "
+                             "which ends with - or _ (default: EVAL-)")
     parser.add_argument("--page", metavar="PDF", help="write this page instead: verdict, margins, assumptions, files and versions")
     plot_command.add_data_only_option(parser)
     plot_command.add_output_options(parser)
     options = parser.parse_args(arguments)
     options.output = options.output or os.path.splitext(options.evaluation)[0] + "-"
-    if os.path.isdir(options.output):
+    if os.path.isdir(options.output) or not options.output.endswith(("-", "_")):
         options.output = os.path.join(options.output, "")
+    if options.output.endswith(".png" + os.sep) and not os.path.isdir(options.output):
+        raise UsageError(f"--output {options.output[:-1]}: several figures are written; name a folder")
     return options
 
 
@@ -351,7 +354,7 @@ def main(arguments):
 
 
 def draw_dem(options, evaluation):
-    """The figure of plot_dem.py, with this evaluation's region and footprint."""
+    """The figure of landfall plot dem, with this evaluation's region and footprint."""
     dem_options = plot_dem.parse([options.dem, "-o", options.output + "dem.png"])
     dem_options.draw_region = lambda ax: draw_region(ax, evaluation)
     dem_options.limit_m = evaluation.limit_m("e_z") or dem_options.limit_m

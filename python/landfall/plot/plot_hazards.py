@@ -28,7 +28,7 @@ def add_options(parser):
     plot_command.add_data_only_option(parser)
 
 
-parse = plot_command.parser_of("plot_hazards.py", __doc__, {"hazards": "HAZARDS"}, add_options)
+parse = plot_command.parser_of(__doc__, {"hazards": "HAZARDS"}, add_options)
 
 
 class Hazards:

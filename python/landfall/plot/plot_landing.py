@@ -12,7 +12,7 @@ from landfall.plot.plot_draws import draw_terrain, Draws
 ARMS = {"landing": "with the lidar", "blind": "without a lidar"}
 
 
-parse = plot_command.parser_of("plot_landing.py", __doc__, {"draws": "DRAWS"}, ending="-landing.png")
+parse = plot_command.parser_of(__doc__, {"draws": "DRAWS"}, ending="-landing.png")
 
 
 def frame(ax, draws):

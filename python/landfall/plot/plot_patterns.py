@@ -168,4 +168,4 @@ def animation_of(folder, options):
     return "\n".join([head, *(animated_panel(panel, number, *scan(panel, folder, options)) for number, panel in enumerate(panels)), "</svg>\n"])
 
 
-main = plot_command.main_of_tools("plot_patterns.py", __doc__, figure_of, animation_of)
+main = plot_command.main_of_tools(__doc__, figure_of, animation_of)

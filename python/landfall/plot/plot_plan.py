@@ -16,7 +16,7 @@ BUDGET = [("in_region", "frame in the region", "#0072b2"),
 UNCOVERED = maps.MARK
 
 
-parse = plot_command.parser_of("plot_plan.py", __doc__, {"plan": "PLAN"})
+parse = plot_command.parser_of(__doc__, {"plan": "PLAN"})
 
 
 def read(path):

@@ -161,7 +161,7 @@ def read_samples(file):
 
 
 def parse(arguments):
-    parser = command.Parser(prog="plot_populations.py", description=__doc__)
+    parser = command.Parser(description=__doc__)
     parser.add_argument("terrain", metavar="TERRAIN", help="terrain.h5 of terrain-gen")
     parser.add_argument("-o", "--output", metavar="PNG", required=True)
     plot_command.add_output_options(parser)

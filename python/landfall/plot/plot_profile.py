@@ -25,7 +25,7 @@ def add_options(parser):
                         help="limit of the relative elevation error, drawn as lines, default 0.05")
 
 
-parse = plot_command.parser_of("plot_profile.py", __doc__, {"dem": "DEM"}, add_options, "-profile.png")
+parse = plot_command.parser_of(__doc__, {"dem": "DEM"}, add_options, "-profile.png")
 
 
 def require_inside(options, grid):

@@ -97,4 +97,4 @@ def figure_of(folder, options):
     return figure
 
 
-main = plot_command.main_of_tools("plot_receiver.py", __doc__, figure_of)
+main = plot_command.main_of_tools(__doc__, figure_of)

@@ -26,7 +26,7 @@ def add_options(parser):
     parser.add_argument("--zoom-at", type=plot_command.place, metavar="X,Y", help="default: the steepest place")
 
 
-parse = plot_command.parser_of("plot_terrain.py", __doc__, {"terrain": "TERRAIN"}, add_options)
+parse = plot_command.parser_of(__doc__, {"terrain": "TERRAIN"}, add_options)
 
 
 def finite(text):

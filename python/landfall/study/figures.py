@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 # An axis that has one value for each value of x is not a separate series of a figure: the parts of a zip are one line.
-"""The figures of plot_study.py."""
+"""The figures of landfall plot study."""
 import math
 import textwrap
 

@@ -186,25 +186,52 @@ def config_path(name, stage, folder):
     return os.path.join(folder, name)
 
 
+def merged(base, changes):
+    """The merge of RFC 7396: objects are merged, null removes a key, any other value replaces the earlier one."""
+    if not isinstance(changes, dict):
+        return changes
+    result = dict(base) if isinstance(base, dict) else {}
+    for key, value in changes.items():
+        result.pop(key, None) if value is None else result.update({key: merged(result.get(key), value)})
+    return result
+
+
 def read_config(given, stage, folder, where=""):
-    """A stage's configuration, given as an object or by a name (config_path). Throws UsageError, naming the file, or for an object `where` it is."""
-    config = given
-    if not isinstance(given, dict):
-        path = config_path(given, stage, folder)
-        config, folder, where = read_json(path), os.path.dirname(os.path.abspath(path)), f"{path}: "
-        if not isinstance(config, dict):
-            raise UsageError(f"{path}: {shown(config)} is of type {type_of(config)}, not object")
-    config = plain_numbers(with_full_paths(config, os.path.abspath(folder)))
-    return imported_terrain(config, folder, where) if stage == "terrain" and {"from", "center"} & config.keys() else config
+    """A stage's configuration, given as an object, by a name (config_path) or as a list of these, which are merged in order. Throws UsageError, naming
+    the file, or for an object `where` it is."""
+    config = {}
+    for number, part in enumerate(given if isinstance(given, list) else [given]):
+        place = f"{where}/{number}" if isinstance(given, list) else where
+        part, part_folder, part_place = _read_part(part, stage, folder, place)
+        part = plain_numbers(with_full_paths(part, os.path.abspath(part_folder)))
+        if stage == "terrain" and isinstance(part.get("from"), str):
+            part |= {"from": with_full_paths({"path": part["from"]}, os.path.abspath(part_folder))["path"]}
+        config = merged(config, part) if isinstance(given, list) else part
+    return imported_terrain(config, where if isinstance(given, list) else part_place) if stage == "terrain" and {"from", "center"} & config.keys() else config
 
 
-def imported_terrain(config, folder, where):
+def _read_part(part, stage, folder, place):
+    """(object, the folder that its paths are seen from, its place for messages)."""
+    if isinstance(part, dict):
+        return part, folder, place
+    if not isinstance(part, str):
+        raise UsageError(f"{place}: {shown(part)} is not a configuration (an object, the name of a file or preset:NAME)")
+    path = config_path(part, stage, folder)
+    if not os.path.exists(path) and os.path.exists(config_path(f"preset:{part}", stage, folder)):
+        raise UsageError(f"{path}: No such file or directory; did you mean preset:{part}?")
+    config = read_json(path)
+    if not isinstance(config, dict):
+        raise UsageError(f"{path}: {shown(config)} is of type {type_of(config)}, not object")
+    return config, os.path.dirname(os.path.abspath(path)), f"{path}: "
+
+
+def imported_terrain(config, where):
     """The configuration, with all defaults, of a terrain that names its raster or mesh and its site by "from" and "center", as a chain file does.
     Throws UsageError with the message of terrain-gen."""
     source, center = config.get("from"), config.get("center")
     if not isinstance(source, str) or not source:
         raise UsageError(f"{where}/from: " + ("is needed by /center" if source is None else f"{shown(source)} is not the name of a raster or mesh"))
-    words = ["--from", with_full_paths({"path": source}, os.path.abspath(folder))["path"]]
+    words = ["--from", source]
     if center is not None:
         if not isinstance(center, list) or len(center) != 2:
             raise UsageError(f"{where}/center: {shown(center)} is not an array of 2 numbers")

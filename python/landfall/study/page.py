@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The page of report_study.py: HTML of the tree of its report(). Texts from files are escaped."""
+"""The page of landfall study report: HTML of the tree of its report(). Texts from files are escaped."""
 import base64
 import html
 import json
@@ -26,7 +26,7 @@ def escaped(value):
 
 
 def page(tree, figures):
-    """The whole document; `figures` is the folder with those of plot_study.py."""
+    """The whole document; `figures` is the folder with those of landfall plot study."""
     sections = [("verdicts", "Verdicts", verdicts(tree)), ("failed", "Cases that were not made", failed(tree)),
                 ("tried", "What was tried", tried(tree)), ("points", "Points", points(tree)), ("cases", "Cases", CASES),
                 ("figures", "Figures", figure_panels(figures, tree)), ("provenance", "Provenance", provenance(tree))]
@@ -236,7 +236,7 @@ Errors are true - estimated.</p>
 
 
 def figure_panels(folder, tree):
-    """The figures of plot_study.py that are there: whole ones, then each metric's."""
+    """The figures of landfall plot study that are there: whole ones, then each metric's."""
     names, units = {**WHOLE}, {column["name"]: column["unit"] for column in tree["columns"]}
     for metric in tree["metrics"]:
         names[metric] = metric_label(metric, units[metric])

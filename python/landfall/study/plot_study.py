@@ -24,7 +24,7 @@ DRAWS_METRICS = ["draws.all.passed_frac", "draws.all_and_own.passed_frac"]
 
 
 def parse(arguments):
-    parser = command.Parser(prog="plot_study.py", description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = command.Parser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("results", metavar="RESULTS.h5")
     parser.add_argument("-o", "--output", metavar="DIR", required=True)
     parser.add_argument("--metrics", metavar="A,B", help="columns of the results; default: the study's, or five of the requirements, those of hazards and of draws")

@@ -5,21 +5,40 @@ import hashlib
 import json
 import os
 import statistics
+import sys
 
 from landfall import schema
-from landfall.errors import UsageError
+from landfall.errors import printable, UsageError
 from landfall.schema import shown
 from landfall.study.model import (assign, Axis, config_path, label_of, OPTIONAL_STAGES, plain_numbers, Point, read_config, stage_of, STAGES,
                                   Study, unit_of, with_full_paths, without_unit)
 
-KINDS = ("list", "linspace", "logspace", "variants", "zip")
+KINDS = ("values", "linspace", "logspace", "variants", "zip")
 RESERVED = ("case", "repeat", "pass")
 MAX_CASES = 1_000_000
 
 
 def read_study(path):
     """Throws UsageError, naming file, key, value and bound."""
-    return _Reader(path).study(schema.read_checked(path, "study"))
+    tree = schema.read_json(path)
+    old = _renamed_lists(tree)
+    schema.check_by(tree, path, "study")
+    if old:
+        print(printable(f"landfall study: warning: {path}: {old[0]}/list: \"list\" is an old name; write \"values\""), file=sys.stderr)
+    return _Reader(path).study(tree)
+
+
+def _renamed_lists(tree, where="/axes"):
+    """Renames "list" of the axes of a study of version 0.2.0 to "values". The places of these axes."""
+    axes = tree.get("axes", tree.get("zip")) if isinstance(tree, dict) else None
+    found = []
+    for number, axis in enumerate(axes if isinstance(axes, list) else []):
+        place = f"{where}/{number}"
+        if isinstance(axis, dict) and "list" in axis and "values" not in axis:
+            axis["values"] = axis.pop("list")
+            found.append(place)
+        found += _renamed_lists(axis, f"{place}/zip")
+    return found
 
 
 class _Reader:
@@ -64,22 +83,23 @@ class _Reader:
             self.fail(where, f"{key}: this study has no stage {stage_of(key)}; add it to \"base\", {{}} for the tool's defaults")
 
     def config(self, value, stage, where):
-        """A configuration given as an object, by its file's name or as preset:NAME."""
+        """A configuration given as an object, by its file's name, as preset:NAME or as a list of these."""
         folder = os.path.dirname(self.path)
-        if isinstance(value, str):
-            self.files.append(config_path(value, stage, folder))
+        for part in value if isinstance(value, list) else [value]:
+            if isinstance(part, str):
+                self.files.append(config_path(part, stage, folder))
         try:
             return read_config(value, stage, folder, f"{self.path}: {where}")
         except UsageError as error:
-            if not isinstance(value, str):
+            if str(error).startswith(f"{printable(self.path)}: "):
                 raise
             return self.fail(where, str(error))
 
     def value(self, key, value, where):
         """A value as a configuration holds it: of a stage alone, its whole configuration."""
         if "." not in key:
-            if not isinstance(value, (dict, str)):
-                self.fail(where, f"{shown(value)} is not a configuration (an object or the name of a file)")
+            if not isinstance(value, (dict, str, list)):
+                self.fail(where, f"{shown(value)} is not a configuration (an object, the name of a file or a list of these)")
             return self.config(value, key, where)
         last = key.rsplit(".", 1)[1]
         return plain_numbers(with_full_paths({last: value}, self.folder)[last])
@@ -113,11 +133,11 @@ class _Reader:
             if "name" not in tree:
                 self.fail(where, "needs the key \"name\": variants have no key to be named by")
             return self.named(tree, tree["name"], self.variants(tree["variants"], f"{where}/variants"))
-        self.allow(tree, common | {"key", "scale"} | ({"labels"} if kind == "list" else set()), kind, where)
+        self.allow(tree, common | {"key", "scale"} | ({"labels"} if kind == "values" else set()), kind, where)
         if "key" not in tree:
             self.fail(where, "needs the key \"key\"")
         keys = [tree["key"]] if isinstance(tree["key"], str) else tree["key"]
-        values = tree["list"] if kind == "list" else self.spaced(tree[kind], kind, f"{where}/{kind}")
+        values = tree["values"] if kind == "values" else self.spaced(tree[kind], kind, f"{where}/{kind}")
         points = [self.point(tree, keys, index, value, f"{where}/{kind}") for index, value in enumerate(values)]
         name = next(part for part in reversed(keys[0].split(".")) if not part.isdigit())
         return self.named(tree, tree.get("name", name), points, "" if "scale" in tree else unit_of(name))
@@ -156,8 +176,8 @@ class _Reader:
 
     def point(self, tree, keys, index, value, where):
         labels, scale = tree.get("labels"), tree.get("scale")
-        if labels is not None and len(labels) != len(tree["list"]):
-            self.fail(where, f"{len(tree['list'])} entries and {len(labels)} labels")
+        if labels is not None and len(labels) != len(tree["values"]):
+            self.fail(where, f"{len(tree['values'])} entries and {len(labels)} labels")
         if labels is None and isinstance(value, dict):
             self.fail(f"{where}/{index}", "an object needs a name in \"labels\"")
         if scale is not None and (isinstance(value, bool) or not isinstance(value, (int, float))):

@@ -3,7 +3,7 @@
 # `pass_rates.csv` and `percentiles.csv`, so that page and figures cannot differ. The description of how a case is made
 # comes from the rules of `study.mk`, which the run itself used.
 """Writes a study's report: one self-contained HTML file, with the table of its cases, their configurations
-and the figures of plot_study.py.
+and the figures of landfall plot study.
 
 FOLDER is a study's, with results.h5 (make -f Makefile.studies study).
 """
@@ -160,7 +160,7 @@ def missed(study, case):
 
 
 class FigureNumbers:
-    """percentiles.csv and pass_rates.csv of plot_study.py, by point."""
+    """percentiles.csv and pass_rates.csv of landfall plot study, by point."""
 
     def __init__(self, study, folder):
         def key(row):
@@ -175,7 +175,7 @@ class FigureNumbers:
                       for row in _read_csv(folder, "pass_rates.csv")}
         keys = {tuple(map(str, point.values)) for point in study.results.points}
         if keys != {key for key, _ in self.estimates} or not set(self.metrics) <= study.results.columns.keys():
-            raise DataError(f"{folder}: percentiles.csv is not of {study.folder}/results.h5; run plot_study.py again")
+            raise DataError(f"{folder}: percentiles.csv is not of {study.folder}/results.h5; run landfall plot study again")
 
 
 def _number(text):
@@ -325,7 +325,7 @@ def reports(study, shown):
 
 
 def _read_csv(folder, name):
-    return list(csv.DictReader(io.StringIO(command.read_text(os.path.join(folder, name), "; plot_study.py makes it"), newline="")))
+    return list(csv.DictReader(io.StringIO(command.read_text(os.path.join(folder, name), "; landfall plot study makes it"), newline="")))
 
 
 def _same(stored, planned):
@@ -344,10 +344,10 @@ def _rounded(value, digits=DIGITS):
 
 
 def parse(arguments):
-    parser = command.Parser(prog="report_study.py", description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = command.Parser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("folder", metavar="FOLDER")
     parser.add_argument("-o", "--output", metavar="FILE.html", help="default: FOLDER/report.html")
-    parser.add_argument("--figures", metavar="DIR", help="where plot_study.py wrote; default: FOLDER/figures")
+    parser.add_argument("--figures", metavar="DIR", help="where landfall plot study wrote; default: FOLDER/figures")
     parser.add_argument("-O", "--overwrite", action="store_true", help="replace an existing report")
     return parser.parse_args(arguments)
 

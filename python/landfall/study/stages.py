@@ -67,6 +67,11 @@ def build(study):
     return _Builder(study).graph
 
 
+def count(graph):
+    """The number of stages."""
+    return sum(map(len, (graph.terrain, graph.truth, graph.scan, graph.regrid, graph.eval, graph.hazard, graph.draws)))
+
+
 def cases_of(graph):
     """{id of a stage: numbers of the cases that it is made for}."""
     found = {}

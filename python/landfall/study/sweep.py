@@ -1,15 +1,16 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Plans a study, shows it, and gathers its results (docs/user/studies/README.md).
 
-  sweep.py plan STUDY.json --out DIR --bin DIR     configurations and make rules, written only when changed
-  sweep.py studies DIR                             the studies of a folder: name, number of cases, title
-  sweep.py list STUDY.json                         its cases
-  sweep.py show STUDY.json CASE                    a shell script that makes one case by hand
-  sweep.py status DIR                              what is done, failed and left
-  sweep.py collect DIR                             results.csv and results.h5
-  sweep.py prune DIR                               removes files that the plan does not name any more
+  landfall study list STUDY                        its cases
+  landfall study show STUDY CASE                   a shell script that makes one case by hand
+  landfall study cost STUDY [-j N]                 its time and memory, by a trial of the first case, and its disk space
+  landfall study prune DIR                         removes files that the plan does not name any more
 
 Called by Makefile.studies alone:
+  sweep.py plan STUDY.json --out DIR --bin DIR     configurations and make rules, written only when changed
+  sweep.py studies DIR                             the studies of a folder: name, number of cases, title
+  sweep.py status DIR                              what is done, failed and left
+  sweep.py collect DIR                             results.csv and results.h5
   sweep.py begin DIR                               removes temporary files that killed processes have left, ends times in the future
   sweep.py tidy DIR                                removes shared files that no stage needs any more
 """
@@ -28,18 +29,33 @@ from landfall.command import Parser, write_text
 from landfall.errors import ToolError, UsageError, printable
 from landfall.schema import read_json, shown
 from landfall.study import model, names, reader, rules, session, stages
+from landfall.study.cost import cost_text
 from landfall.study.names import counted
 
 MAX_CHECKS_PER_AXIS = 100
+TRIAL_STAGES = 50  # of a study that begins with a trial of its first case
 # Top-level keys that a study has, and no configuration of a single tool.
 STUDY_KEYS = {"base", "axes", "repeat"}
 FUTURE_NS = 10 * 10**9  # clocks of network file systems differ by less
 # One process at a time works in a study's folder, under this lock, which Makefile.studies takes too.
-LOCKED = os.path.join(os.path.dirname(os.path.realpath(__file__)), "..", "..", "..", "studies", "runners", "locked")
+PYTHON = os.path.join(os.path.dirname(os.path.realpath(__file__)), "..", "..")
+LOCKED, SWEEP = os.path.join(PYTHON, "..", "studies", "runners", "locked"), os.path.join(PYTHON, "commands", "sweep.py")
+
+
+def study_file(name):
+    """The file of a study, which may be given by its name if it ships with landfall."""
+    shipped = os.path.join(tools.SHARE, "studies", f"{name}.json")
+    return shipped if os.path.basename(name) == name and not os.path.exists(name) and os.path.exists(shipped) else name
+
+
+def add_trial_options(command, jobs):
+    command.add_argument("-j", "--jobs", metavar="N", type=int, default=jobs, help="stages at a time")
+    command.add_argument("--threads", metavar="N", type=int, default=1, help="of each stage (1)")
+    command.add_argument("--runner", metavar="COMMAND", default="", help="command that runs each stage")
 
 
 def parse(arguments):
-    parser = Parser(prog="sweep.py", description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = Parser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     commands = parser.add_subparsers(dest="command", metavar="COMMAND", required=True, parser_class=Parser)
     plan = commands.add_parser("plan", help="write configurations and make rules")
     plan.add_argument("study", metavar="STUDY.json")
@@ -47,11 +63,15 @@ def parse(arguments):
     plan.add_argument("--bin", metavar="DIR", required=True, help="where the tools are")
     plan.add_argument("--keep", metavar="LIST", default="", help="files to keep: all, or a list of scan, dem, eval, hazard, draws")
     plan.add_argument("--no-check", action="store_true", help="do not check the values with the tools")
-    for name, text in (("list", "print the cases"), ("show", "print how one case is made")):
+    add_trial_options(plan, 0)
+    for name, text in (("list", "print the cases"), ("show", "print how one case is made"), ("cost", "print time, memory and disk space")):
         command = commands.add_parser(name, help=text)
-        command.add_argument("study", metavar="STUDY.json")
+        command.add_argument("study", metavar="STUDY", type=study_file, help="a file, or the name of a study that ships")
         if name == "show":
             command.add_argument("case", type=int, metavar="CASE", help="number, as list prints it")
+        if name == "cost":
+            command.add_argument("--bin", metavar="DIR", default=tools.BIN, help="where the tools are")
+            add_trial_options(command, 1)
     for name, text in (("studies", "print the studies of a folder"), ("status", "print what is done"), ("collect", "write results.csv and results.h5"),
                        ("begin", "remove temporary files of processes that have ended"), ("tidy", "remove shared files that no stage needs any more"),
                        ("prune", "remove files that are no longer in the plan")):
@@ -85,6 +105,7 @@ def plan(options):
     graph = stages.build(study)
     fragment = rules.Fragment(graph, layout, study.options)
     need_lock(options.out)
+    is_first = not os.path.exists(os.path.join(options.out, "cases.json"))
     written = write_plan(options, study, graph, fragment, versions)
     print(f"{printable(study.name)}: {counted(len(graph.cases), 'case')}: {counted(len(graph.terrain), 'terrain')}, "
           f"{counted(len(graph.truth), 'truth')}, {counted(len(graph.scan), 'scan')}, {counted(len(graph.regrid), 'DEM')}, "
@@ -92,13 +113,16 @@ def plan(options):
           (f", {counted(len(graph.draws), 'monte-carlo run')}" if graph.draws else "") +
           f"; {written} files written")
     print(rules.disk_text(graph, layout.keep))
+    if options.jobs and is_first and stages.count(graph) >= TRIAL_STAGES:
+        sys.stdout.flush()
+        print(printable(cost_text(study, graph, options, os.path.join(options.out, "scratch"))))
 
 
 def need_lock(folder):
     """Returns if make holds the lock of the folder for this process; else starts the command again, under the lock."""
     if os.environ.get("STUDY_LOCK") != folder:
         sys.stdout.flush()
-        os.execv(LOCKED, [LOCKED, folder, sys.executable, *sys.argv])
+        os.execv(LOCKED, [LOCKED, folder, sys.executable, SWEEP, *sys.argv[1:]])
 
 
 def write_plan(options, study, graph, fragment, versions):
@@ -200,6 +224,14 @@ def list_cases(options):
     for number, indices in enumerate(study.cases()):
         print("\t".join([str(number), *(printable(value if isinstance(value, str) else json.dumps(value))
                                         for value in study.values(indices))]))
+
+
+def cost(options):
+    if options.jobs < 1:
+        raise UsageError(f"--jobs {options.jobs}: is not >= 1")
+    study = reader.read_study(options.study)
+    graph = stages.build(study)
+    print(f"{printable(study.name)}: {counted(len(graph.cases), 'case')}; {printable(cost_text(study, graph, options))}; {rules.disk_text(graph, frozenset())}")
 
 
 def show(options):
@@ -358,5 +390,5 @@ def prune(options):
 
 def main(arguments):
     options = parse(arguments)
-    {"plan": plan, "studies": list_studies, "list": list_cases, "show": show, "status": status, "collect": collect, "tidy": tidy,
+    {"plan": plan, "studies": list_studies, "list": list_cases, "show": show, "cost": cost, "status": status, "collect": collect, "tidy": tidy,
      "prune": prune, "begin": begin}[options.command](options)

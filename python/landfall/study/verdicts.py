@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 # Metrics are ordered by the largest share of a limit that any case uses. A metric that counts violations has the share
 # of the errors that it counts: its own limit is 0.
-"""The tables of plot_study.py: which requirements each point of a study meets, and how much of their limits it uses."""
+"""The tables of landfall plot study: which requirements each point of a study meets, and how much of their limits it uses."""
 import math
 import textwrap
 
