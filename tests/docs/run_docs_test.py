@@ -17,7 +17,7 @@
     run_docs_test.py --write PAGE ... also updates the output blocks of the page
     LANDFALL_TEST_LONG=1 run_docs_test.py PAGE    also runs the blocks that take minutes, and prints their times
 
-Shell blocks run in one `bash -euo pipefail` with the tools and python/commands on PATH. The Python blocks of a page run in one
+Shell blocks run in one `bash -euo pipefail` with the tools on PATH. The Python blocks of a page run in one
 python3 that finds the package landfall. page.py describes the comments that annotate blocks.
 """
 import json
@@ -116,7 +116,7 @@ class Run:
     def _start(self, script, aside, work):
         environment = dict(os.environ, MPLBACKEND="Agg", PYTHONDONTWRITEBYTECODE="1",
                            PYTHONPATH=os.path.join(ROOT, "python"),
-                           PATH=os.pathsep.join([os.path.join(aside, "bin"), BIN, os.path.join(ROOT, "python", "commands"), os.environ["PATH"]]))
+                           PATH=os.pathsep.join([os.path.join(aside, "bin"), BIN, os.environ["PATH"]]))
         # The variables of the tests, and those of make if it started ctest, must not affect the commands of the page.
         for name in ("LANDFALL_ROOT", "LANDFALL_BIN", "MAKEFLAGS", "MFLAGS", "MAKELEVEL"):
             environment.pop(name, None)

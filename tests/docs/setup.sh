@@ -2,9 +2,10 @@
 # Functions for the pages: what the setup comments (tests/docs/page.py) make smaller, the clone that a page names, and Python blocks.
 
 # Figures are coarse unless the page says how fine, because nobody looks at their pixels.
-for plot in "$LANDFALL_ROOT"/python/commands/plot_*.py; do
-  [ -n "$AS_SHOWN" ] || eval "${plot##*/}() { command ${plot##*/} --dpi 50 \"\$@\"; }"
-done
+landfall() {
+  if [[ -z "$AS_SHOWN" && ${1-} == plot && $# -gt 2 ]]; then set -- plot "$2" --dpi 50 "${@:3}"; fi
+  command landfall "$@"
+}
 
 # Makes terrain-gen's grid coarse, 0.5 m, and scan-sim simulate only 0.05 s, 1,000 pulses, by default.
 short_scans() {
@@ -14,13 +15,25 @@ short_scans() {
 
 # Makes the chain coarse: bins of 0.2 m, and a tenth of the pulses.
 small_chain() {
-  landfall() { command landfall "$@" --set scan.laser.scan_time_s=0.2 --set area.resolution_m=0.2; }
+  landfall() {
+    case $1 in
+      plot) command landfall plot "$2" --dpi 50 "${@:3}" ;;
+      *) command landfall "$@" --set scan.laser.scan_time_s=0.2 --set area.resolution_m=0.2 ;;
+    esac
+  }
 }
 
 # Makes make print its commands to plan.txt instead of running them, because studies take minutes.
 plan_only() {
   make() { command make -n "$@" > plan.txt; }
-  landfall() { command landfall "$@" -n > plan.txt; }
+  landfall() {
+    case "$1 ${2-}" in
+      "plot study" | "study report") : ;;  # of what a study would have made
+      "study list" | "study show" | "study prune") command landfall "$@" ;;
+      "study "*) command landfall "$@" -n > plan.txt ;;
+      *) command landfall "$@" ;;
+    esac
+  }
 }
 
 # Makes apt-get ask no questions; root needs no sudo.
