@@ -11,6 +11,7 @@
 #include "app/cli/devices.h"
 #include "app/cli/meeting_options.h"
 #include "app/cli/tool.h"
+#include "app/report/comparison_page.h"
 #include "base/text/parsed_number.h"
 #include "base/text/shown_text.h"
 #include "base/text/trimmed.h"
@@ -28,7 +29,7 @@ constexpr const char* kExamples = R"(Examples:
   landfall-info terrain.h5 scan.h5 dem.h5 eval.h5
   landfall-info dem.h5 --json
   landfall-info scan.h5 --config | scan-sim -c - --terrain t.h5 -o b.h5
-  landfall-info --compare a/eval.h5 b/eval.h5
+  landfall-info --compare a/eval.h5 b/eval.h5 --report ab.html
   landfall-info dem.h5 --at 12.5,-3 --scan scan.h5
   landfall-info --check *.h5
   landfall-info --seal changed.h5
@@ -40,7 +41,7 @@ constexpr const char* kDescription =
 
 Files are read in pieces, so that the memory does not depend on their size. A file that is damaged, incomplete or not a landfall file is refused with a one-line message; the other files are still described.
 
---compare shows where two files of one kind differ: their configurations and those of the steps before them, requirements and metrics, the layers on the bins that both maps have in common once B is placed in the frame of A, and the draws of equal seeds in pairs. All differences are B - A, B being the second file.
+--compare says in words whether the second file, B, is better than the first, A, and shows where they differ: their configurations and those of the steps before them, requirements and metrics, the layers on the bins that both maps have in common once B is placed in the frame of A, and the draws of equal seeds in pairs. All differences are B - A, B being the second file.
 
 --at shows the layers of one bin of a DEM and, with --scan, each return that lies in it.
 
@@ -62,13 +63,16 @@ struct Options {
   MeetingRules rules;
   std::string at;
   std::string scan;
+  std::string report;
 };
 
 void bind(CLI::App& app, Options& o) {
   app.add_option("files", o.files,
                  "Files to describe (terrain.h5, scan.h5, dem.h5, eval.h5, plan.h5, hazards.h5 or draws.h5)")
       ->type_name("FILE...");
-  app.add_flag("--compare", o.compare, "Show where two files of one kind differ, the first A, the second B");
+  CLI::Option* const compare = app.add_flag("--compare", o.compare,
+                                            "Say whether the second of two files of one kind, B, is better "
+                                            "than the first, A, and where they differ");
   CLI::Option* const at =
       app.add_option("--at", o.at, "Show the layers of the bin of a DEM at this place, metres")
           ->type_name("X,Y");
@@ -76,6 +80,10 @@ void bind(CLI::App& app, Options& o) {
                  "Also show each return in that bin, of the scan that made the DEM (scan.h5)")
       ->type_name("FILE")
       ->needs(at);
+  app.add_option("--report", o.report,
+                 "Also write the comparison as one HTML file with the maps of both and their difference")
+      ->type_name("FILE")
+      ->needs(compare);
   app.add_flag("--json", o.json, "Print a JSON object; an array for several files");
   app.add_flag("--no-statistics", o.no_statistics,
                "List layers and columns with their meaning, without reading values");
@@ -162,12 +170,24 @@ ExitCode print_json(const Options& o, const nlohmann::ordered_json& json, const 
 
 ExitCode compare(cli::Session& session, const Options& o) {
   if (!o.at.empty() || o.config || o.check || o.seal)
-    throw UsageError("--compare takes only --json, --no-statistics, --same-frame and --vertical-datum");
+    throw UsageError(
+        "--compare takes only --json, --report, -O, --no-statistics, --same-frame and --vertical-datum");
   if (o.files.size() != 2) throw UsageError("--compare needs two files, A and B");
+  const auto report_file = session.side_output("--report", o.report, o.files);
+  html_report::ComparisonReport report;
+  ComparisonRequest request{o.rules, !o.no_statistics};
+  if (report_file)
+    request.on_layer = [&](const auto& kind, const auto& layer, const auto& a, const auto& b) {
+      report.take(kind, layer, a, b);
+    };
   nlohmann::ordered_json json;
   session.phase("compare", [&](const ProgressCallback& progress) {
-    json = compare_files(o.files[0], o.files[1], {o.rules, !o.no_statistics}, progress);
+    json = compare_files(o.files[0], o.files[1], request, progress);
   });
+  if (report_file) {
+    write_text(*report_file, report.page(json));
+    report_file->commit();
+  }
   return print_json(o, json, cli::comparison_text);
 }
 
@@ -213,6 +233,7 @@ int start(int argc, const char* const* argv, cli::Invocation* invocation) {
   tool.description = kDescription;
   tool.examples = kExamples;
   tool.writes = false;
+  tool.writes_side_file = true;
   tool.bind = [&](CLI::App& app) { bind(app, options); };
   tool.run = [&](cli::Session& session) { return run(session, options); };
   return cli::tool_main(argc, argv, tool, invocation);
