@@ -145,7 +145,7 @@ class Case:
             return paths, f"--at={file['x'][columns[k]]},{file['y'][rows[k]]}"
 
     def explained(self, folder, *options):
-        """What landfall-info says of a failing footprint; None if none fails."""
+        """The description of a failing footprint; None if none fails."""
         paths, place = self.judged(folder)
         if place is None:
             return None

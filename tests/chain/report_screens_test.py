@@ -93,7 +93,7 @@ class ScreensTest(PageTest):
         self.check_page("evaluation.html")
 
     def test_a_comparison(self):
-        """Of all kinds of files with maps; the last one is the page that is looked at."""
+        """Files of each kind are compared; the last page is the one that is looked at."""
         self.succeed("dem-eval", *self.chain.inputs("dem-eval"), "-o", self.path("other.h5"), "--set", "limits.relative_elevation_m=0.01")
         for a, b in ((self.chain.terrain,) * 2, (self.chain.scan,) * 2, (self.chain.dem,) * 2, (self.chain.hazards,) * 2, (self.chain.draws,) * 2,
                      (self.chain.eval, self.path("other.h5"))):

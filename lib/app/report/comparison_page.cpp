@@ -16,11 +16,11 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-/// The layers that the page shows, if a file has them.
-constexpr std::array<std::string_view, 20> kShown = {
-    "z",     "z_est",  "count",        "e_z",          "rel_z",     "rel_x",          "rel_y",
-    "abs_x", "abs_y",  "fail",         "safe",         "p_safe",    "slope",          "roughness",
-    "cost",  "frames", "p_fail_rel_z", "p_fail_rel_x", "p_invalid", "p_missed_hazard"};
+/// The layers that the page shows if a file has them, besides all probabilities.
+constexpr std::array<std::string_view, 15> kShown = {"z",     "z_est", "count",     "e_z",   "rel_z",
+                                                     "rel_x", "rel_y", "abs_x",     "abs_y", "fail",
+                                                     "safe",  "slope", "roughness", "cost",  "frames"};
+constexpr std::string_view kProbability = "p_";
 
 /// The bits of a layer of flags, or 2^value of one of classes; 0 where there is no class.
 Grid<std::int32_t> class_bits(const Grid<double>& values, bool are_classes) {
@@ -98,8 +98,9 @@ std::string side_html(const char* name, const Json& side) {
 void ComparisonReport::take(const std::string& kind, const ContentInfo& layer, const Grid<double>& a,
                             const Grid<double>& b) {
   const dictionary::Layer* const words = dictionary::find_layer(kind, layer.name);
-  if (words == nullptr || *words->style == '\0' || std::ranges::find(kShown, layer.name) == kShown.end())
-    return;
+  const bool is_shown =
+      layer.name.starts_with(kProbability) || std::ranges::find(kShown, layer.name) != kShown.end();
+  if (words == nullptr || *words->style == '\0' || !is_shown) return;
   grid_ = a.spec();
   const std::int64_t factor = reduction_factor(a.spec(), kMaxCells);
   const ReportLayer empty = described(kind.c_str(), layer.name);

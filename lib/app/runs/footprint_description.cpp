@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "base/core/error.h"
+#include "base/dictionary/tables/requirements.h"
 #include "base/geometry/rotation_vector.h"
 #include "base/numerics/portable_math.h"
 #include "base/returns/point_status.h"
@@ -241,7 +242,6 @@ double FootprintFile::largest_hole() const {
 
 /// Sets `is_judged_`, `shares_` and `missed_`, and adds the errors and verdicts.
 void FootprintFile::judge(Described& json) {
-  const EvaluationLimits& limits = parameters_.limits;
   std::array<std::array<double, 3>, 2> errors{};  // absolute, relative
   const std::array kAxes = {"x", "y", "z"};
   for (std::size_t i = 0; i < 3; ++i) {
@@ -262,26 +262,29 @@ void FootprintFile::judge(Described& json) {
                     {"horizontal_m", number(horizontal_m)}};
   json["judged"] = is_judged_;
   json["verdicts"] = Described::array();
-  const auto add = [&](Missed kind, const char* name, double found, double limit, bool misses) {
+  const auto add = [&](Missed kind, const std::string& name, double found, std::optional<bool> misses) {
+    const auto* const words =
+        std::ranges::find(dictionary::kRequirements, name, &dictionary::Requirement::name);
+    const double limit = limit_of_key(parameters_.limits, words->worst_limit).value();
+    if (!misses) misses = !(found <= limit);
     json["verdicts"].push_back(
         {{"requirement", name},
          {"value", number(found)},
          {"limit", limit},
-         {"pass", is_judged_ && std::isfinite(found) ? Described(!misses) : Described(nullptr)}});
+         {"pass", is_judged_ && std::isfinite(found) ? Described(!*misses) : Described(nullptr)}});
     const double share = limit > 0 ? found / limit : std::numeric_limits<double>::infinity();
     double& kept = shares_[static_cast<std::size_t>(kind)];
-    if (misses) kept = std::max(kept, share);
+    if (*misses) kept = std::max(kept, share);
   };
-  const double relative_xy = std::max(errors[1][0], errors[1][1]);
-  add(Missed::relative_elevation, "relative_elevation", errors[1][2], limits.relative_z_m,
-      (fail & fail_relative_z) != 0);
-  add(Missed::relative_horizontal, "relative_horizontal", relative_xy, limits.relative_xy_m,
-      (fail & (fail_relative_x | fail_relative_y)) != 0);
-  add(Missed::absolute_horizontal, "absolute_horizontal", horizontal_m, limits.horizontal_m,
-      (fail & fail_absolute_horizontal) != 0);
-  add(Missed::coverage, "hole_size", hole, static_cast<double>(limits.hole_size),
-      hole > static_cast<double>(limits.hole_size));
-  add(Missed::coverage, "hole_distance", distance, limits.hole_depth, !(distance <= limits.hole_depth));
+  const auto add_error = [&](Missed kind, double found) {
+    add(kind, name_of(kind), found, (fail & kMissedBits[static_cast<std::size_t>(kind)]) != 0);
+  };
+  const auto name_of_hole = [](std::int64_t bit) { return requirement_of(static_cast<FailFlag>(bit)); };
+  add_error(Missed::elevation, errors[1][2]);
+  add_error(Missed::position, std::max(errors[1][0], errors[1][1]));
+  add_error(Missed::place, horizontal_m);
+  add(Missed::coverage, name_of_hole(kHoleBits[0]), hole, std::nullopt);
+  add(Missed::coverage, name_of_hole(kHoleBits[1]), distance, std::nullopt);
   const auto worst = std::ranges::max_element(shares_);
   if (is_judged_ && *worst > 0) missed_ = static_cast<Missed>(worst - shares_.begin());
 }
@@ -331,16 +334,16 @@ Described FootprintFile::worst_json() const {
       if (std::isfinite(value)) mean[i] += value, ++count;
     mean[i] = count > 0 ? mean[i] / count : 0;
   }
-  const Missed kind = missed_.value_or(Missed::relative_elevation);
+  const Missed kind = missed_.value_or(Missed::elevation);
   const Grid<double> to_valid = part("distance_to_valid");
   const auto badness = [&](BinIndex bin) {
     const double x = errors_.x.at(bin), y = errors_.y.at(bin);
     switch (kind) {
-      case Missed::relative_elevation:
+      case Missed::elevation:
         return std::abs(errors_.z.at(bin) - mean[2]);
-      case Missed::relative_horizontal:
+      case Missed::position:
         return std::max(std::abs(x - mean[0]), std::abs(y - mean[1]));
-      case Missed::absolute_horizontal:
+      case Missed::place:
         return portable::hypot(x, y);
       default:
         return std::isfinite(errors_.z.at(bin)) ? kNan : to_valid.at(bin);
@@ -370,8 +373,7 @@ Described FootprintFile::worst_json() const {
 
 Described FootprintFile::cause_json() const {
   if (!missed_) return nullptr;
-  const FootprintAbout about{centre_, footprint_,
-                             shares_[static_cast<std::size_t>(Missed::relative_elevation)]};
+  const FootprintAbout about{centre_, footprint_, shares_[static_cast<std::size_t>(Missed::elevation)]};
   const Measures measures = measure_errors(errors_, about, motion_);
   const std::vector<std::string> likely = likely_causes(*missed_, measures);
   Described rules = Described::array();

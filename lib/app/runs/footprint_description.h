@@ -10,7 +10,7 @@
 
 namespace landfall {
 
-/// What else is known of a footprint.
+/// The files that tell more of a footprint.
 struct FootprintSources {
   std::optional<std::filesystem::path> dem;   ///< returns, noise and slope of the bins
   std::optional<std::filesystem::path> scan;  ///< noise of the ranges, motion of the lidar

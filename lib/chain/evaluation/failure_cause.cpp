@@ -11,6 +11,7 @@
 
 #include "base/text/joined.h"
 #include "base/text/number_text.h"
+#include "chain/evaluation/fail_flag.h"
 
 namespace landfall {
 namespace {
@@ -19,7 +20,7 @@ constexpr double kNoValue = std::numeric_limits<double>::quiet_NaN();
 /// The tilt of the errors over the window must be known this well, as a share of the whole displacement.
 constexpr double kMaxTiltError = 0.1;
 
-/// What the errors of a bin consist of.
+/// The parts of the errors of a bin.
 struct BinErrors {
   BinIndex bin;
   double x, y, z;             ///< e
@@ -219,7 +220,8 @@ std::optional<Displacement> displacement_of(const std::vector<BinErrors>& bins, 
   return is_known ? std::optional(found) : std::nullopt;
 }
 
-/// What a small rotation of the lidar about itself moves: the points at r from it by phi x r, with the tilt.
+/// The displacement by a small rotation of the lidar about itself: phi x r of the points at r from it, and
+/// the tilt.
 Displacement turned(const std::array<double, 3>& phi, const std::array<double, 3>& r, double range_m) {
   return {phi[1] * r[2] - phi[2] * r[1], phi[2] * r[0] - phi[0] * r[2], phi[0] * r[1] - phi[1] * r[0],
           -range_m * phi[1], range_m * phi[0]};
@@ -352,9 +354,8 @@ std::array<double, 2> gradient_at(const Grid<double>& z, BinIndex bin) {
 }
 
 const char* name_of(Missed missed) {
-  constexpr std::array kNames = {"relative_elevation", "relative_horizontal", "absolute_horizontal",
-                                 "coverage"};
-  return kNames[static_cast<std::size_t>(missed)];
+  const auto bits = kMissedBits[static_cast<std::size_t>(missed)];
+  return missed == Missed::coverage ? "coverage" : requirement_of(static_cast<FailFlag>(bits & -bits));
 }
 
 const char* words_of(Measure measure) {

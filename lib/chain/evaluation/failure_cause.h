@@ -35,11 +35,17 @@ struct LidarMotion {
   std::array<double, 3> rate_radps{};  ///< of the attitude
 };
 
-/// The requirement that a footprint misses by the largest share of its limit.
-enum class Missed { relative_elevation, relative_horizontal, absolute_horizontal, coverage };
+/// The requirement that a footprint misses by the largest share of its limit: relative errors in z, in x or
+/// y, the absolute horizontal error, or coverage, whose holes lie in the footprint.
+enum class Missed { elevation, position, place, coverage };
 [[nodiscard]] const char* name_of(Missed missed);
 
-/// What the rules judge; docs/user/symptoms.md defines each.
+/// The bits of the layer `fail` of each, in the order of Missed.
+inline constexpr std::array<std::int64_t, 4> kMissedBits = {4, 1 | 2, 8, 16 | 32};
+/// Those of a hole that is too large, and of a bin too far from a valid one.
+inline constexpr std::array<std::int64_t, 2> kHoleBits = {16, 32};
+
+/// The quantities that the rules judge; words_of() defines each.
 enum class Measure {
   flank_frac,
   neighbour_correlation,
@@ -65,20 +71,20 @@ struct CauseRule {
 
 /// All rules; those of one cause of one requirement follow each other.
 inline constexpr std::array kCauseRules = {
-    CauseRule{Missed::relative_elevation, "steep flank", Measure::flank_frac, true, 0.5},
-    CauseRule{Missed::relative_elevation, "noise", Measure::flank_frac, false, 0.3},
-    CauseRule{Missed::relative_elevation, "noise", Measure::neighbour_correlation, false, 0.3},
-    CauseRule{Missed::relative_elevation, "noise", Measure::needed_returns, true, 8},
-    CauseRule{Missed::relative_elevation, "thin coverage", Measure::flank_frac, false, 0.3},
-    CauseRule{Missed::relative_elevation, "thin coverage", Measure::neighbour_correlation, false, 0.3},
-    CauseRule{Missed::relative_elevation, "thin coverage", Measure::needed_returns, false, 5},
-    CauseRule{Missed::relative_horizontal, "thin coverage", Measure::position_frac, true, 0.6},
-    CauseRule{Missed::relative_horizontal, "time stamp", Measure::position_frac, false, 0.4},
-    CauseRule{Missed::relative_horizontal, "time stamp", Measure::along_track_frac, true, 0.9},
-    CauseRule{Missed::absolute_horizontal, "misalignment", Measure::turn_misfit, false, 0.2},
-    CauseRule{Missed::absolute_horizontal, "time stamp", Measure::clock_misfit, false, 0.2},
-    CauseRule{Missed::absolute_horizontal, "position error", Measure::shift_misfit, false, 0.2},
-    CauseRule{Missed::absolute_horizontal, "position error", Measure::clock_misfit, true, 0.4},
+    CauseRule{Missed::elevation, "steep flank", Measure::flank_frac, true, 0.5},
+    CauseRule{Missed::elevation, "noise", Measure::flank_frac, false, 0.3},
+    CauseRule{Missed::elevation, "noise", Measure::neighbour_correlation, false, 0.3},
+    CauseRule{Missed::elevation, "noise", Measure::needed_returns, true, 8},
+    CauseRule{Missed::elevation, "thin coverage", Measure::flank_frac, false, 0.3},
+    CauseRule{Missed::elevation, "thin coverage", Measure::neighbour_correlation, false, 0.3},
+    CauseRule{Missed::elevation, "thin coverage", Measure::needed_returns, false, 5},
+    CauseRule{Missed::position, "thin coverage", Measure::position_frac, true, 0.6},
+    CauseRule{Missed::position, "time stamp", Measure::position_frac, false, 0.4},
+    CauseRule{Missed::position, "time stamp", Measure::along_track_frac, true, 0.9},
+    CauseRule{Missed::place, "misalignment", Measure::turn_misfit, false, 0.2},
+    CauseRule{Missed::place, "time stamp", Measure::clock_misfit, false, 0.2},
+    CauseRule{Missed::place, "position error", Measure::shift_misfit, false, 0.2},
+    CauseRule{Missed::place, "position error", Measure::clock_misfit, true, 0.4},
     CauseRule{Missed::coverage, "dropout rows", Measure::line_frac, true, 0.35},
     CauseRule{Missed::coverage, "thin coverage", Measure::line_frac, false, 0.2},
     CauseRule{Missed::coverage, "thin coverage", Measure::beyond_frac, false, 0.5},

@@ -76,7 +76,7 @@ std::string change_text(std::string_view key, Value a, Value b) {
 
 const char* change_word(int sign) { return sign > 0 ? "better" : sign < 0 ? "worse" : "same"; }
 
-/// What one requirement or number says of B.
+/// The change from A to B of one requirement or number.
 struct AnswerPoint {
   std::string name;
   int sign = 0;         ///< of a verdict that changes, of a failure, or of a number that nothing judges
