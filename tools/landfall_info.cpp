@@ -10,8 +10,11 @@
 #include "app/cli/comparison_text.h"
 #include "app/cli/description_text.h"
 #include "app/cli/devices.h"
+#include "app/cli/footprint_text.h"
 #include "app/cli/meeting_options.h"
 #include "app/cli/tool.h"
+#include "app/report/comparison_page.h"
+#include "app/runs/footprint_description.h"
 #include "base/output/standard_streams.h"
 #include "base/text/parsed_number.h"
 #include "base/text/shown_text.h"
@@ -19,6 +22,7 @@
 #include "formats/points/cloud_reader.h"
 #include "store/files/bin_description.h"
 #include "store/files/comparison.h"
+#include "store/files/contents.h"
 #include "store/files/file_description.h"
 #include "store/files/landfall_file.h"
 #include "tools.h"
@@ -31,8 +35,9 @@ constexpr const char* kExamples = R"(Examples:
   landfall-info terrain.h5 scan.h5 dem.h5 eval.h5
   landfall-info dem.h5 --json
   landfall-info scan.h5 --config | scan-sim -c - --terrain t.h5 -o b.h5
-  landfall-info --compare a/eval.h5 b/eval.h5
+  landfall-info --compare a/eval.h5 b/eval.h5 --report ab.html
   landfall-info dem.h5 --at 12.5,-3 --scan scan.h5
+  landfall-info eval.h5 --at 12.5,-3 --dem dem.h5 --scan scan.h5
   landfall-info --check *.h5
   landfall-info --seal changed.h5
   landfall-info --devices
@@ -43,9 +48,9 @@ constexpr const char* kDescription =
 
 Files are read in pieces, so that the memory does not depend on their size. A file that is damaged, incomplete or not a landfall file is refused with a one-line message; the other files are still described.
 
---compare shows where two files of one kind differ: their configurations and those of the steps before them, requirements and metrics, the layers on the bins that both maps have in common once B is placed in the frame of A, and the draws of equal seeds in pairs. All differences are B - A, B being the second file.
+--compare says in words whether the second file, B, is better than the first, A, and shows where they differ: their configurations and those of the steps before them, requirements and metrics, the layers on the bins that both maps have in common once B is placed in the frame of A, and the draws of equal seeds in pairs. All differences are B - A, B being the second file.
 
---at shows the layers of one bin of a DEM and, with --scan, each return that lies in it.
+--at shows the layers of one bin of a DEM and, with --scan, each return that lies in it. Of an evaluation it shows the footprint that is centred on the bin: its errors and verdicts, its five worst bins and, with --dem and --scan, the likely cause of a failure.
 
 --check only checks files, as every tool does when it opens one: the seal, the structure, links, filters and sizes, and that the file is complete. It prints a line for each file that is refused, and nothing for the others. It takes milliseconds, because values are not read: their own checksums show damage when they are read.
 
@@ -64,21 +69,34 @@ struct Options {
   bool compare = false;
   MeetingRules rules;
   std::string at;
+  std::string dem;
   std::string scan;
+  std::string report;
 };
 
 void bind(CLI::App& app, Options& o) {
   app.add_option("files", o.files,
                  "Files to describe (terrain.h5, scan.h5, dem.h5, eval.h5, plan.h5, hazards.h5 or draws.h5)")
       ->type_name("FILE...");
-  app.add_flag("--compare", o.compare, "Show where two files of one kind differ, the first A, the second B");
+  CLI::Option* const compare = app.add_flag("--compare", o.compare,
+                                            "Say whether the second of two files of one kind, B, is better "
+                                            "than the first, A, and where they differ");
   CLI::Option* const at =
-      app.add_option("--at", o.at, "Show the layers of the bin of a DEM at this place, metres")
+      app.add_option("--at", o.at,
+                     "Show the bin of a DEM, or the footprint of an evaluation, at this place, metres")
           ->type_name("X,Y");
-  app.add_option("--scan", o.scan,
-                 "Also show each return in that bin, of the scan that made the DEM (scan.h5)")
+  app.add_option("--dem", o.dem, "The DEM of that evaluation, for the cause of a failure (dem.h5)")
       ->type_name("FILE")
       ->needs(at);
+  app.add_option(
+         "--scan", o.scan,
+         "The scan that made the DEM: each return in that bin, or what a footprint's cause needs (scan.h5)")
+      ->type_name("FILE")
+      ->needs(at);
+  app.add_option("--report", o.report,
+                 "Also write the comparison as one HTML file with the maps of both and their difference")
+      ->type_name("FILE")
+      ->needs(compare);
   app.add_flag("--json", o.json, "Print a JSON object; an array for several files");
   app.add_flag("--no-statistics", o.no_statistics,
                "List layers and columns with their meaning, without reading values");
@@ -175,12 +193,24 @@ ExitCode print_json(const Options& o, const nlohmann::ordered_json& json, const 
 
 ExitCode compare(cli::Session& session, const Options& o) {
   if (!o.at.empty() || o.config || o.check || o.seal)
-    throw UsageError("--compare takes only --json, --no-statistics, --same-frame and --vertical-datum");
+    throw UsageError(
+        "--compare takes only --json, --report, -O, --no-statistics, --same-frame and --vertical-datum");
   if (o.files.size() != 2) throw UsageError("--compare needs two files, A and B");
+  const auto report_file = session.side_output("--report", o.report, o.files);
+  html_report::ComparisonReport report;
+  ComparisonRequest request{o.rules, !o.no_statistics};
+  if (report_file)
+    request.on_layer = [&](const auto& kind, const auto& layer, const auto& a, const auto& b) {
+      report.take(kind, layer, a, b);
+    };
   nlohmann::ordered_json json;
   session.phase("compare", [&](const ProgressCallback& progress) {
-    json = compare_files(o.files[0], o.files[1], {o.rules, !o.no_statistics}, progress);
+    json = compare_files(o.files[0], o.files[1], request, progress);
   });
+  if (report_file) {
+    write_text(*report_file, report.page(json));
+    report_file->commit();
+  }
   return print_json(o, json, cli::comparison_text);
 }
 
@@ -197,22 +227,29 @@ SitePoint point_of(const std::string& text) {
   return {x.value, y.value};
 }
 
-ExitCode show_bin(cli::Session& session, const Options& o) {
-  if (o.no_statistics || o.config || o.check || o.seal) throw UsageError("--at takes only --scan and --json");
-  if (o.files.size() != 1) throw UsageError("--at needs one DEM");
-  std::optional<std::filesystem::path> scan;
-  if (!o.scan.empty()) scan = o.scan;
+ExitCode show_place(cli::Session& session, const Options& o) {
+  if (o.no_statistics || o.config || o.check || o.seal)
+    throw UsageError("--at takes only --dem, --scan and --json");
+  if (o.files.size() != 1) throw UsageError("--at needs one DEM or evaluation");
+  const auto optional = [](const std::string& path) {
+    return path.empty() ? std::nullopt : std::optional<std::filesystem::path>(path);
+  };
+  const bool is_footprint = kind_of(LandfallFileReader(o.files[0], {"dem", "evaluation"})) == "evaluation";
+  if (!is_footprint && !o.dem.empty())
+    throw UsageError("--dem needs an evaluation; " + o.files[0] + " is a DEM");
   nlohmann::ordered_json json;
   session.phase("read", [&](const ProgressCallback& progress) {
-    json = describe_bin(o.files[0], point_of(o.at), scan, progress);
+    const SitePoint point = point_of(o.at);
+    json = is_footprint ? describe_footprint(o.files[0], point, {optional(o.dem), optional(o.scan)}, progress)
+                        : describe_bin(o.files[0], point, optional(o.scan), progress);
   });
-  return print_json(o, json, cli::bin_text);
+  return print_json(o, json, is_footprint ? cli::footprint_text : cli::bin_text);
 }
 
 ExitCode run(cli::Session& session, const Options& o) {
   if (o.devices) return list_devices(o);
   if (o.compare) return compare(session, o);
-  if (!o.at.empty()) return show_bin(session, o);
+  if (!o.at.empty()) return show_place(session, o);
   if (o.files.empty()) throw UsageError("a file to describe is required");
   if (o.check || o.seal) return check_files(session, o);
   return o.config ? print_config(o) : describe_files(session, o);
@@ -226,6 +263,7 @@ int start(int argc, const char* const* argv, cli::Invocation* invocation) {
   tool.description = kDescription;
   tool.examples = kExamples;
   tool.writes = false;
+  tool.writes_side_file = true;
   tool.bind = [&](CLI::App& app) { bind(app, options); };
   tool.run = [&](cli::Session& session) { return run(session, options); };
   return cli::tool_main(argc, argv, tool, invocation);

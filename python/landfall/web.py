@@ -11,7 +11,7 @@ import os
 import re
 import sys
 
-PAGES = ("evaluation", "hazards", "draws", "cloud", "study", "answers")
+PAGES = ("evaluation", "hazards", "draws", "cloud", "comparison", "study", "answers")
 
 IMPORT = re.compile(r'^import \{([^{}]*)\} from "\./([\w-]+\.js)";\n', re.MULTILINE)
 EXPORT = re.compile(r"^export (?=(?:async function|function|class|const|let) )", re.MULTILINE)

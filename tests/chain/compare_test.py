@@ -3,6 +3,7 @@
 """landfall-info --compare and --at against numpy, scipy and a second computation of Newcombe's interval."""
 import json
 import math
+import os
 import unittest
 
 import h5py
@@ -112,6 +113,131 @@ class Compare(ChainTest):
         self.assertIn("have another size", self.succeed("landfall-info", "--compare", self.chain.dem, self.path("d.h5")).stdout)
 
 
+def sign(a, b, limit, larger_is_better=False):
+    """1 if b is better; 0 for a change of at most 1 %."""
+    if abs(b - a) <= 0.01 * max(abs(a), abs(b), abs(limit)):
+        return 0
+    return 1 if (b > a) == larger_is_better else -1
+
+
+class Answer(ChainTest):
+    """The words of --compare agree with the numbers of metrics.json."""
+
+    LIMITS = {"relative_elevation": 0.05, "relative_horizontal": 0.05, "absolute_horizontal": 1, "coverage": 0.01, "hole_size": 10, "hole_distance": 1}
+
+    def evaluated(self, name, judged=None, **noise):
+        """The metrics of another lidar, whose evaluation is NAME.h5."""
+        keys = [f"--set=noise.{key}={value}" for key, value in noise.items()]
+        self.succeed("scan-sim", *self.chain.inputs("scan-sim"), "-o", self.path("s.h5"), "-O", *keys)
+        self.succeed("regrid", self.path("s.h5"), "--terrain", self.chain.terrain, "-c", self.chain.config("regrid"), "-o", self.path("d.h5"), "-O")
+        self.succeed("dem-eval", self.path("d.h5"), "-c", self.chain.config("dem-eval"), "-o", self.path(name + ".h5"), "-O", "--metrics", self.path("m.json"),
+                     *(judged or []))
+        return json.loads(read_bytes(self.path("m.json")))
+
+    def answer(self, a, b, *arguments):
+        return json.loads(self.succeed("landfall-info", "--compare", self.path(a + ".h5"), self.path(b + ".h5"), "--json", *arguments).stdout)["answer"]
+
+    def worst(self, metrics, name):
+        relative, coverage = metrics["accuracy"]["relative"], metrics["coverage"]
+        return {"relative_elevation": relative["z"]["max_m"], "relative_horizontal": max(relative["x"]["max_m"], relative["y"]["max_m"]),
+                "absolute_horizontal": metrics["accuracy"]["absolute"]["horizontal"]["p95_m"], "coverage": coverage["invalid_frac"],
+                "hole_size": coverage["largest_hole_bins"], "hole_distance": coverage["max_distance_bins"]}[name]
+
+    def expected(self, a, b):
+        """{requirement: (change, margin)} by the rule of D468."""
+        changes = {}
+        for name, limit in self.LIMITS.items():
+            in_a, in_b = a["requirements"][name], b["requirements"][name]
+            worst = sign(self.worst(a, name), self.worst(b, name), limit)
+            if in_a["pass"] != in_b["pass"]:
+                changes[name] = (1 if in_b["pass"] else -1, 0)
+            elif in_a["pass"]:
+                changes[name] = (0, worst)
+            else:
+                changes[name] = (sign(in_a["value"], in_b["value"], 0, name == "absolute_horizontal") or worst, 0)
+        return changes
+
+    def check(self, answer, a, b):
+        words = {1: "better", -1: "worse", 0: "same"}
+        changes = self.expected(a, b)
+        found = {point["name"]: (point["change"], point["margin"]) for point in answer["points"]}
+        self.assertEqual(found, {name: (words[change], words[margin]) for name, (change, margin) in changes.items()})
+        signs = {change for change, _ in changes.values()} - {0} or {margin for _, margin in changes.values()} - {0}
+        self.assertEqual(answer["conclusion"], "mixed" if len(signs) == 2 else words[signs.pop()] if signs else "equal")
+        for point in answer["points"]:
+            in_a, in_b = a["requirements"][point["name"]], b["requirements"][point["name"]]
+            self.assertEqual((point["a"], point["b"]), (in_a["value"], in_b["value"]))
+            verdicts = ["pass" if each["pass"] else "FAIL" for each in (in_a, in_b)]
+            self.assertTrue(point["text"].startswith(f"{verdicts[0]} in both" if verdicts[0] == verdicts[1] else " -> ".join(verdicts)), point["text"])
+            if "worst_a_m" in point:
+                shown = [f"{100 * self.worst(each, point['name']):.3g} cm" for each in (a, b)]
+                self.assertIn(" -> ".join(shown), point["text"])
+
+    def test_four_pairs(self):
+        middle = self.evaluated("middle", range_sigma_m=0.03, dropout_frac=0.05)
+        quiet = self.evaluated("quiet", range_sigma_m=0.003, dropout_frac=0.05)
+        thin = self.evaluated("thin", range_sigma_m=0.003, dropout_frac=0.15)
+        for a, b, wanted in (("middle", "quiet", "better"), ("quiet", "middle", "worse"), ("middle", "thin", "mixed"), ("quiet", "quiet", "equal")):
+            answer = self.answer(a, b)
+            metrics = {"middle": middle, "quiet": quiet, "thin": thin}
+            with self.subTest(a=a, b=b):
+                self.check(answer, metrics[a], metrics[b])
+                self.assertEqual(answer["conclusion"], wanted)
+                text = self.succeed("landfall-info", "--compare", self.path(a + ".h5"), self.path(b + ".h5")).stdout
+                self.assertIn(f"\n{answer['sentence']}\n", text)
+                self.assertTrue(all(f"  {point['name']}: {point['text']}\n" in text for point in answer["points"]))
+
+    def test_margins_decide_between_two_that_pass(self):
+        loose = ["--set=limits.relative_elevation_m=9", "--set=limits.relative_horizontal_m=9", "--set=limits.invalid_frac=1",
+                 "--set=limits.hole_bins=100000", "--set=limits.distance_bins=100000"]
+        self.evaluated("a", loose, range_sigma_m=0.3, dropout_frac=0.05)
+        self.evaluated("b", loose, range_sigma_m=0.003, dropout_frac=0.05)
+        answer = self.answer("a", "b")
+        self.assertEqual({point["change"] for point in answer["points"]}, {"same"})
+        self.assertEqual((answer["conclusion"], answer["sentence"]), ("better", "B is better: better by the margins of relative_elevation; worse by the margins of nothing"))
+
+    def test_own_requirements_and_other_rules(self):
+        own = 'requirements=[{"name": "flat", "metric": "statistics.z.rmse_m", "max": 0.01}]'
+        a = self.evaluated("a", ["--set", own], range_sigma_m=0.1)
+        b = self.evaluated("b", ["--set", own, "--set=limits.relative_elevation_m=0.04"], range_sigma_m=0.001)
+        answer = self.answer("a", "b")
+        point = answer["points"][-1]
+        self.assertEqual((point["name"], point["verdict_a"], point["verdict_b"]),
+                         ("flat", *("pass" if m["own_requirements"]["flat"]["pass"] else "FAIL" for m in (a, b))))
+        self.assertEqual(answer["notes"], ["A and B are judged by different rules: limits.relative_elevation_m"])
+
+    def test_dems_by_their_errors(self):
+        self.evaluated("a", range_sigma_m=0.03)
+        a = columns(self.path("d.h5"))
+        self.succeed("landfall-info", self.path("d.h5"), "--no-statistics")
+        os.replace(self.path("d.h5"), self.path("first.h5"))
+        self.evaluated("b", range_sigma_m=0.003)
+        b = columns(self.path("d.h5"))
+        answer = self.answer("first", "d")
+        error_a, error_b = a["z_true"] - a["z_est"], b["z_true"] - b["z_est"]
+        both = np.isfinite(error_a) & np.isfinite(error_b)
+        empty, rms = answer["points"]
+        self.assertEqual((empty["a"], empty["b"]), (np.isnan(a["z_est"]).sum(), np.isnan(b["z_est"]).sum()))
+        for found, error in ((rms["a"], error_a), (rms["b"], error_b)):
+            self.assertAlmostEqual(found, math.sqrt(np.mean(error[both] ** 2)), delta=1e-12)
+        self.assertEqual(answer["conclusion"], "better")
+
+    def test_hazard_maps_by_missed_hazards(self):
+        keys = ["--set", "limits.roughness_m=0.2"]
+        self.succeed("hazard-map", self.chain.dem, "-c", self.chain.config("hazard-map"), "-o", self.path("rough.h5"), *keys)
+        found = json.loads(self.succeed("landfall-info", "--compare", self.chain.hazards, self.path("rough.h5"), "--json").stdout)
+        scores = {metric["metric"]: metric for metric in found["metrics"]}
+        missed, alarms, unknown = found["answer"]["points"]
+        for point, key in ((missed, "missed_hazard_frac"), (alarms, "false_alarm_frac"), (unknown, "counts.unknown")):
+            self.assertEqual((point["a"], point["b"]), (scores[key]["a"], scores[key]["b"]))
+            self.assertEqual(point["change"], {1: "better", 0: "same", -1: "worse"}[sign(point["a"], point["b"], 0)])
+        self.assertEqual(found["answer"]["notes"], ["A and B are judged by different rules: limits.roughness_m"])
+
+    def test_scans_have_no_answer(self):
+        found = json.loads(self.succeed("landfall-info", "--compare", self.chain.scan, self.chain.scan, "--json").stdout)
+        self.assertIsNone(found["answer"])
+
+
 class At(ChainTest):
     def at(self, x, y, *arguments, dem=None):
         return json.loads(self.succeed("landfall-info", dem or self.chain.dem, "--at", f"{x},{y}", "--json", *arguments).stdout)
@@ -187,6 +313,11 @@ class Draws(MonteCarloTest):
             self.assertAlmostEqual(pairs[name]["difference"]["low"], low, delta=1e-12)
             self.assertAlmostEqual(pairs[name]["difference"]["high"], high, delta=1e-12)
         self.assertGreater(pairs["coverage"]["only_a"] + pairs["coverage"]["only_b"], 0)
+        for point in found["answer"]["points"]:
+            pair = pairs[point["name"]]
+            self.assertEqual((point["a"], point["b"]), (pair["both"] + pair["only_a"], pair["both"] + pair["only_b"]))
+            change = "same" if pair["mcnemar_p"] >= 0.05 else "better" if pair["only_b"] > pair["only_a"] else "worse"
+            self.assertEqual(point["change"], change)
         self.assertIn("McNemar", self.succeed("landfall-info", "--compare", self.path("a.h5"), self.path("b.h5")).stdout)
 
     def test_other_seeds_are_not_paired(self):
@@ -195,6 +326,7 @@ class Draws(MonteCarloTest):
         found = json.loads(self.succeed("landfall-info", "--compare", self.path("a.h5"), self.path("b.h5"), "--json").stdout)
         self.assertEqual(found["draws"], {"a": 24, "b": 24, "common": 0})
         self.assertNotIn("pairs", found)
+        self.assertEqual(found["answer"]["conclusion"], "unknown")
 
 
 if __name__ == "__main__":

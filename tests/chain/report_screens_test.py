@@ -81,6 +81,20 @@ class ScreensTest(PageTest):
         self.succeed("dem-eval", *self.chain.inputs("dem-eval"), "--report", self.path("evaluation.html"))
         self.check_page("evaluation.html")
 
+    def test_a_comparison(self):
+        """Files of each kind are compared; the last page is the one that is looked at."""
+        self.succeed("dem-eval", *self.chain.inputs("dem-eval"), "-o", self.path("other.h5"), "--set", "limits.relative_elevation_m=0.01")
+        for a, b in ((self.chain.terrain,) * 2, (self.chain.scan,) * 2, (self.chain.dem,) * 2, (self.chain.hazards,) * 2, (self.chain.draws,) * 2,
+                     (self.chain.eval, self.path("other.h5"))):
+            self.succeed("landfall-info", "--compare", a, b, "--report", self.path("comparison.html"), "-O")
+            self.open("comparison.html")
+            self.assertEqual(self.text("#message"), "")
+        self.check_page("comparison.html")
+        answer = json.loads(self.succeed("landfall-info", "--compare", a, b, "--json").stdout)["answer"]
+        self.assertEqual(self.text("#verdict"), answer["sentence"])
+        self.assertEqual(self.texts("#answer-points li"), [f"{point['name']}: {point['text']}" for point in answer["points"]])
+        self.assertEqual(len(self.texts("#maps canvas")), 3 * 6 + 2)  # fail has no difference
+
     def test_hazards(self):
         self.succeed("hazard-map", *self.chain.inputs("hazard-map"), "--report", self.path("hazards.html"))
         self.check_page("hazards.html")

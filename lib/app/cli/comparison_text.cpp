@@ -28,6 +28,15 @@ std::string side_text(const Comparison& entry, const char* side) {
   return entry.contains(side) ? value_text(entry[side]) : "(none)";
 }
 
+/// The conclusion, and what each requirement or number says.
+std::string answer_lines(const Comparison& answer) {
+  std::string text = "\n" + answer["sentence"].get<std::string>() + "\n";
+  for (const Comparison& point : answer["points"])
+    text += "  " + point["name"].get<std::string>() + ": " + point["text"].get<std::string>() + "\n";
+  for (const Comparison& note : answer["notes"]) text += "  note: " + note.get<std::string>() + "\n";
+  return text;
+}
+
 std::string configuration_lines(const Comparison& differing) {
   if (differing.empty()) return "\nconfiguration: no difference\n";
   std::string text = "\nconfiguration, where it differs: A, B\n";
@@ -202,8 +211,9 @@ std::vector<std::string> place_lines(const nlohmann::ordered_json& place) {
 std::string comparison_text(const Comparison& json) {
   std::string text = "two files of kind " + json["kind"].get<std::string>() +
                      (json["same_file_id"].get<bool>() ? ", made in the same way\n" : "\n") +
-                     side_line("A", json["a"]) + side_line("B", json["b"]) +
-                     configuration_lines(json["configuration"]);
+                     side_line("A", json["a"]) + side_line("B", json["b"]);
+  if (json["answer"].is_object()) text += answer_lines(json["answer"]);
+  text += configuration_lines(json["configuration"]);
   if (json.contains("requirements")) text += requirement_lines(json["requirements"]);
   if (json.contains("metrics")) text += metric_lines(json["metrics"]);
   if (json.contains("draws")) text += draw_lines(json);

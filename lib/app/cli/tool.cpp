@@ -81,15 +81,19 @@ void bind_config(CLI::App& app, CommonOptions& o, const Tool& tool) {
       ->group(kConfiguration);
 }
 
+void bind_overwrite(CLI::App& app, CommonOptions& o, const Tool& tool) {
+  app.add_flag("-O,--overwrite", o.overwrite,
+               tool.writes_folder ? "Replace files of the outputs' names, whatever they are"
+                                  : "Replace an existing output")
+      ->group(kOutput);
+}
+
 void bind_output(CLI::App& app, CommonOptions& o, const Tool& tool) {
   app.add_option("-o,--output", o.output_path,
                  tool.writes_folder ? "Folder of the outputs; made if it does not exist" : "Output file")
       ->type_name(tool.writes_folder ? "DIR" : "FILE")
       ->group(kOutput);
-  app.add_flag("-O,--overwrite", o.overwrite,
-               tool.writes_folder ? "Replace files of the outputs' names, whatever they are"
-                                  : "Replace an existing output")
-      ->group(kOutput);
+  bind_overwrite(app, o, tool);
   app.add_option("--compression", o.compression, "Deflate level of the output; 0: no compression")
       ->type_name("0..9")
       ->check(CLI::Range(0, 9))
@@ -126,6 +130,7 @@ void bind_general(CLI::App& app, CommonOptions& o, const Tool& tool) {
 void bind_common(CLI::App& app, CommonOptions& o, const Tool& tool) {
   if (!tool.schema.empty()) bind_config(app, o, tool);
   if (tool.writes) bind_output(app, o, tool);
+  if (tool.writes_side_file) bind_overwrite(app, o, tool);
   if (tool.writes && !tool.schema.empty()) {
     if (!tool.writes_folder)
       app.add_option("--view", o.view_path, "Also write a picture of the output (.png)")

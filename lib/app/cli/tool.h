@@ -30,6 +30,7 @@ struct Tool {
   std::string seed_key = "/seed";       ///< what --seed sets, a JSON pointer
   bool writes_hdf5 = true;              ///< false: the tool checks the extension of its output itself
   bool writes = true;                   ///< false: no -o, no summary of the run
+  bool writes_side_file = false;        ///< without -o: an option of its own writes a file, so that it has -O
   bool writes_folder = false;           ///< -o names a folder; no --view
   std::function<void(CLI::App&)> bind;  ///< declares the tool's own options; opens nothing
   /// Translates the tool's own options into configuration values, before --set; may be empty.

@@ -93,15 +93,6 @@ const char* status_name(std::int8_t status) {
   return kPointStatuses.at(static_cast<std::size_t>(status)).meaning;
 }
 
-void require_source(const LandfallFileReader& dem, const LandfallFileReader& scan) {
-  for (const nlohmann::json& step : dem.chain()) {
-    if (step.value("file_id", "") != dem.file_id() || !step.contains("inputs")) continue;
-    for (const nlohmann::json& input : step["inputs"])
-      if (input.value("role", "") == "scan" && input.value("file_id", "") == scan.file_id()) return;
-  }
-  scan.fail("is not a scan that " + dem.name() + " was made from (its file_id is not among the inputs)");
-}
-
 std::string method_of(const LandfallFileReader& dem) {
   return dem.config().is_object() ? dem.config().value("method", "") : "";
 }
@@ -110,7 +101,7 @@ std::string method_of(const LandfallFileReader& dem) {
 Json returns_json(const LandfallFileReader& dem, const GridSpec& grid, BinIndex bin, const Json& weight_sum,
                   const std::filesystem::path& path, const ProgressCallback& progress) {
   const ScanReader scan(path);
-  require_source(dem, scan.file());
+  require_input(dem, inputs_of(dem, dem.file_id(), "scan"), scan.file());
   const TableReader points(scan.file().root(), "points", scan.file().name());
   const std::vector<BinReturn> found = returns_in(points, grid, bin, progress);
   const std::string method = method_of(dem);
@@ -139,17 +130,10 @@ Json returns_json(const LandfallFileReader& dem, const GridSpec& grid, BinIndex 
 
 /// One value of each layer, by its name.
 Json layers_json(const LandfallFileReader& dem, const GridLayerReader& grid, BinIndex bin) {
-  const BinIndex tile = grid.tile();
-  const BinIndex first{bin.row / tile.row * tile.row, bin.col / tile.col * tile.col};
-  GridSpec window = grid.spec();
-  window.first_row += first.row;
-  window.first_col += first.col;
-  window.rows = std::min(tile.row, grid.spec().rows - first.row);
-  window.cols = std::min(tile.col, grid.spec().cols - first.col);
+  const GridSpec one = part_of(grid.spec(), bin, 1, 1);
   Json layers = Json::object();
   for (const ContentInfo& layer : layers_of(dem, grid.spec())) {
-    const Grid<double> part = grid.read_window<double>(layer.name, window);
-    const double value = part.values()[window.index({bin.row - first.row, bin.col - first.col})];
+    const double value = grid.read_part(layer.name, one).values().front();
     const bool is_whole = layer.type != h5::Type::float64 && layer.type != h5::Type::float32;
     layers[layer.name] = !std::isfinite(value) ? Json(nullptr)
                          : is_whole            ? Json(static_cast<std::int64_t>(value))
@@ -166,25 +150,49 @@ Json units_json(const LandfallFileReader& dem, const GridSpec& spec) {
 
 }  // namespace
 
+std::vector<std::string> inputs_of(const LandfallFileReader& made, const std::string& step,
+                                   const std::string& role) {
+  std::vector<std::string> ids;
+  for (const nlohmann::json& each : made.chain())
+    if (each.value("file_id", "") == step)
+      for (const nlohmann::json& input : each.value("inputs", nlohmann::json::array()))
+        if (input.value("role", "") == role) ids.push_back(input.value("file_id", ""));
+  return ids;
+}
+
+void require_input(const LandfallFileReader& made, const std::vector<std::string>& inputs,
+                   const LandfallFileReader& source) {
+  if (std::ranges::find(inputs, source.file_id()) == inputs.end())
+    source.fail("is not a " + kind_of(source) + " that " + made.name() +
+                " was made from (its file_id is not among the inputs)");
+}
+
+BinIndex bin_on_map(const GridSpec& spec, const SitePoint& point, const std::string& name) {
+  const BinIndex bin = spec.bin_of(point.x_m, point.y_m);
+  if (spec.contains(bin)) return bin;
+  throw UsageError("--at " + number_text(point.x_m) + "," + number_text(point.y_m) + " is off the map of " +
+                   name + ": x from " + number_text(spec.x(0)) + " to " + number_text(spec.x(spec.cols - 1)) +
+                   " m, y from " + number_text(spec.y(0)) + " to " + number_text(spec.y(spec.rows - 1)) +
+                   " m");
+}
+
+Json place_of_bin(const std::filesystem::path& path, const GridLayerReader& grid, BinIndex bin) {
+  const GridSpec& spec = grid.spec();
+  const SitePoint centre{spec.x(bin.col), spec.y(bin.row)};
+  Json json = {{"file", path.string()}, {"x_m", centre.x_m}, {"y_m", centre.y_m}};
+  json.update(map_position_json(map_positions(grid.crs_wkt(), {centre}).front()));
+  json.update(Json{{"row", bin.row}, {"column", bin.col}, {"resolution_m", spec.resolution_m}});
+  return json;
+}
+
 Json describe_bin(const std::filesystem::path& path, const SitePoint& point,
                   const std::optional<std::filesystem::path>& scan, const ProgressCallback& progress) {
   const LandfallFileReader dem(path, {"dem"});
   const GridLayerReader grid(dem);
   const GridSpec& spec = grid.spec();
-  const BinIndex bin = spec.bin_of(point.x_m, point.y_m);
-  if (!spec.contains(bin))
-    throw UsageError("--at " + number_text(point.x_m) + "," + number_text(point.y_m) + " is off the map of " +
-                     dem.name() + ": x from " + number_text(spec.x(0)) + " to " +
-                     number_text(spec.x(spec.cols - 1)) + " m, y from " + number_text(spec.y(0)) + " to " +
-                     number_text(spec.y(spec.rows - 1)) + " m");
-  Json json = {{"file", path.string()}, {"x_m", spec.x(bin.col)}, {"y_m", spec.y(bin.row)}};
-  const SitePoint centre{spec.x(bin.col), spec.y(bin.row)};
-  json.update(map_position_json(map_positions(grid.crs_wkt(), {centre}).front()));
-  json.update(Json{{"row", bin.row},
-                   {"column", bin.col},
-                   {"resolution_m", spec.resolution_m},
-                   {"layers", layers_json(dem, grid, bin)},
-                   {"units", units_json(dem, spec)}});
+  const BinIndex bin = bin_on_map(spec, point, dem.name());
+  Json json = place_of_bin(path, grid, bin);
+  json.update(Json{{"layers", layers_json(dem, grid, bin)}, {"units", units_json(dem, spec)}});
   if (!scan) return json;
   const Json weight_sum = json["layers"].value("weight_sum", Json());
   json["returns"] = returns_json(dem, spec, bin, weight_sum, *scan, progress);

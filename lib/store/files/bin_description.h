@@ -6,7 +6,10 @@
 #include <optional>
 
 #include "base/core/progress.h"
+#include "base/raster/grid_spec.h"
 #include "chain/terrain/site_point.h"
+#include "store/files/grid_file.h"
+#include "store/files/landfall_file.h"
 
 namespace landfall {
 
@@ -19,5 +22,22 @@ namespace landfall {
 [[nodiscard]] nlohmann::ordered_json describe_bin(const std::filesystem::path& dem, const SitePoint& point,
                                                   const std::optional<std::filesystem::path>& scan,
                                                   const ProgressCallback& progress = {});
+
+/// The bin of a map that holds a point. Throws UsageError, which names the file `name` and the extent of the
+/// map, for a point off it.
+[[nodiscard]] BinIndex bin_on_map(const GridSpec& spec, const SitePoint& point, const std::string& name);
+
+/// The file, the centre of a bin in the frame of the site and on the map, its indices and its width.
+[[nodiscard]] nlohmann::ordered_json place_of_bin(const std::filesystem::path& path,
+                                                  const GridLayerReader& grid, BinIndex bin);
+
+/// The file_ids of the inputs with a role ("scan", "dem") of one of the steps that led to a file, or of
+/// itself.
+[[nodiscard]] std::vector<std::string> inputs_of(const LandfallFileReader& made, const std::string& step,
+                                                 const std::string& role);
+
+/// Throws FormatError unless `source` is one of the inputs by its file_id.
+void require_input(const LandfallFileReader& made, const std::vector<std::string>& inputs,
+                   const LandfallFileReader& source);
 
 }  // namespace landfall

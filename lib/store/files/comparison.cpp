@@ -17,6 +17,7 @@
 #include "chain/draws/pass_rate.h"
 #include "chain/evaluation/error_statistics.h"
 #include "chain/evaluation/quantile/order_statistics.h"
+#include "store/files/comparison_answer.h"
 #include "store/files/contents.h"
 #include "store/files/draws_file.h"
 #include "store/files/field_json.h"
@@ -199,8 +200,9 @@ class GridPair {
       reason_ = "the maps have no bin in common";
   }
 
-  /// Adds the places, the common bins and, with `statistics`, the layers, or why there are none.
-  void add_to(Json& json, const std::string& kind, bool statistics, const ProgressCallback& progress) const {
+  /// Adds the places, the common bins and, with statistics, the layers, or why there are none.
+  void add_to(Json& json, const std::string& kind, const ComparisonRequest& request,
+              const ProgressCallback& progress) const {
     json["a"]["place"] = place_json(grid_a_.crs_wkt());
     json["b"]["place"] = place_json(grid_b_.crs_wkt());
     json["placement"] = {{"shift_m", meeting_.placement.shift_m()}, {"said", meeting_.said}};
@@ -215,7 +217,9 @@ class GridPair {
                            {"first_in_b", first_in(placed_b_)},
                            {"x_m", {common_.x(0), common_.x(common_.cols - 1)}},
                            {"y_m", {common_.y(0), common_.y(common_.rows - 1)}}};
-    if (statistics) add_layers(json, kind, progress);
+    if (!request.statistics) return;
+    add_layers(json, kind, request, progress);
+    if (kind == "dem") json["elevation_errors"] = elevation_errors();
   }
 
  private:
@@ -223,7 +227,38 @@ class GridPair {
   [[nodiscard]] Json first_in(const GridSpec& grid) const {
     return {common_.first_row - grid.first_row, common_.first_col - grid.first_col};
   }
-  void add_layers(Json& json, const std::string& kind, const ProgressCallback& progress) const {
+  /// The layers of A and of B on the common bins, B in the frame of A.
+  [[nodiscard]] std::pair<Grid<double>, Grid<double>> read(const std::string& kind,
+                                                           const std::string& layer) const {
+    return {
+        on_bins(grid_a_.read<double>(layer), grid_a_.spec(), common_, 0),
+        on_bins(grid_b_.read<double>(layer), placed_b_, common_, shift_of(kind, layer, meeting_.placement))};
+  }
+  /// The errors of both DEMs on the bins that have an elevation and a truth in both.
+  [[nodiscard]] Json elevation_errors() const {
+    auto [a, b] = read("dem", "z_est");
+    const auto empty = [](const Grid<double>& z) {
+      return std::ranges::count_if(z.values(), [](double value) { return std::isnan(value); });
+    };
+    Json json = {{"empty_a", empty(a)}, {"empty_b", empty(b)}, {"rms_a_m", nullptr}, {"rms_b_m", nullptr}};
+    if (!grid_a_.has("z_true") || !grid_b_.has("z_true")) return json;
+    const auto [true_a, true_b] = read("dem", "z_true");
+    double sum_a = 0, sum_b = 0, count = 0;
+    for (std::size_t i = 0; i < common_.size(); ++i) {
+      const double error_a = true_a.values()[i] - a.values()[i];
+      const double error_b = true_b.values()[i] - b.values()[i];
+      if (!std::isfinite(error_a) || !std::isfinite(error_b)) continue;
+      sum_a += error_a * error_a;
+      sum_b += error_b * error_b;
+      ++count;
+    }
+    if (count == 0) return json;
+    json["rms_a_m"] = std::sqrt(sum_a / count);
+    json["rms_b_m"] = std::sqrt(sum_b / count);
+    return json;
+  }
+  void add_layers(Json& json, const std::string& kind, const ComparisonRequest& request,
+                  const ProgressCallback& progress) const {
     json["layers"] = Json::array();
     const std::vector<ContentInfo> layers = layers_of(file_a_, grid_a_.spec());
     const std::vector<ContentInfo> others = layers_of(file_b_, grid_b_.spec());
@@ -231,9 +266,8 @@ class GridPair {
     for (const ContentInfo& layer : layers) {
       report(progress, static_cast<double>(done++) / static_cast<double>(layers.size()));
       if (std::ranges::find(others, layer.name, &ContentInfo::name) == others.end()) continue;
-      const Grid<double> a = on_bins(grid_a_.read<double>(layer.name), grid_a_.spec(), common_, 0);
-      const Grid<double> b = on_bins(grid_b_.read<double>(layer.name), placed_b_, common_,
-                                     shift_of(kind, layer.name, meeting_.placement));
+      const auto [a, b] = read(kind, layer.name);
+      if (request.on_layer) request.on_layer(kind, layer, a, b);
       Json entry = {{"layer", layer.name}, {"unit", layer.units}};
       entry.update(is_class(layer) ? class_json(a, b) : difference_json(a, b));
       json["layers"].push_back(std::move(entry));
@@ -370,8 +404,8 @@ Json compare_files(const std::filesystem::path& a, const std::filesystem::path& 
   const LandfallFileReader file_a(a, kLandfallKinds);
   const LandfallFileReader file_b(b, kLandfallKinds);
   if (has_grid(file_a) && has_grid(file_b))
-    GridPair(file_a, file_b, request.rules)
-        .add_to(json, json["kind"].get<std::string>(), request.statistics, progress);
+    GridPair(file_a, file_b, request.rules).add_to(json, json["kind"].get<std::string>(), request, progress);
+  json["answer"] = answer_of(json, of_a, of_b);
   return json;
 }
 

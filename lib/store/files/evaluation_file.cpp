@@ -218,28 +218,13 @@ DemInput read_dem(const std::filesystem::path& path, const ProgressCallback& pro
 
 DemWindowReader::DemWindowReader(const std::filesystem::path& path) : file_(path, {"dem"}), layers_(file_) {}
 
-Grid<double> DemWindowReader::read(const std::string& name, const GridSpec& window) const {
-  const GridSpec& dem = layers_.spec();
-  // Reads whole tiles, because a part of a tile takes as long.
-  const BinIndex before{(window.first_row - dem.first_row) % layers_.tile().row,
-                        (window.first_col - dem.first_col) % layers_.tile().col};
-  const GridSpec wider{window.resolution_m, window.first_row - before.row, window.first_col - before.col,
-                       window.rows + before.row, window.cols + before.col};
-  const Grid<double> values = layers_.read_window<double>(name, wider);
-  auto part = Grid<double>::unset(window);
-  for (std::int64_t row = 0; row < window.rows; ++row)
-    std::ranges::copy(values.row(row + before.row).subspan(static_cast<std::size_t>(before.col)),
-                      part.row(row).begin());
-  return part;
-}
-
 DemLayers DemWindowReader::read(const GridSpec& window) const {
-  DemLayers result{.z_est = read("z_est", window), .truth = std::nullopt};
+  DemLayers result{.z_est = layers_.read_part("z_est", window), .truth = std::nullopt};
   if (!layers_.has("z_true")) return result;
-  result.truth = TrueLayers{.x = {}, .y = {}, .z = read("z_true", window)};
+  result.truth = TrueLayers{.x = {}, .y = {}, .z = layers_.read_part("z_true", window)};
   if (layers_.has("x_true") && layers_.has("y_true")) {
-    result.truth->x = read("x_true", window);
-    result.truth->y = read("y_true", window);
+    result.truth->x = layers_.read_part("x_true", window);
+    result.truth->y = layers_.read_part("y_true", window);
   }
   return result;
 }

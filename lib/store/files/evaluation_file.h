@@ -38,8 +38,6 @@ class DemWindowReader {
   [[nodiscard]] std::optional<Grid<std::int32_t>> count() const;
 
  private:
-  [[nodiscard]] Grid<double> read(const std::string& name, const GridSpec& window) const;
-
   LandfallFileReader file_;
   GridLayerReader layers_;
 };

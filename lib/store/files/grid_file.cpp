@@ -369,6 +369,14 @@ Grid<T> GridLayerReader::read_window(const std::string& name, const GridSpec& wi
   return part;
 }
 
+Grid<double> GridLayerReader::read_part(const std::string& name, const GridSpec& part) const {
+  const BinIndex before{(part.first_row - spec_.first_row) % tile().row,
+                        (part.first_col - spec_.first_col) % tile().col};
+  const GridSpec wider{part.resolution_m, part.first_row - before.row, part.first_col - before.col,
+                       part.rows + before.row, part.cols + before.col};
+  return cut_out(read_window<double>(name, wider), part);
+}
+
 std::optional<std::array<double, 2>> GridLayerReader::range(const std::string& name) const {
   return h5::read_pair_attribute(open(name).get(), "actual_range");
 }

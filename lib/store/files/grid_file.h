@@ -123,6 +123,8 @@ class GridLayerReader {
   template <class T>
   [[nodiscard]] Grid<T> read_window(const std::string& name, const GridSpec& window,
                                     const ProgressCallback& progress = {}) const;
+  /// The same of any part of the grid: the tiles about it are read, because a part of one takes as long.
+  [[nodiscard]] Grid<double> read_part(const std::string& name, const GridSpec& part) const;
   /// The range that write_range() wrote; nothing if a layer has none.
   [[nodiscard]] std::optional<std::array<double, 2>> range(const std::string& name) const;
   /// LayerText::truth_spacing_m of the layer z_true; nothing if it has none that is positive.

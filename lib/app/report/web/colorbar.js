@@ -13,7 +13,7 @@ function quantityOf({name, style, quantity}) {
   if (style === "elevation") return "elevation";
   if (style === "count") return "returns";
   if (name.startsWith("abs_")) return "mean of true \u2212 estimated";
-  if (name.startsWith("rel_")) return `|e \u2212 mean|, ${Number((100 * report.quantile).toPrecision(4))} % quantile`;
+  if (name.startsWith("rel_")) return report.quantile ? `|e \u2212 mean|, ${Number((100 * report.quantile).toPrecision(4))} % quantile` : "|e \u2212 mean|, quantile";
   return style === "signed" ? "true \u2212 estimated" : "distance, true to estimated";
 }
 

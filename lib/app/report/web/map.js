@@ -269,8 +269,9 @@ export class MapPanel {
                     outline({stroke: INK, "stroke-dasharray": "5 3"}));
   }
 
-  /** Draws the footprint to scale: at its position on a crop, in the lower left corner of a whole map. */
+  /** Draws the footprint to scale: at its position on a crop, in the lower left corner of a whole map; none where the page has none. */
   drawFootprint() {
+    if (!report.footprint) return;
     const {shape, text, half_bins} = report.footprint;
     const half = (half_bins + 0.5) * report.grid.resolution_m * this.pixels_per_m;
     const {left, top, height} = this.box;
