@@ -158,11 +158,11 @@ TEST(ImportConfig, TheRestOfTheBaseIsMergedOverTheImport) {
             "c.json: /base/band: the import gives it too; remove one");
 }
 
-/// /terrain/from after place_import().
+/// /terrain/from after expand_stage_sections().
 std::string placed(const std::string& from, const std::string& folder) {
-  Json config = {{"terrain", {{"from", from}}}};
-  place_import(config, folder);
-  return config["terrain"]["from"];
+  JsonSource source{"c.json", {{"terrain", {{"from", from}}}}};
+  expand_stage_sections(source, folder);
+  return source.value["terrain"]["from"];
 }
 
 TEST(ImportConfig, ARasterLiesBesideTheFileThatNamesIt) {
