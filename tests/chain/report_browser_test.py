@@ -214,8 +214,9 @@ class CommonReport(CommonPage, ReportCase):
         self.report()
         self.succeed("landfall-export", self.chain.dem, "--layers", "z_est", "-o", self.path("view.png"))
         view = np.round(255 * imread(self.path("view.png"))[..., :3])
-        # The map of 101 x 101 bins begins at (88, 120) and is enlarged by 5 (lib/formats/picture/map_picture.cpp).
-        view = view[88:88 + 505, 120:120 + 505][2::5, 2::5][::-1]
+        # The map of 101 x 101 bins begins below its outline, at column 120, and is enlarged by 5 (lib/formats/picture/map_picture.cpp).
+        top = 1 + np.flatnonzero((view[:, 120:120 + 505] == 30).all(axis=(1, 2)))[0]
+        view = view[top:top + 505, 120:120 + 505][2::5, 2::5][::-1]
         drawn = self.window.run("""return rasterOf(layerNamed("z_est"), report.grid).then((r) => {
             const alone = Object.assign(Object.create(r), {peers: undefined}), b = blocksOf(alone, 1);
             return [...reliefColors(alone, b, scaleOf(alone))]; })""")
