@@ -479,7 +479,8 @@ class PictureTest(ExportTest):
         pixels = self.pixels(self.export(CHAIN.dem, "count.png", "--layers", "count"))
         count = columns(CHAIN.dem, "/")["count"]
         zoom = 600 // count.shape[0]
-        inside = pixels[88:88 + zoom * count.shape[0]:zoom, 120:120 + zoom * count.shape[1]:zoom][::-1]
+        top = 1 + np.flatnonzero((pixels[:, 120:120 + zoom * count.shape[1]] == 30).all(axis=(1, 2)))[0]  # below the outline
+        inside = pixels[top:top + zoom * count.shape[0]:zoom, 120:120 + zoom * count.shape[1]:zoom][::-1]
         empty = inside[count == 0]
         self.assertEqual(len(np.unique(empty, axis=0)), 1)
         # Counts are yellow to brown: the luminance decreases with the value.

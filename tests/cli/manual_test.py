@@ -86,7 +86,7 @@ class Help(ToolTest):
             self.assertEqual([h for h in heads if h != "Positionals"],
                              ["Options", "Configuration", "Output", "General", "Examples"], name)
         text = self.succeed("landfall-info", "--help").stdout
-        self.assertEqual(re.findall(r"^([A-Z]\w+):$", text, re.M), ["Positionals", "Options", "General", "Examples"])
+        self.assertEqual(re.findall(r"^([A-Z]\w+):$", text, re.M), ["Positionals", "Options", "Output", "General", "Examples"])
 
     def test_the_print_options_are_hidden(self):
         for name in ALL:

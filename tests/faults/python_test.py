@@ -265,7 +265,7 @@ class OddFiles(ChainTest):
             change(file)
         result = run_command(f"plot_{kind}", path, "-O", "-o", self.path("f.png"))
         self.assertEqual((result.returncode, result.stdout), (1, ""), result.stderr)
-        self.assertRegex(result.stderr, r"\Aplot_\w+\.py: [^\n]+\n\Z")
+        self.assertRegex(result.stderr, r"\Alandfall plot \w+: [^\n]+\n\Z")
         self.assertIn(words, result.stderr)
 
     @staticmethod

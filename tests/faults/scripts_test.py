@@ -189,7 +189,7 @@ class Names(StudyTest):
                     with self.subTest(file=name, place=place, value=value, command=command):
                         result = self.collect(folder, command)
                         self.assertIn(result.returncode, (0, 1, 2), result.stderr)
-                        self.assertRegex(result.stderr, r"\A(sweep\.py: [^\n]*\n)?\Z")
+                        self.assertRegex(result.stderr, r"\A(landfall study: [^\n]*\n)?\Z")
             with open(path, "w", encoding="utf-8") as file:
                 json.dump(intact, file)
 

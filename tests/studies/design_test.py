@@ -93,7 +93,7 @@ class Filters(DesignTest):
         for base, message in self.refused_bases():
             self.write(design_file(base=base))
             with self.subTest(message):
-                self.assertRegex(self.run_it(code=2).stderr, rf"\Adesign\.py: {re.escape(message)}[^\n]*\n\Z")
+                self.assertRegex(self.run_it(code=2).stderr, rf"\Alandfall design: {re.escape(message)}[^\n]*\n\Z")
 
     def test_costs(self):
         configs = self.problem().configs({**GOOD, "lines": 10})

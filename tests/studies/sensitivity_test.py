@@ -221,7 +221,7 @@ class Landfall(SensitivityTest):
         for base, message in self.refused_bases():
             self.file(base=base)
             with self.subTest(message):
-                self.assertRegex(self.run_it(code=2).stderr, rf"\Asensitivity\.py: {re.escape(message)}[^\n]*\n\Z")
+                self.assertRegex(self.run_it(code=2).stderr, rf"\Alandfall sensitivity: {re.escape(message)}[^\n]*\n\Z")
 
     def test_killed_and_resumed_and_two_workers(self):
         """Each gives the bytes of an undisturbed run; what was done is not done again."""
