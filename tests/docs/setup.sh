@@ -18,7 +18,8 @@ small_chain() {
   landfall() {
     case $1 in
       plot) command landfall plot "$2" --dpi 50 "${@:3}" ;;
-      *) command landfall "$@" --set scan.laser.scan_time_s=0.2 --set area.resolution_m=0.2 ;;
+      run) command landfall "$@" --set scan.laser.scan_time_s=0.2 --set area.resolution_m=0.2 ;;
+      *) command landfall "$@" ;;
     esac
   }
 }

@@ -26,7 +26,7 @@ assert dict(matplotlib.rcParams) == before, "the caller's settings have changed"
 ANSWERS = """
 import types
 from landfall.answers import {name}
-problem = types.SimpleNamespace(groups=[], title="t", outputs={{}})
+problem = types.SimpleNamespace(groups=[], title="t", outputs={{}}, judges_map=lambda: True)
 answer = {{"outputs": {{}}, "draws": 1, "candidates": [], "front": [], "raced": [], "base": {{"stage": "none"}}, "winner": None, "reference_cost": 1}}
 {name}.figure_of(problem, answer)
 """
