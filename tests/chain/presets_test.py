@@ -12,11 +12,11 @@ from harness import ToolTest, read_bytes
 ROOT = os.environ["LANDFALL_ROOT"]
 PAGE = os.path.join(ROOT, "docs", "user", "lidar", "presets.md")
 FLIGHTS = os.path.join(ROOT, "docs", "reference", "flights.md")
-ROW = re.compile(r"^\| `([\w-]+)` \| ([\d,]+) \| ([\d.]+) \| ([\d.]+) m, ([\d.]+) m \| ([\d.]+) \| ([\d.]+) % \|$", re.MULTILINE)
+ROW = re.compile(r"^\| (`[\w-]+`(?:, `[\w-]+`)*) \| ([\d,]+) \| ([\d.]+) \| ([\d.]+) m, ([\d.]+) m \| ([\d.]+) \| ([\d.]+) % \|$", re.MULTILINE)
 
 
 def rows():
-    return ROW.findall(read_bytes(PAGE).decode())
+    return [(name, *row[1:]) for row in ROW.findall(read_bytes(PAGE).decode()) for name in re.findall("`(.*?)`", row[0])]
 
 
 def leaves(value, key=""):
