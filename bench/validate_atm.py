@@ -2,12 +2,13 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """A real conical scan through landfall's scanner `palmer`: NASA's Airborne Topographic Mapper (docs/quality/validation.md).
 
-    bench/validate_atm.py FILE.qi... [--json FILE]
+    bench/validate_atm.py FILE.qi... [--seconds 0.5] [--json FILE]
 
 QFIT has time, position, scan azimuth, pitch and roll of each pulse, but neither range nor trajectory. Thirteen numbers are fitted to the pulses of
 revolutions 0, 2, 4 ...: position and velocity of the aircraft, its heading and turn, roll and pitch of the mount, tilt and incidence of the mirror, zero of the
 azimuth. landfall.Lidar then simulates the pulses of revolutions 1, 3, 5 ... from their recorded azimuths. A beam is compared with its point at the
-height of the point, since heights are measured and ranges are not in the file.
+height of the point, since heights are measured and ranges are not in the file. The motor's turn is the clock: time stamps are whole milliseconds. Of a
+longer file the first half second is used, during which the aircraft neither accelerates nor changes its turn by much.
 """
 import argparse
 import json
@@ -37,7 +38,7 @@ CAUSES = {"mount roll": "roll_rad", "mount pitch": "pitch_rad", "heading": "head
 class Shots:
     """The shots of a QFIT file that have a position: words as stored, and landfall-import's points."""
 
-    def __init__(self, path, folder):
+    def __init__(self, path, folder, seconds=0.5):
         with open(path, "rb") as file:
             data = file.read()
         order = next((o for o in "><" if int(np.frombuffer(data, o + "i4", 1)[0]) in (40, 48, 56)), None)
@@ -50,16 +51,16 @@ class Shots:
         shots = shots[:len(shots) // count * count].reshape(-1, count).astype(float)
         shots = shots[(shots[:, 0] >= 0) & shots[:, 1:4].any(1)]
         self.calibration = calibration_of(data[:header], count * 4)
-        self.azimuth, self.pitch, self.roll = (np.unwrap(np.radians(shots[:, n] / 1000)) for n in (6, 7, 8))
         imported = os.path.join(folder, "points.h5")
         landfall.run("landfall-import", None, path, output=imported, overwrite=True)
         with h5py.File(imported) as file:
             self.points = np.stack([file[f"points/{axis}_est"][()] for axis in "xyz"], -1)
         if len(self.points) != len(shots):
             raise SystemExit(f"validate_atm.py: {path}: landfall-import has {len(self.points)} points of {len(shots)} shots")
+        first = shots[:, 0] - shots[0, 0] < 1000 * seconds
+        shots, self.points = shots[first], self.points[first]
+        self.azimuth, self.pitch, self.roll = (np.unwrap(np.radians(shots[:, n] / 1000)) for n in (6, 7, 8))
         self.step_m = np.radians(1e-6) * 6371000 * np.array([np.cos(np.radians(np.median(shots[:, 1]) / 1e6)), 1])
-        # Time stamps are whole milliseconds; the motor tells the time within them.
-        self.direction = np.sign(np.median(np.diff(self.azimuth)))
         slope, start = np.polyfit(self.azimuth, shots[:, 0] / 1000, 1)
         self.time = start + slope * self.azimuth
         self.rate_hz = 1 / (2 * np.pi * abs(slope))
@@ -74,6 +75,17 @@ def calibration_of(header, length):
     text = b"".join(header[n + 4:n + length] for n in range(length, len(header), length)).replace(b"\0", b"").decode("latin1")
     line = re.search(r"^([-+.\d ]+)/ *nadang,pitmb,rolmb,rng bias,scan,hdg mb,beta", text, re.M)
     return dict(zip(("nadang", "pitmb", "rolmb", "range_bias", "scan", "hdgmb", "beta"), map(float, line.group(1).split()))) if line else {}
+
+
+def header_angles(shots):
+    """The same angles by NASA's calibration, degrees. The program qfit turns by the heading bias between the recorded angles and the mount's, and counts
+    the roll bias from a motor axis at 45 deg."""
+    c = shots.calibration
+    if not c:
+        return {}
+    pitch, roll = np.degrees([shots.pitch.mean(), shots.roll.mean()])
+    turn = np.radians(c["hdgmb"])
+    return {"tilt_rad": c["nadang"], "incidence_rad": c["beta"], "roll_rad": c["rolmb"] + c["beta"] - 45 + turn * pitch, "pitch_rad": turn * roll - c["pitmb"]}
 
 
 def palmer(phi, tilt, incidence):
@@ -102,27 +114,29 @@ def predicted(q, shots, sign):
 
 
 def starting_points(shots, chosen):
-    """Numbers of the fit, and the sense of rotation, for several zeros of the azimuth: a circle in motion is fitted first."""
+    """Numbers of the fit, and the sense of rotation, for several mirrors and zeros of the azimuth: an ellipse in motion is fitted first."""
     columns = np.stack([np.ones(len(shots.time)), shots.time, np.cos(shots.azimuth), np.sin(shots.azimuth)], -1)
     centre, velocity, along, side = np.linalg.lstsq(columns[chosen], shots.points[chosen, :2], rcond=None)[0]
     sense = 1 if along[0] * side[1] - along[1] * side[0] < 0 else -1  # clockwise from above, as seen by L: positive
-    height = np.sqrt(np.hypot(*along) * np.hypot(*side)) / np.tan(np.radians(19)) + np.median(shots.points[:, 2])
-    for zero in (180, 0, 90, 270):
-        heading = np.arctan2(along[1], along[0]) + sense * (np.radians(zero) - np.pi / 2)
-        yield np.array([*centre, height, *velocity, 0, heading, 0, 0, np.radians(10), np.radians(45), np.radians(zero), 0]), sense
+    for tilt in np.radians([7.5, 11]):
+        height = np.sqrt(np.hypot(*along) * np.hypot(*side)) / np.tan(1.7 * tilt) + np.median(shots.points[:, 2])
+        for zero in np.radians([180, 0, 90, 270]):
+            heading = np.arctan2(along[1], along[0]) + sense * (zero - np.pi / 2)
+            yield np.array([*centre, height, *velocity, 0, heading, 0, 0, tilt, np.radians(45), zero, 0]), sense
 
 
 def fit(shots):
     """The numbers, their standard errors, and the sense of rotation, from even revolutions."""
     chosen = shots.revolution % 2 == 0
+    few = chosen & (np.arange(len(chosen)) % max(1, len(chosen) // 200) == 0)
 
-    def solve(start, sense, **limits):
-        return least_squares(lambda q: (predicted(q, shots, sense) - shots.points)[chosen, :2].ravel(), start, x_scale=SCALES,
+    def solve(start, sense, part, **limits):
+        return least_squares(lambda q: (predicted(q, shots, sense) - shots.points)[part, :2].ravel(), start, x_scale=SCALES,
                              bounds=([-np.inf] * 9 + [0.001, 0] + [-np.inf] * 2, [np.inf] * 9 + [0.5, 1.2] + [np.inf] * 2), **limits)
 
-    tried = [(solve(start, sense, max_nfev=40), sense) for start, sense in starting_points(shots, chosen)]
+    tried = [(solve(start, sense, few, max_nfev=40), sense) for start, sense in starting_points(shots, chosen)]
     best, sense = min(tried, key=lambda one: one[0].cost)
-    best = solve(best.x, sense)
+    best = solve(best.x, sense, chosen)
     variance = 2 * best.cost / (len(best.fun) - len(best.x))
     return best.x, np.sqrt(variance * np.diag(np.linalg.pinv(best.jac.T @ best.jac))), sense
 
@@ -177,8 +191,8 @@ def causes(q, shots, sense, chosen, error):
                "variance_frac": 1 - rest @ rest / (e @ e)}
 
 
-def validate(path, folder):
-    shots = Shots(path, folder)
+def validate(path, folder, seconds):
+    shots = Shots(path, folder, seconds)
     if shots.revolution[-1] < 1:
         raise SystemExit(f"validate_atm.py: {path}: has {shots.revolution[-1] + 1} revolution of the scanner; the fit and its test need 2")
     q, sigma, sense = fit(shots)
@@ -194,18 +208,17 @@ def validate(path, folder):
             "duration_s": float(np.ptp(shots.time)), "stamp_error_ms": 1000 * shots.stamp_error_s,
             "height_m": q[2] - np.median(shots.points[:, 2]), "speed_mps": np.hypot(*q[3:5]),
             "crab_deg": np.degrees(q[6] - np.arctan2(q[4], q[3]) + np.pi) % 360 - 180,
-            "turn_degps": np.degrees(q[12]), "numbers": {name: [value, error] for name, value, error in zip(NAMES, q, sigma)}, "sense": sense, "calibration": shots.calibration,
+            "turn_degps": np.degrees(q[12]), "numbers": {name: [value, error] for name, value, error in zip(NAMES, q, sigma)}, "sense": sense, "header": header_angles(shots),
             "rounding_two_sigma_cm": list(rounding), "halves": halves, "causes": list(causes(q, shots, sense, chosen, error))}
 
 
 def show(result):
     print(f"{result['file']}: {result['revolutions']} revolutions at {result['rate_hz']:.3f} Hz, {result['pulse_rate_hz']} pulses/s, {result['duration_s']:.3f} s, "
           f"{result['height_m']:.1f} m above ground, {result['speed_mps']:.2f} m/s, crab {result['crab_deg']:.2f} deg, turn {result['turn_degps']:.2f} deg/s")
-    numbers, header = result["numbers"], result["calibration"]
-    for name, key, factor, other in (("twice the mirror tilt", "tilt_rad", 2, "nadang"), ("incidence", "incidence_rad", 1, "beta"),
-                                     ("mount pitch", "pitch_rad", 1, "pitmb"), ("mount roll", "roll_rad", 1, "rolmb"), ("azimuth zero", "zero_rad", 1, None)):
-        value, error = np.degrees(numbers[key]) * factor
-        print(f"  {name:22} {value:9.4f} +- {error:.4f} deg" + (f"   header: {other} {header[other]}" if other in header else ""))
+    for name, key, factor in (("twice the mirror tilt", "tilt_rad", 2), ("incidence", "incidence_rad", 1), ("mount roll", "roll_rad", 1),
+                              ("mount pitch", "pitch_rad", 1), ("azimuth zero", "zero_rad", 1)):
+        value, error = np.degrees(result["numbers"][key]) * factor
+        print(f"  {name:22} {value:9.4f} +- {error:.4f} deg" + (f"   header {result['header'][key]:9.4f}" if key in result["header"] else ""))
     print(f"  {'two sigma':12} {'pulses':>6} {'along, cm':>10} {'across, cm':>10} {'along, mrad':>11} {'across, mrad':>12} {'mean along, across, cm':>23}")
     for name, half in result["halves"].items():
         print(f"  {name:12} {half['pulses']:6} {half['two_sigma_cm'][0]:10.1f} {half['two_sigma_cm'][1]:10.1f} {half['two_sigma_mrad'][0]:11.3f} "
@@ -219,10 +232,11 @@ def show(result):
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("files", nargs="+", metavar="FILE.qi", help="QFIT files")
+    parser.add_argument("--seconds", type=float, default=0.5, help="length of the part of a file that is used, from its first shot")
     parser.add_argument("--json", metavar="FILE", help="write the results as JSON")
     options = parser.parse_args()
     with tempfile.TemporaryDirectory() as folder:
-        results = [validate(path, folder) for path in options.files]
+        results = [validate(path, folder, options.seconds) for path in options.files]
     for result in results:
         show(result)
     if options.json:
