@@ -30,7 +30,7 @@ NAMES = ("x_m", "y_m", "z_m", "vx_mps", "vy_mps", "vz_mps", "heading_rad", "roll
          "heading_rate_radps")
 SCALES = np.array([10, 10, 100, 10, 10, 1, 0.1, 0.01, 0.01, 0.01, 0.01, 0.1, 0.1])
 DOWN = Rotation.from_matrix(np.diag([1.0, -1, -1]))  # x_L forward, y_L right, z_L down
-# What a change of one of these numbers does to the ground points is compared with the residuals of the second half.
+# Causes of residuals: the effect of a change of each number on the ground points is fitted to those of the second half.
 CAUSES = {"mount roll": "roll_rad", "mount pitch": "pitch_rad", "heading": "heading_rad", "turn": "heading_rate_radps", "mirror tilt": "tilt_rad",
           "incidence": "incidence_rad", "azimuth zero": "zero_rad"}
 
@@ -208,13 +208,15 @@ def validate(path, folder, seconds):
             "duration_s": float(np.ptp(shots.time)), "stamp_error_ms": 1000 * shots.stamp_error_s,
             "height_m": q[2] - np.median(shots.points[:, 2]), "speed_mps": np.hypot(*q[3:5]),
             "crab_deg": np.degrees(q[6] - np.arctan2(q[4], q[3]) + np.pi) % 360 - 180,
-            "turn_degps": np.degrees(q[12]), "numbers": {name: [value, error] for name, value, error in zip(NAMES, q, sigma)}, "sense": sense, "header": header_angles(shots),
+            "turn_degps": np.degrees(q[12]), "numbers": {name: [value, error] for name, value, error in zip(NAMES, q, sigma)},
+            "sense": sense, "header": header_angles(shots),
             "rounding_two_sigma_cm": list(rounding), "halves": halves, "causes": list(causes(q, shots, sense, chosen, error))}
 
 
 def show(result):
-    print(f"{result['file']}: {result['revolutions']} revolutions at {result['rate_hz']:.3f} Hz, {result['pulse_rate_hz']} pulses/s, {result['duration_s']:.3f} s, "
-          f"{result['height_m']:.1f} m above ground, {result['speed_mps']:.2f} m/s, crab {result['crab_deg']:.2f} deg, turn {result['turn_degps']:.2f} deg/s")
+    print(f"{result['file']}: {result['revolutions']} revolutions at {result['rate_hz']:.3f} Hz, {result['pulse_rate_hz']} pulses/s, "
+          f"{result['duration_s']:.3f} s, {result['height_m']:.1f} m above ground, {result['speed_mps']:.2f} m/s, "
+          f"crab {result['crab_deg']:.2f} deg, turn {result['turn_degps']:.2f} deg/s")
     for name, key, factor in (("twice the mirror tilt", "tilt_rad", 2), ("incidence", "incidence_rad", 1), ("mount roll", "roll_rad", 1),
                               ("mount pitch", "pitch_rad", 1), ("azimuth zero", "zero_rad", 1)):
         value, error = np.degrees(result["numbers"][key]) * factor

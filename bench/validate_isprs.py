@@ -6,8 +6,8 @@
 
 FOLDER has pairs of the ISPRS filter test: isprs_sampNN.pcd, all returns, and isprs_sampNN-ground.pcd, those that a person took for ground. A DEM of all
 returns (min, median, mean) is searched for hazards (contact, lmeds); the truth is the mean of the ground returns in bins of the same posting. The lander
-has a radius of two bins, the smallest that contact takes: four legs, pads of one bin, 10 deg and 0.5 m. Holes of up to 20 bins are filled. Imported points have no poses, hence no 1-sigma map: p_safe takes
-one 1-sigma for all bins, 0.1 m.
+has a radius of two bins, the smallest that contact takes: four legs, pads of one bin, 10 deg and 0.5 m. Holes of up to 20 bins are filled. Imported
+points have no poses, hence no 1-sigma map: p_safe takes one 1-sigma for all bins, 0.1 m.
 
 A truth is where a person saw ground. Under roofs and dense crowns there is none: a place there is unknown, also if the map calls it safe, and is counted
 as "safe on objects", safe places whose bin lies more than 1 m above the ground's triangulation.
@@ -100,7 +100,8 @@ def error_classes(sample, dem, posting, surface):
 def judged(sample, dem, measure, surface, posting):
     """Counts of outcomes over the places within the hull of the ground, and the reliability of p_safe."""
     radius_m = 2 * posting
-    config = {"lander": {"legs": 4, "leg_radius_m": radius_m, "pad_diameter_m": posting / 2, "body_radius_m": radius_m}, "hole_fill_bins": HOLE_BINS, "method": measure, "limits": LIMITS, "z_sigma_m": SIGMA_M,
+    config = {"lander": {"legs": 4, "leg_radius_m": radius_m, "pad_diameter_m": posting / 2, "body_radius_m": radius_m},
+              "hole_fill_bins": HOLE_BINS, "method": measure, "limits": LIMITS, "z_sigma_m": SIGMA_M,
               "region_radius_m": 1.5 * sample.grid(posting)["half_width_m"]}
     hazards = landfall.hazards(dem, config, quiet=True)
     outcome, safe, p, truth = (hazards.values(name) for name in ("outcome", "safe", "p_safe", "safe_true"))
@@ -113,7 +114,9 @@ def judged(sample, dem, measure, surface, posting):
         mine = known & (p >= low) & (p < high)
         if mine.any():
             reliability.append({"p_low": low, "places": int(mine.sum()), "mean_p": float(p[mine].mean()), "safe_frac": float(np.mean(truth[mine] == 1))})
-    places = {"judged_safe": int(np.sum(within & (safe == 1))), "safe_on_objects": int(np.sum(within & (safe == 1) & above))}
+    on_objects = within & (safe == 1) & above
+    places = {"judged_safe": int(np.sum(within & (safe == 1))), "safe_on_objects": int(np.sum(on_objects)),
+              "p_on_objects": float(np.nanmean(p[on_objects])) if np.isfinite(p[on_objects]).any() else None}
     brier = float(np.mean((p[known] - (truth[known] == 1))**2)) if known.any() else None
     return {"measure": measure, "counts": counts, **places, "reliability": reliability, "brier": brier}
 
@@ -151,7 +154,8 @@ def show(result):
 
 
 def show_errors(results):
-    print(f"\n| sample, posting, m | DEM | bins of | number | median error, m | 95 % of errors within, m | within 2 sigma of {SIGMA_M} m |\n|---|---|---|---|---|---|---|")
+    print(f"\n| sample, posting, m | DEM | bins of | number | median error, m | 95 % of errors within, m | within 2 sigma of {SIGMA_M} m |"
+          "\n|---|---|---|---|---|---|---|")
     for result in results:
         for one in result["errors"] if result["measure"] == MEASURES[0] else ():
             print(f"| {result['sample']}, {result['posting_m']:g} | {result['method']} | {one['class']} | {one['bins']:,} | {one['median_error_m']:+.2f} "
@@ -170,7 +174,8 @@ def main():
              and (not wanted or found.group(1) in wanted) and os.path.exists(os.path.join(options.folder, name.replace(".pcd", "-ground.pcd")))]
     if not paths:
         raise SystemExit(f"validate_isprs.py: {options.folder}: has no pair isprs_sampNN.pcd, isprs_sampNN-ground.pcd")
-    print("| sample | posting, m | DEM | method | missed | missed, % (95 %) | false alarms, % | unknown, % | safe on objects, % | p >= 0.9: mean p | truly safe |"
+    print("| sample | posting, m | DEM | method | missed | missed, % (95 %) | false alarms, % | unknown, % | safe on objects, % "
+          "| p >= 0.9: mean p | truly safe |"
           "\n|---|---|---|---|---|---|---|---|---|---|---|")
     with tempfile.TemporaryDirectory() as folder:
         results = [result for path in paths for result in validate(path, list(map(float, options.postings.split(","))), folder)]
