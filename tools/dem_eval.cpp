@@ -14,7 +14,7 @@
 #include "app/cli/result_tables.h"
 #include "app/cli/tool.h"
 #include "app/report/evaluation_page.h"
-#include "base/output/standard_streams.h"
+#include "base/core/standard_streams.h"
 #include "formats/gdal/gdal_loader.h"
 #include "store/config/dem_config.h"
 #include "store/files/evaluation_file.h"

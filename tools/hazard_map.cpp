@@ -14,7 +14,7 @@
 #include "app/cli/result_tables.h"
 #include "app/cli/tool.h"
 #include "app/report/hazard_page.h"
-#include "base/output/standard_streams.h"
+#include "base/core/standard_streams.h"
 #include "chain/hazards/sharp_relief.h"
 #include "formats/gdal/gdal_loader.h"
 #include "store/config/hazard_config.h"

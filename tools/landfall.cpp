@@ -18,8 +18,8 @@
 
 #include "app/cli/umbrella_page.h"
 #include "base/core/error.h"
+#include "base/core/standard_streams.h"
 #include "base/dictionary/tables/tools.h"
-#include "base/output/standard_streams.h"
 #include "base/text/shown_text.h"
 #include "store/config/schema.h"
 #include "store/files/provenance.h"

@@ -15,7 +15,7 @@
 #include "app/cli/tool.h"
 #include "app/report/comparison_page.h"
 #include "app/runs/footprint_description.h"
-#include "base/output/standard_streams.h"
+#include "base/core/standard_streams.h"
 #include "base/text/parsed_number.h"
 #include "base/text/shown_text.h"
 #include "base/text/trimmed.h"

@@ -19,7 +19,7 @@
 
 #include "app/cli/umbrella_page.h"
 #include "base/core/error.h"
-#include "base/output/standard_streams.h"
+#include "base/core/standard_streams.h"
 #include "base/text/shown_text.h"
 #include "tools.h"
 #include "watched_child.h"

@@ -15,7 +15,7 @@
 #include "app/report/draws_page.h"
 #include "app/runs/draw_series.h"
 #include "app/runs/draws_run.h"
-#include "base/output/standard_streams.h"
+#include "base/core/standard_streams.h"
 #include "store/config/dem_config.h"
 #include "store/config/draws_config.h"
 #include "store/config/import_config.h"

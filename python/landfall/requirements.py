@@ -4,7 +4,7 @@ dotted paths, verdicts as 1 and 0."""
 import math
 
 from landfall import dictionary
-from landfall.study import names
+from landfall.numbers import number, unit_of, with_unit
 
 # Name in metrics.json, text, factor.
 ASSUMPTIONS = (("footprint_bins", "footprint of {} bins on an edge", 1), ("truth_spacing_m", "truth nodes every {} m", 1),
@@ -17,7 +17,7 @@ def assumption_texts(values_of):
     for name, text, factor in ASSUMPTIONS:
         known = [value for value in values_of(f"assumptions.{name}") if value is not None and not math.isnan(value)]
         if known:
-            made.append(text.format(" to ".join(dict.fromkeys(names.number(factor * value) for value in (min(known), max(known))))))
+            made.append(text.format(" to ".join(dict.fromkeys(number(factor * value) for value in (min(known), max(known))))))
     return made
 
 
@@ -54,3 +54,31 @@ def _margin(worst, limit, at_least=False):
     elif worst == limit == 0:
         margin = 0.0
     return {"worst": worst, "limit": limit, "margin_frac": margin}
+
+
+def unit_of_requirement(name):
+    known = dictionary.requirements().get(name)
+    return unit_of(known.worst_limit) if known else ""
+
+
+def value_text(value, unit):
+    return "not judged" if value is None else with_unit(value, unit, 4)
+
+
+def margin_text(margin):
+    return "–" if margin is None else f"{100 * margin:+.1f} %"
+
+
+def flatten(tree, prefix=""):
+    """{"a.b": number} of all numbers and truth values (as 1 and 0) in nested objects; lists and texts are left out, but for the metrics
+    of the user's own requirements."""
+    flat = {}
+    for key, value in tree.items():
+        name = prefix + key
+        if isinstance(value, dict):
+            flat.update(flatten(value, name + "."))
+        elif isinstance(value, bool):
+            flat[name] = int(value)
+        elif value is None or isinstance(value, (int, float)) or dictionary.OWN_METRIC.fullmatch(name):
+            flat[name] = value
+    return flat

@@ -10,7 +10,7 @@
 
 #include "app/cli/print.h"
 #include "app/runs/scene.h"
-#include "base/output/standard_streams.h"
+#include "base/core/standard_streams.h"
 #include "base/text/parameter_check.h"
 #include "chain/evaluation/parameters.h"
 #include "store/config/scan_config.h"

@@ -34,7 +34,7 @@ _landfall_landfall() {
   fi
   if ((COMP_CWORD == 2)) && command=$(sed -n "s/^${COMP_WORDS[1]//[^a-z-]/.} //p" <<<"$_landfall_commands") && [[ $command ]]; then
     COMPREPLY=($(compgen -W "$command" -- "${COMP_WORDS[2]}"))
-    if grep -qx -- "${COMP_WORDS[1]}" <<<"$_landfall_commands"; then COMPREPLY+=($(compgen -f -- "${COMP_WORDS[2]}")); fi
+    if [[ ${COMP_WORDS[1]} == study ]]; then COMPREPLY+=($(compgen -f -- "${COMP_WORDS[2]}")); fi
     return
   fi
   for command in "$second" "${COMP_WORDS[1]}"; do

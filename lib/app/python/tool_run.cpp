@@ -9,7 +9,7 @@
 #include <utility>
 
 #include "app/cli/tool.h"
-#include "base/output/standard_streams.h"
+#include "base/core/standard_streams.h"
 
 namespace landfall {
 namespace {

@@ -149,7 +149,7 @@ void FootprintFile::read_dem(const std::filesystem::path& path) {
   slope_ = Grid<double>(window_, kNan);
   for (const BinIndex bin : inside_) {
     const std::array<double, 2> slope = gradient_at(z, bin);
-    slope_.at(bin) = std::hypot(slope[0], slope[1]);
+    slope_.at(bin) = portable::hypot(slope[0], slope[1]);
   }
   if (layers.has("x_est_mean") && layers.has("y_est_mean"))
     errors_.positions = {read("x_est_mean"), read("y_est_mean"), z};
@@ -303,7 +303,7 @@ Described FootprintFile::bins_json(const FootprintSources& sources) const {
     double steepest = kNan;
     for (const double slope : slopes)
       if (!(slope <= steepest) && std::isfinite(slope)) steepest = slope;
-    const auto degrees = [](double tangent) { return std::atan(tangent) * 180 / std::numbers::pi; };
+    const auto degrees = [](double tangent) { return portable::atan(tangent) * 180 / std::numbers::pi; };
     json.update(Described{{"median_returns_per_bin", number(median(counts))},
                           {"median_spread_m", number(median(of_footprint(spread_)))},
                           {"median_slope_deg", number(degrees(median(slopes)))},
@@ -364,7 +364,7 @@ Described FootprintFile::worst_json() const {
     if (errors_.count) entry["returns"] = static_cast<std::int64_t>(errors_.count->at(bin));
     if (!spread_.values().empty()) {
       entry["spread_m"] = number(spread_.at(bin));
-      entry["slope_deg"] = number(std::atan(slope_.at(bin)) * 180 / std::numbers::pi);
+      entry["slope_deg"] = number(portable::atan(slope_.at(bin)) * 180 / std::numbers::pi);
     }
     list.push_back(std::move(entry));
   }

@@ -9,6 +9,7 @@
 #include <numbers>
 #include <utility>
 
+#include "base/numerics/portable_math.h"
 #include "base/text/joined.h"
 #include "base/text/number_text.h"
 #include "chain/evaluation/fail_flag.h"
@@ -154,7 +155,7 @@ void measure_relative(const std::vector<BinErrors>& bins, const ErrorsAbout& err
                                             variance_of(bins, [](const BinErrors& bin) { return bin.y; }),
                                         moved));
   if (!motion) return;
-  const double speed = std::hypot(motion->velocity_mps[0], motion->velocity_mps[1]);
+  const double speed = portable::hypot(motion->velocity_mps[0], motion->velocity_mps[1]);
   if (speed > 0 && moved > 0)
     set(Measure::along_track_frac,
         variance_of(bins, [&](const BinErrors& bin) {
@@ -293,8 +294,8 @@ double line_share(const Grid<Cover>& cover, double angle_rad) {
     for (std::int64_t col = 0; col < spec.cols; ++col) {
       const Cover here = cover.at({row, col});
       if (here == Cover::beyond) continue;
-      const double across =
-          static_cast<double>(row) * std::cos(angle_rad) - static_cast<double>(col) * std::sin(angle_rad);
+      const double across = static_cast<double>(row) * portable::cos(angle_rad) -
+                            static_cast<double>(col) * portable::sin(angle_rad);
       for (Line* const line : {&lines[std::llround(across)], &all}) {
         ++line->bins;
         line->empty += here == Cover::empty ? 1 : 0;

@@ -22,7 +22,7 @@
 #include <system_error>
 
 #include "base/core/error.h"
-#include "base/output/standard_streams.h"
+#include "base/core/standard_streams.h"
 #include "base/text/json_text.h"
 #include "base/text/shown_text.h"
 #include "store/config/config_path.h"

@@ -4,10 +4,10 @@ import json
 import os
 import tempfile
 
-from landfall import command, dictionary
+from landfall import command
 from landfall.answers.answer_page import image
-from landfall.study.model import unit_of
-from landfall.study.names import number, with_unit
+from landfall.numbers import number, unit_of, with_unit
+from landfall.requirements import margin_text, unit_of_requirement, value_text
 from landfall.study.page import cell, document, escaped, head, table, text_cell, verdict, write_page
 
 VERDICTS = {True: "pass", False: "fail", None: "not judged"}
@@ -16,19 +16,6 @@ VERDICTS = {True: "pass", False: "fail", None: "not judged"}
 def unit_of_key(key):
     """The unit that the name in a key ends in, before an index."""
     return unit_of(key.rstrip("0123456789").rstrip("."))
-
-
-def unit_of_requirement(name):
-    known = dictionary.requirements().get(name)
-    return unit_of(known.worst_limit) if known else ""
-
-
-def value_text(value, unit):
-    return "not judged" if value is None else with_unit(value, unit, 4)
-
-
-def margin_text(margin):
-    return "–" if margin is None else f"{100 * margin:+.1f} %"
 
 
 def end_text(entry, unit):

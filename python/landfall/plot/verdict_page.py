@@ -9,10 +9,9 @@ from matplotlib.backends.backend_pdf import FigureCanvasPdf
 from matplotlib.figure import Figure
 
 from landfall import command, files, requirements
-from landfall.answers.margin_page import margin_text, unit_of_requirement, value_text
 from landfall.errors import DataError, UsageError, printable, printable_lines
 from landfall.plot import maps
-from landfall.study.results import flatten
+from landfall.requirements import flatten, margin_text, unit_of_requirement, value_text
 
 SIZE_IN, ROWS = (8.27, 11.69), 16  # A4, and the rows of both tables that fit on it; a page with more rows is longer
 LEFT, WIDTH, ROW_IN, STEP_IN = 0.08, 0.84, 0.38, 0.25

@@ -9,6 +9,7 @@ from dataclasses import dataclass, field
 
 from landfall import dictionary, tools
 from landfall.errors import ToolError, UsageError
+from landfall.numbers import UNITS
 from landfall.schema import default_at, read_json, shown, type_of
 
 TOOLS = {name: stage["tool"] for name, stage in dictionary.stages().items()}
@@ -17,8 +18,6 @@ OPTIONAL_STAGES = tuple(name for name, stage in dictionary.stages().items() if s
 # Keys of a distribution of draws.vary; what stands before one of them is the varied key, whose dots part no folders.
 DISTRIBUTION = ("type", "mean", "sigma", "low", "high", "values")
 VARY = "draws.vary."
-UNITS = {"m": "m", "mps": "m/s", "rad": "rad", "radps": "rad/s", "deg": "deg", "degps": "deg/s", "s": "s", "hz": "Hz",
-         "frac": "1", "px": "px", "bins": "bins", "count": "1"}
 
 
 @dataclass(frozen=True)
@@ -77,11 +76,6 @@ class Study:
     def values(self, indices):
         """The case's entry in the column of each axis."""
         return [axis.points[index].value for dimension, index in zip(self.dimensions, indices) for axis in dimension]
-
-
-def unit_of(name):
-    """The unit that a name ends in: range_sigma_m -> m; empty where it ends in none."""
-    return UNITS.get(name.rsplit("_", 1)[-1], "") if "_" in name else ""
 
 
 def without_unit(name, unit):

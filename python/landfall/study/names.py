@@ -2,25 +2,11 @@
 """Names of cases by the values of their axes, "range noise 0.0167 m, repeat 3", and the texts of numbers and units."""
 import math
 
+from landfall.numbers import FEWEST_DIGITS, number, with_unit
+
 MAX_VALUES = 3  # of an axis that a name lists
 MAX_CASES = 3  # that are named one by one
-FEWEST_DIGITS, MAX_DIGITS = 3, 17
-
-
-def number(value, digits=FEWEST_DIGITS):
-    """A number to so many significant digits; other values as they are."""
-    if isinstance(value, bool) or not isinstance(value, (int, float)):
-        return str(value)
-    if not 1000 <= abs(value) < 1e7:
-        return f"{value:.{digits}g}"
-    decimals = max(0, digits - 1 - math.floor(math.log10(abs(value))))
-    text = f"{value:,.{decimals}f}"
-    return text.rstrip("0").rstrip(".") if decimals else text
-
-
-def with_unit(value, unit, digits=FEWEST_DIGITS):
-    unit = "bin" if unit == "bins" and value == 1 else unit
-    return f"{number(value, digits)} {unit}" if unit not in ("", "1") else number(value, digits)
+MAX_DIGITS = 17
 
 
 def titled(label, unit):

@@ -11,7 +11,7 @@ from landfall import schema
 from landfall.errors import printable, UsageError
 from landfall.schema import shown
 from landfall.study.model import (assign, Axis, config_path, label_of, OPTIONAL_STAGES, plain_numbers, Point, read_config, stage_of, STAGES,
-                                  Study, unit_of, with_full_paths, without_unit)
+                                  Study, with_full_paths, without_unit)
 
 KINDS = ("values", "linspace", "logspace", "variants", "zip")
 RESERVED = ("case", "repeat", "pass")

@@ -9,6 +9,8 @@ import numpy as np
 
 from landfall import command, dictionary, files, tools
 from landfall.errors import DataError, UsageError
+from landfall.numbers import unit_of
+from landfall.requirements import flatten
 from landfall.schema import check, read_json
 from landfall.study import model, session
 
@@ -45,21 +47,6 @@ def read_cases(folder):
 def results_of(cases, row):
     """The files of a case's results, by its row of cases.json: metrics, and of a study that has them a score and the verdict of a run of draws."""
     return row[len(cases["axes"]):]
-
-
-def flatten(tree, prefix=""):
-    """{"a.b": number} of all numbers and truth values (as 1 and 0) in nested objects; lists and texts are left out, but for the metrics
-    of the user's own requirements."""
-    flat = {}
-    for key, value in tree.items():
-        name = prefix + key
-        if isinstance(value, dict):
-            flat.update(flatten(value, name + "."))
-        elif isinstance(value, bool):
-            flat[name] = int(value)
-        elif value is None or isinstance(value, (int, float)) or dictionary.OWN_METRIC.fullmatch(name):
-            flat[name] = value
-    return flat
 
 
 def read_result(folder, name):
@@ -158,7 +145,7 @@ def unit_of_metric(name):
     if parts[0] == "requirements":
         known = dictionary.requirements().get(parts[1])
         return "1" if parts[-1] == "pass" else "" if known is None else known.stored_unit
-    return model.unit_of("_" + parts[-1]) or "1"
+    return unit_of("_" + parts[-1]) or "1"
 
 
 class Table:

@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "formats/picture/text_image.h"
 #include "store/files/grid_file.h"
 #include "temporary_folder.h"
 
@@ -29,7 +30,7 @@ constexpr std::array<std::int8_t, 3> kSafeties = {0, 2, 1};
 constexpr std::array<Rgb, 3> kSafetyColors = {kHazard, kUnknown, kSafe};
 
 // The upper left pixel of the map in the picture (lib/formats/picture/map_picture.cpp).
-constexpr std::size_t kTop = 88;
+const auto kTop = static_cast<std::size_t>(3 * text_height() + 40);
 constexpr std::size_t kLeft = 120;
 
 /// The picture of a file that has this layer only.

@@ -384,7 +384,7 @@ TEST_F(LoadDem, RefusesWhatTheFileCannotGive) {
   const auto plane = map_plane(transform);
   DemBase dem;
   dem.path = (folder_ / "not there.tif").string();
-  EXPECT_THAT(import_refusal(dem, spec), AllOf(HasSubstr("format: "), HasSubstr("No such file")));
+  EXPECT_THAT(import_refusal(dem, spec), AllOf(HasSubstr("format: "), HasSubstr("no such file")));
   EXPECT_THAT(import_refusal(written({1, 21, plane, "Float32", transform, "EPSG:32631"}), spec),
               AllOf(HasSubstr("format: "), HasSubstr("1 x 21 pixels")));
   EXPECT_THAT(import_refusal(written({9, 9, plane, "CFloat32", transform, "EPSG:32631"}), spec),

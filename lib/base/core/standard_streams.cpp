@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "base/output/standard_streams.h"
+#include "base/core/standard_streams.h"
 
 #include <fcntl.h>
 #include <unistd.h>
