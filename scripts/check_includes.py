@@ -47,7 +47,7 @@ ONLY_IN = {
     r"nlohmann/": {"base/core", "store/config", "store/files", "app/runs", "app/cli", "app/host", "app/report"},
     r"CLI/": {"app/cli"},
     r"pybind11/": {"app/python"},
-    r"(iostream|fstream|chrono|ctime)$": {"store/config", "store/files", "formats/mesh", "base/output", "app/cli", "app/python"},
+    r"(iostream|fstream|chrono|ctime)$": {"store/config", "store/files", "formats/mesh", "base/core", "base/output", "app/cli", "app/python"},
 }
 
 INCLUDE = re.compile(r'^\s*#\s*include\s+[<"]([^>"]+)[>"]')

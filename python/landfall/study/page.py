@@ -8,6 +8,7 @@ import os
 from landfall import tools, web
 from landfall.command import read_bytes, write_text
 from landfall.errors import DataError, printable_lines
+from landfall.numbers import unit_of
 from landfall.study.model import label_of, TOOLS
 from landfall.study.names import counted, number, titled, with_unit
 from landfall.study.table import error_sign, metric_label

@@ -9,6 +9,7 @@ import sys
 
 from landfall import schema
 from landfall.errors import printable, UsageError
+from landfall.numbers import unit_of
 from landfall.schema import shown
 from landfall.study.model import (assign, Axis, config_path, label_of, OPTIONAL_STAGES, plain_numbers, Point, read_config, stage_of, STAGES,
                                   Study, with_full_paths, without_unit)
