@@ -12,7 +12,7 @@ from landfall.errors import DataError, UsageError
 from landfall.numbers import unit_of
 from landfall.requirements import flatten
 from landfall.schema import check, read_json
-from landfall.study import model, session
+from landfall.study import session
 
 # Per cent of the roughness limit.
 MARGINS = (10, 20)
