@@ -224,7 +224,7 @@ TEST(ReadConfig, AFileChangesAPreset) {
 
 TEST(ReadConfig, UnknownPresets) {
   EXPECT_THAT(preset_refusal({"preset:papr"}, "scan"), HasSubstr("did you mean preset:paper?"));
-  EXPECT_THAT(preset_refusal({"preset:zzzzzzzz"}, "scan"), HasSubstr("known: alhat-flash-mosaic, flash-256"));
+  EXPECT_THAT(preset_refusal({"preset:zzzzzzzz"}, "scan"), HasSubstr("known: alhat-flash-mosaic, atm-t3"));
   EXPECT_THAT(preset_refusal({"preset:"}, "scan"), HasSubstr("there is no such preset"));
   EXPECT_THAT(preset_refusal({"preset:paper"}, "eval"), HasSubstr("this tool has none"));
 }
