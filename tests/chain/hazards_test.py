@@ -16,7 +16,7 @@ from matplotlib.image import imread
 
 sys.path.insert(0, os.path.join(os.environ["LANDFALL_ROOT"], "python"))
 
-from harness import REGRID, SCAN, TERRAIN, ChainTest, ToolTest, columns, read_bytes, run, with_values
+from harness import REGRID, SCAN, TERRAIN, ChainTest, ToolTest, bins_of_picture, columns, read_bytes, run, with_values
 from landfall.plot import plot_hazards
 from oracle import hazards as oracle
 from oracle.evaluate import region_of
@@ -424,12 +424,7 @@ class Interface(ChainTest):
             with h5py.File(self.path("h.h5")) as file:
                 classes = file[layer][()]
             self.assertGreaterEqual(len(np.unique(classes)), minimum)
-            rows, cols = classes.shape
-            zoom = 600 // max(rows, cols)
-            # The map begins below its outline, at column 120, from the north (lib/formats/picture/map_picture.cpp).
-            image = imread(self.path(layer + ".png"))[..., :3]
-            top = 1 + np.flatnonzero((np.round(255 * image[:, 120:120 + zoom * cols]) == 30).all(axis=(1, 2)))[0]
-            image = image[top:top + zoom * rows:zoom, 120:120 + zoom * cols:zoom][::-1]
+            image = bins_of_picture(np.round(255 * imread(self.path(layer + ".png"))[..., :3]), classes.shape) / 255
             expected = np.array([to_rgb(color) for _, (_, color) in sorted(plot_hazards.CLASSES[layer].items())])[classes]
             np.testing.assert_allclose(image, expected, atol=1e-6)
 

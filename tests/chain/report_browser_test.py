@@ -12,7 +12,7 @@ from matplotlib.image import imread
 
 sys.path.insert(0, os.path.join(os.environ["LANDFALL_ROOT"], "python"))
 
-from harness import EVAL, REGRID, browser, read_bytes
+from harness import EVAL, REGRID, bins_of_picture, browser, read_bytes
 from harness.page import WIDTHS, CommonPage, PageTest
 from landfall import files
 from landfall.plot import plot_profile, reduction, relief, scales
@@ -214,9 +214,7 @@ class CommonReport(CommonPage, ReportCase):
         self.report()
         self.succeed("landfall-export", self.chain.dem, "--layers", "z_est", "-o", self.path("view.png"))
         view = np.round(255 * imread(self.path("view.png"))[..., :3])
-        # The map of 101 x 101 bins begins below its outline, at column 120, and is enlarged by 5 (lib/formats/picture/map_picture.cpp).
-        top = 1 + np.flatnonzero((view[:, 120:120 + 505] == 30).all(axis=(1, 2)))[0]
-        view = view[top:top + 505, 120:120 + 505][2::5, 2::5][::-1]
+        view = bins_of_picture(view, (101, 101))
         drawn = self.window.run("""return rasterOf(layerNamed("z_est"), report.grid).then((r) => {
             const alone = Object.assign(Object.create(r), {peers: undefined}), b = blocksOf(alone, 1);
             return [...reliefColors(alone, b, scaleOf(alone))]; })""")

@@ -2,10 +2,11 @@
 # Functions for the pages: what the setup comments (tests/docs/page.py) make smaller, the clone that a page names, and Python blocks.
 
 # Figures are coarse unless the page says how fine, because nobody looks at their pixels.
-landfall() {
+coarse_landfall() {
   if [[ -z "$AS_SHOWN" && ${1-} == plot && $# -gt 2 ]]; then set -- plot "$2" --dpi 50 "${@:3}"; fi
   command landfall "$@"
 }
+landfall() { coarse_landfall "$@"; }
 
 # Makes terrain-gen's grid coarse, 0.5 m, and scan-sim simulate only 0.05 s, 1,000 pulses, by default.
 short_scans() {
@@ -16,11 +17,8 @@ short_scans() {
 # Makes the chain coarse: bins of 0.2 m, and a tenth of the pulses.
 small_chain() {
   landfall() {
-    case $1 in
-      plot) command landfall plot "$2" --dpi 50 "${@:3}" ;;
-      run) command landfall "$@" --set scan.laser.scan_time_s=0.2 --set area.resolution_m=0.2 ;;
-      *) command landfall "$@" ;;
-    esac
+    if [[ $1 == run ]]; then set -- "$@" --set scan.laser.scan_time_s=0.2 --set area.resolution_m=0.2; fi
+    coarse_landfall "$@"
   }
 }
 

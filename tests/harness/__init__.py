@@ -107,6 +107,15 @@ def columns(path, group="/"):
         return {name: item[()] for name, item in file[group].items() if isinstance(item, h5py.Dataset) and item.shape}
 
 
+def bins_of_picture(pixels, shape):
+    """The pixel of each bin, south to north, of a picture of a map (rows, columns): it begins below its outline, at column 120, and is enlarged to
+    600 pixels (lib/formats/picture/map_picture.cpp)."""
+    rows, cols = shape
+    zoom = 600 // max(rows, cols)
+    top = 1 + np.flatnonzero((pixels[:, 120:120 + zoom * cols] == 30).all(axis=(1, 2)))[0]
+    return pixels[top:top + zoom * rows:zoom, 120:120 + zoom * cols:zoom][::-1]
+
+
 def config_of(path):
     with h5py.File(path) as file:
         return json.loads(file["provenance/config_json"].asstr()[()])
