@@ -6,7 +6,6 @@
 #include <cmath>
 #include <functional>
 #include <limits>
-#include <numbers>
 #include <string>
 #include <utility>
 #include <vector>
@@ -19,6 +18,7 @@
 #include "chain/evaluation/fail_flag.h"
 #include "chain/evaluation/failure_cause.h"
 #include "chain/evaluation/parameters.h"
+#include "chain/hazards/measures.h"
 #include "store/config/dem_config.h"
 #include "store/files/bin_description.h"
 #include "store/files/contents.h"
@@ -303,11 +303,10 @@ Described FootprintFile::bins_json(const FootprintSources& sources) const {
     double steepest = kNan;
     for (const double slope : slopes)
       if (!(slope <= steepest) && std::isfinite(slope)) steepest = slope;
-    const auto degrees = [](double tangent) { return portable::atan(tangent) * 180 / std::numbers::pi; };
     json.update(Described{{"median_returns_per_bin", number(median(counts))},
                           {"median_spread_m", number(median(of_footprint(spread_)))},
-                          {"median_slope_deg", number(degrees(median(slopes)))},
-                          {"steepest_slope_deg", number(degrees(steepest))}});
+                          {"median_slope_deg", number(slope_deg(median(slopes)))},
+                          {"steepest_slope_deg", number(slope_deg(steepest))}});
   }
   if (sources.scan && !ranges_.values().empty()) {
     BinRanges all;
@@ -364,7 +363,7 @@ Described FootprintFile::worst_json() const {
     if (errors_.count) entry["returns"] = static_cast<std::int64_t>(errors_.count->at(bin));
     if (!spread_.values().empty()) {
       entry["spread_m"] = number(spread_.at(bin));
-      entry["slope_deg"] = number(portable::atan(slope_.at(bin)) * 180 / std::numbers::pi);
+      entry["slope_deg"] = number(slope_deg(slope_.at(bin)));
     }
     list.push_back(std::move(entry));
   }

@@ -43,10 +43,8 @@ std::string type_name(hid_t dataset) {
 
 std::vector<hsize_t> shape_of(hid_t dataset) {
   const h5::Handle space(H5Dget_space(dataset), H5Sclose);
-  const int rank = H5Sget_simple_extent_ndims(space.get());
-  if (rank != 1 && rank != 2) return {};
-  std::vector<hsize_t> shape(static_cast<std::size_t>(rank));
-  H5Sget_simple_extent_dims(space.get(), shape.data(), nullptr);
+  std::vector<hsize_t> shape = h5::extent_of(space.get());
+  if (shape.size() != 1 && shape.size() != 2) shape.clear();
   return shape;
 }
 
