@@ -20,9 +20,8 @@ set(CPACK_LANDFALL_STRIP ${CMAKE_STRIP})
 
 set(CPACK_DEBIAN_TOOLS_PACKAGE_NAME landfall)
 set(CPACK_DEBIAN_TOOLS_PACKAGE_SECTION science)
-set(CPACK_DEBIAN_TOOLS_PACKAGE_SHLIBDEPS ON)
-set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS_PRIVATE_DIRS ${CMAKE_BINARY_DIR}/lib/landfall)  # liblandfall.so
-set(CPACK_DEBIAN_TOOLS_PACKAGE_DEPENDS python3)
+list(APPEND CPACK_DEBIAN_PACKAGE_SHLIBDEPS_PRIVATE_DIRS ${CMAKE_BINARY_DIR}/lib/landfall)  # liblandfall.so
+set(CPACK_DEBIAN_TOOLS_PACKAGE_DEPENDS python3)  # and what DebianFiles.cmake finds
 set(CPACK_DEBIAN_TOOLS_PACKAGE_RECOMMENDS
     "make, python3-h5py, python3-matplotlib, python3-numpy, python3-pandas, python3-xarray")
 set(CPACK_DEBIAN_TOOLS_PACKAGE_CONTROL_EXTRA ${CMAKE_SOURCE_DIR}/packaging/postinst ${CMAKE_SOURCE_DIR}/packaging/prerm)

@@ -103,6 +103,12 @@ print(landfall.__file__, terrain.z.shape, terrain.z.attrs["units"], terrain.crs.
                 self.assertIn(words, file.read())
             self.assertEqual(subprocess.run(["sh", "-n", os.path.join(scripts, name)], check=False).returncode, 0)
 
+    def test_the_libraries_of_the_programs_are_needed(self):
+        """Once each; those of the plugins are among them."""
+        depends = subprocess.run(["dpkg-deb", "-f", self.path("landfall"), "Depends"], capture_output=True, text=True, check=True).stdout
+        names = re.findall(r"(?:^|, )([\w.+-]+)(?= |,|$)", depends)
+        self.assertEqual([names.count(name) for name in ("python3", "libc6", "libgdal32", "libtbb12")], [1] * 4, depends)
+
     @unittest.skipUnless(shutil.which("lintian"), "lintian is not installed")
     @unittest.skipUnless(is_release(), "only a release build has the flags of a package")
     def test_lintian_accepts_the_packages(self):
