@@ -165,11 +165,6 @@ class PlyTest(ExportTest):
             for name in ["pulse", "pixel", "status"]:
                 self.assert_close(table[name], points[name], 0, name)
 
-    def test_paraview_reads_the_coordinates(self):
-        program("pvpython", "python3-paraview")
-        [found] = self.paraview(("ply", self.export(CHAIN.scan, "scan.ply")))
-        self.assert_close(found["points"], xyz(returns_of(CHAIN.scan)), 1e-6)  # its PLY reader gives float32
-
     def test_meshio_reads_every_value(self):
         points = returns_of(CHAIN.scan)
         wanted = [name for name in points if name != "status"]  # meshio does not read properties of type char
@@ -285,11 +280,19 @@ class XdmfTest(ExportTest):
             points = returns_of(source)
             yield path, points, xyz(points, position)
 
-    def test_both_readers_of_paraview_read_a_scan(self):
+    def test_paraview_reads_scans_and_grids(self):
+        """A PLY, and each .xmf by both of its readers."""
         program("pvpython", "python3-paraview")
-        scans = [scan for scan in self.scans() for _ in range(2)]
-        files = [(reader, path) for reader, (path, _, _) in zip(["xdmf", "xdmf3"] * 3, scans)]
-        for found, (_, points, coordinates) in zip(self.paraview(*files), scans):
+        scans, sources = list(self.scans()), [CHAIN.terrain, CHAIN.dem, CHAIN.eval]
+        grids = [self.export(self.copied(source), os.path.basename(source) + ".xmf") for source in sources]
+        by_both = [(reader, path) for path in [*(path for path, _, _ in scans), *grids] for reader in ("xdmf", "xdmf3")]
+        ply, *read = self.paraview(("ply", self.export(CHAIN.scan, "scan.ply")), *by_both)
+        self.assert_close(ply["points"], xyz(returns_of(CHAIN.scan)), 1e-6)  # its PLY reader gives float32
+        self.check_scans(scans, read[:6])
+        self.check_grids(sources, read[6:])
+
+    def check_scans(self, scans, read):
+        for found, (_, points, coordinates) in zip(read, [scan for scan in scans for _ in range(2)], strict=True):
             self.assert_close(found["points"], coordinates, 0)
             self.assertEqual(found["points"].dtype, coordinates.dtype)
             self.assert_close(found["bounds"].reshape(3, 2).T, [coordinates.min(axis=0), coordinates.max(axis=0)], 0)
@@ -315,12 +318,8 @@ class XdmfTest(ExportTest):
             for name, values in points.items():
                 self.assert_close(found[name], values, 0, name)
 
-    def test_both_readers_of_paraview_read_a_grid(self):
-        program("pvpython", "python3-paraview")
-        sources = [CHAIN.terrain, CHAIN.dem, CHAIN.eval]
-        paths = [self.export(self.copied(source), os.path.basename(source) + ".xmf") for source in sources]
-        read = self.paraview(*((reader, path) for path in paths for reader in ("xdmf", "xdmf3")))
-        for source, both in zip(sources, zip(read[::2], read[1::2])):
+    def check_grids(self, sources, read):
+        for source, both in zip(sources, zip(read[::2], read[1::2], strict=True), strict=True):
             grid = columns(source, "/")
             for found in both:
                 self.assert_close(found["bounds"], [grid["x"][0], grid["x"][-1], grid["y"][0], grid["y"][-1], 0, 0], 1e-9)
