@@ -47,12 +47,12 @@ def _reason(error):
 
 
 @contextlib.contextmanager
-def open_landfall(path, format_name):
-    """Opens a finished landfall file of the given format_name for reading.
+def open_landfall(path, format_name, check=True):
+    """Opens a finished landfall file of the given format_name for reading; `check` as of open_screened().
 
     Errors of HDF5 and of the contents while the file is open become a DataError that names the file.
     """
-    with open_screened(path, (format_name,)) as file, naming(path):
+    with open_screened(path, (format_name,), check) as file, naming(path):
         yield file
 
 

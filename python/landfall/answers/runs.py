@@ -308,7 +308,7 @@ class Draws:
                 arguments = (*arguments, "--samples", table)
             path = os.path.join(folder, "draws.h5")
             self.make_draws(draws, path, *arguments)
-            return rows_of(path)
+            return rows_of(path, check=False)  # nobody else wrote it
 
 
 class TracedDraws(Draws):
@@ -377,9 +377,9 @@ class Scan(Draws):
         self.runner.run("monte-carlo", scan, "--terrain", terrain, "-o", output, "-O", *arguments, config=config)
 
 
-def rows_of(path):
-    """The rows of a file of draws: [{name: value, None where it has none}]."""
-    with files.open_landfall(path, "landfall.draws") as file:
+def rows_of(path, check=True):
+    """The rows of a file of draws: [{name: value, None where it has none}]; `check` as of open_screened()."""
+    with files.open_landfall(path, "landfall.draws", check) as file:
         columns = {name: values.tolist() for name, values in files.Columns(file["draws"]).items()}
     columns["pass"] = [None if value == NOT_JUDGED else value for value in columns["pass"]]
     names = list(columns)
