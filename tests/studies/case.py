@@ -35,6 +35,7 @@ BASE = {
 }
 SIGMAS = {"key": "scan.noise.range_sigma_m", "values": [0.01, 0.02, 0.05]}
 RESOLUTIONS = {"key": "regrid.resolution_m", "values": [0.1, 0.2]}
+FEW_FIGURES = {"metrics": ["accuracy.relative.z.max_m"]}  # of five metrics they take longer than a small study
 LIMITS = {"key": "eval.limits.relative_elevation_m", "values": [0.05, 0.1]}
 
 

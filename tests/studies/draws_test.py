@@ -8,7 +8,7 @@ import subprocess
 import unittest
 
 import h5py
-from case import BASE, BIN, LIMITS, RESOLUTIONS, ROOT, SIGMAS, StudyTest, read, study
+from case import BASE, BIN, FEW_FIGURES, LIMITS, RESOLUTIONS, ROOT, SIGMAS, StudyTest, read, study
 
 # pylint: disable=wrong-import-order
 from landfall.errors import UsageError
@@ -243,7 +243,7 @@ class Repeats(StudyTest):
 
     def test_a_failure(self):
         """Beams that the seed moves cannot be redrawn; metrics are still made."""
-        self.write(draws_study({"key": "scan.pointing_error.jitter_sigma_rad", "values": [0, 1e-4]}))
+        self.write(draws_study({"key": "scan.pointing_error.jitter_sigma_rad", "values": [0, 1e-4]}, plot=FEW_FIGURES))
         result = self.make("study-results", "-k", code=2)
         self.assertRegex(result.stderr, r"FAILED \(exit \d\): verdict of jitter sigma \S+ rad; the end of \S+\.log:\n +monte-carlo: ")
         self.assertEqual((len(self.files("metrics")), len(self.files("verdict"))), (2, 1))
@@ -280,7 +280,7 @@ class Traced(StudyTest):
             reader.read_study(self.write(study(trace_draws=True)))
 
     def test_a_case_equals_monte_carlo_by_hand(self):
-        path = self.write(self.traced(self.HEIGHTS))
+        path = self.write(self.traced(self.HEIGHTS, plot=FEW_FIGURES))
         self.make("study", "-j2")
         cases = json.loads(read(self.out("cases.json")))["cases"]
         folder = self.by_hand(path, 1)

@@ -7,7 +7,7 @@ import re
 import unittest
 
 import h5py
-from case import BIN, LIMITS, SIGMAS, StudyTest, read, study
+from case import BIN, FEW_FIGURES, LIMITS, SIGMAS, StudyTest, read, study
 
 # pylint: disable=wrong-import-order
 from harness.commands import run_command
@@ -130,7 +130,7 @@ class Results(StudyTest):
 
     def test_a_case_with_nothing_to_judge_is_a_row(self):
         """The worst lidar of a study leaves no place that can be judged: its metrics are in the table, its score is empty, and make continues."""
-        tree = hazard_study({"key": "scan.noise.dropout_frac", "values": [0, 0.99]}, set={"hazard.hole_fill_bins": 0, "hazard.region_radius_m": 1})
+        tree = hazard_study({"key": "scan.noise.dropout_frac", "values": [0, 0.99]}, set={"hazard.hole_fill_bins": 0, "hazard.region_radius_m": 1}, plot=FEW_FIGURES)
         self.write(tree)
         self.make("study", "KEEP=hazard")
         first, second = self.rows()
@@ -176,7 +176,7 @@ class OwnRequirements(StudyTest):
     SAFE = {"name": "safe", "metric": "counts.safe_safe", "min": 1e6}
 
     def test_columns_figures_and_report(self):
-        tree = hazard_study(SIGMAS, hazard={**HAZARD, "requirements": [self.SAFE]})
+        tree = hazard_study(SIGMAS, hazard={**HAZARD, "requirements": [self.SAFE]}, plot=FEW_FIGURES)
         tree["base"]["eval"]["requirements"] = [self.LE90]
         self.write(tree)
         self.make("study", "-j2")
@@ -261,7 +261,7 @@ class Repeats(StudyTest):
 
     def test_a_failure(self):
         """Legs shorter than two bins are refused when hazard-map sees the DEM; metrics are still made."""
-        self.write(hazard_study({"key": "hazard.lander.leg_radius_m", "values": [0.85, 0.15]}))
+        self.write(hazard_study({"key": "hazard.lander.leg_radius_m", "values": [0.85, 0.15]}, plot=FEW_FIGURES))
         result = self.make("study-results", "-k", code=2)
         self.assertRegex(result.stderr, r"FAILED \(exit 2\): score of leg radius 0\.15 m; the end of \S+\.log:\n +hazard-map: .*leg_radius_m")
         self.assertEqual(len(self.files("metrics")), 1)

@@ -11,7 +11,7 @@ import subprocess
 import unittest
 
 import numpy as np
-from case import BASE, BIN, PYTHON, ROOT, StudyTest, read, study
+from case import BASE, BIN, FEW_FIGURES, PYTHON, ROOT, StudyTest, read, study
 
 # pylint: disable=wrong-import-order
 from landfall import tools
@@ -34,7 +34,7 @@ def noisy(**keys):
 
 class Studies(StudyTest):
     def test_cases(self):
-        self.write(noisy(draws={"draws": 3, "metrics": "verdict"}))
+        self.write({**noisy(draws={"draws": 3, "metrics": "verdict"}), "plot": FEW_FIGURES})
         self.make("study")
         rows = self.rows()
         self.assertEqual([row["pass"] for row in rows], ["0", "0", "", ""])

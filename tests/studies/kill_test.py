@@ -9,7 +9,7 @@ import subprocess
 import time
 import unittest
 
-from case import LIMITS, RESOLUTIONS, ROOT, SIGMAS, StudyTest, read, study
+from case import LIMITS, ROOT, SIGMAS, StudyTest, read, study
 
 SEED = int(os.environ.get("LANDFALL_TEST_SEED", "20240607"))
 KILLS = 20
@@ -66,7 +66,7 @@ class Kills(StudyTest):
         return kills, make.wait()
 
     def test_results_equal_an_undisturbed_run(self):
-        tree = study(SIGMAS, RESOLUTIONS, LIMITS, repeat={"count": 2})
+        tree = study(SIGMAS, LIMITS)
         tree["base"]["draws"] = {"draws": 2, "metrics": "verdict"}
         self.write(tree)
         self.make("study-results", "-j2", runs="undisturbed")
@@ -97,12 +97,15 @@ class Kills(StudyTest):
                     os.remove(self.out(folder, name))
 
     def wait_for_orphans(self):
-        """Waits until the processes that a killed make has left have ended."""
+        """Waits until the processes that a killed make has left have ended, and the make under the lock, which it ends."""
         for _ in range(3000):
             if not self.running():
-                return
+                break
             time.sleep(0.1)
-        self.fail("processes of a killed make are still running")
+        else:
+            self.fail("processes of a killed make are still running")
+        if os.path.exists(self.out() + ".lock"):
+            subprocess.run(["flock", "-w", "300", self.out() + ".lock", "true"], check=True)
 
     def stage(self, name, script, *options):
         """(folder, command line) of a stage whose shell script makes metrics/m.json from a shared file, which nobody else needs."""
@@ -149,7 +152,7 @@ class Kills(StudyTest):
 
     def test_interrupted_by_the_keyboard(self):
         """SIGINT to the whole group, as a terminal sends it: all end, no file is incomplete, and the rest is made later."""
-        self.write(study(SIGMAS, RESOLUTIONS, LIMITS))
+        self.write(study(SIGMAS, LIMITS))
         make = subprocess.Popen(self.make_command("study-results", "-j2"), stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL,
                                 env=self.environment(), start_new_session=True)
         while not (os.path.isdir(self.out("shared")) and self.files("shared")) and make.poll() is None:

@@ -4,16 +4,19 @@
 import contextlib
 import copy
 import csv
+import functools
 import html.parser
 import io
 import json
 import os
 import re
+import shutil
 import sys
+import tempfile
 import unittest
 
 import h5py
-from case import BASE, RESOLUTIONS, ROOT, SIGMAS, StudyTest, read, study
+from case import BASE, FEW_FIGURES, RESOLUTIONS, ROOT, SIGMAS, StudyTest, read, study
 
 sys.path.insert(0, os.path.join(ROOT, "tests", "harness"))
 # pylint: disable=wrong-import-order
@@ -100,7 +103,7 @@ class MadeStudy(ReportTest):
         cls.shared = ReportTest("report")
         cls.shared.setUp()
         cls.addClassCleanup(cls.shared.doCleanups)
-        cls.shared.write(study(SIGMAS, RESOLUTIONS, title=HOSTILE, description="Why " + HOSTILE, **REPEATS))
+        cls.shared.write(study(SIGMAS, RESOLUTIONS, title=HOSTILE, description="Why " + HOSTILE, plot=FEW_FIGURES, **REPEATS))
         cls.shared.make("study", "-j2")
 
     def setUp(self):
@@ -202,12 +205,22 @@ class MadeStudy(ReportTest):
         self.assertFalse([name for name in os.listdir(self.path()) if name.startswith("a.")])
 
 
+@functools.cache
+def failed_study():
+    """The folder of a study whose case 1 failed, with its report."""
+    test = ReportTest("report")
+    test.folder = tempfile.mkdtemp(prefix="landfall-study-")
+    unittest.addModuleCleanup(shutil.rmtree, test.folder)
+    test.write(study({"key": "regrid.half_width_m", "values": [5, 2, 4]}, plot=FEW_FIGURES))
+    test.make("study", "-k", "-j2", code=2)
+    test.assertFalse(os.path.exists(test.out("report.html")))
+    test.make("study-partial")
+    return test.folder
+
+
 class ChangedStudy(ReportTest):
     def test_failed_and_missing_cases(self):
-        self.write(study({"key": "regrid.half_width_m", "values": [5, 2, 4]}))
-        self.make("study", "-k", "-j2", code=2)
-        self.assertFalse(os.path.exists(self.out("report.html")))
-        self.make("study-partial")
+        shutil.copytree(failed_study(), self.folder, dirs_exist_ok=True)
         tree = self.page().tree
         self.assertEqual(tree["verdicts"].get("error"), 1)
         ((log, end, tail, cases),) = tree["failures"]["logs"]
@@ -365,20 +378,18 @@ class InBrowser(ReportTest):
 
     def test_a_case_with_draws_as_a_study_file(self):
         """The run of draws of the saved study is the same one: it has scan, regrid and eval from its case."""
-        tree = study({"key": "draws.draws", "values": [1, 2]}, SIGMAS)
+        tree = study({"key": "draws.draws", "values": [1, 2]}, {**SIGMAS, "values": [0.01, 0.02]}, plot=FEW_FIGURES)
         tree["base"]["draws"] = {"metrics": "verdict"}
         planned = stages.build(reader.read_study(self.write(tree)))
         self.make("study", "-j2")
         self.browser.get("file://" + self.out("report.html"))
-        for case in (0, 4):
+        for case in (0, 3):
             saved = self.run_script("return caseStudy(arguments[0])", case)
             alone = stages.build(reader.read_study(self.write(saved, f"case{case}")))
             self.assertEqual(list(alone.draws), [planned.cases[case][1]["draws"].id])
 
     def test_a_failed_case_and_the_address_of_a_case(self):
-        self.write(study({"key": "regrid.half_width_m", "values": [5, 2, 4]}))
-        self.make("study-results", "-k", "-j2", code=2)
-        self.make("study-partial")
+        shutil.copytree(failed_study(), self.folder, dirs_exist_ok=True)
         self.browser.get("file://" + self.out("report.html") + "#case-1")
         detail = self.by_css("#case-detail").text
         self.assertIn("half width 2 m", detail)
