@@ -30,7 +30,7 @@ TIMING = {f"scan.receiver.{key}": {"type": "uniform", "low": 0, "high": high} fo
 # {name: (changes of the scan that is redrawn, which then has its misses and echoes; the run; what varies beside every key of the errors,
 # or None if nothing varies; the draws that are compared)}.
 REDRAWS = {
-    "every error": ({}, {"draws": 299, "scan": COMMANDED, "layers": False}, {}, (0, 7, 298)),
+    "every error": ({}, {"draws": 70, "scan": COMMANDED, "layers": False}, {}, (0, 7, 69)),
     **{kind: ({**LIGHT, "receiver": {"type": kind, "threshold_pe": 40, "jitter_sigma_s": 1e-11}},
               {"draws": 9, "scan": COMMANDED, "layers": False},
               TIMING, (0, 8)) for kind in ("leading_edge", "constant_fraction", "peak", "centroid")},
