@@ -61,10 +61,12 @@ def main(arguments):
     parser.add_argument("--center", type=float, nargs=2, default=[3800, 3380], metavar=("X", "Y"), help="on the map, m (3800 3380)")
     parser.add_argument("--seed", type=int, default=1)
     options = parser.parse_args(arguments)
-    if options.cells < 2 or not options.posting > 0 or not 0 <= options.seed < 2**32:
-        raise UsageError("--cells must be at least 2, --posting above 0, --seed in 0 .. 4294967295")
+    if options.cells < 2 or not options.posting > 0 or not np.isfinite([options.posting, *options.center]).all() or not 0 <= options.seed < 2**32:
+        raise UsageError("--cells must be at least 2, --posting above 0, --center finite, --seed in 0 .. 4294967295")
     command.check_outputs([options.output], overwrite=False)
     offsets = (np.arange(options.cells) - (options.cells - 1) / 2) * options.posting
     x, y = options.center[0] + offsets, options.center[1] - offsets
+    if not np.allclose((np.diff(x), -np.diff(y)), options.posting, 1e-6, 0):
+        raise UsageError(f"--posting {options.posting:g}: is lost in the digits of --center {options.center[0]:g} {options.center[1]:g}")
     half_m = options.cells * options.posting / 2
     write(options.output, elevations(x, y, options.seed), options.center[0] - half_m, options.center[1] + half_m, options.posting)

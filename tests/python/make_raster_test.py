@@ -55,7 +55,8 @@ class MakeRaster(unittest.TestCase):
     def test_refusals(self):
         with open(self.path, "w", encoding="ascii"):
             pass
-        for arguments in (["-o", self.path], ["-o", self.path + "2", "--cells", 1], ["-o", self.path + "2", "--posting", 0]):
+        for arguments in (["-o", self.path], ["-o", self.path + "2", "--cells", 1], ["-o", self.path + "2", "--posting", 0],
+                          ["-o", self.path + "2", "--center", "nan", 0], ["-o", self.path + "2", "--posting", 1e-300]):
             result = run(*arguments)
             self.assertNotEqual(result.returncode, 0)
             self.assertRegex(result.stderr, r"\Alandfall make-raster: [^\n]+\n\Z")
