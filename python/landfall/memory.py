@@ -204,14 +204,18 @@ class Terrain:
         """The terrain of an array of elevations, metres, NaN for holes: rows from south to north, columns from west to east, `resolution_m` apart, the
         origin of frame D at z[rows // 2, columns // 2]. `center`: that node's place in `crs`, a map or geographic CRS such as "EPSG:32632": x and y or
         longitude and latitude."""
+        resolution_m = _resolution(resolution_m)
+        _check_order(z, resolution_m)
         z = _array(z, "z", 2)
+        if crs is not None and not (isinstance(crs, str) and crs):
+            raise UsageError(f'crs: a text such as "EPSG:32632" is expected, not {crs!r}')
         if (crs is None) != (center is None):
             raise UsageError("crs and center belong together: the place of the origin in a CRS")
         place = [0.0, 0.0] if center is None else _array(center, "center", 1).tolist()
         if len(place) != 2 or not np.isfinite(place).all():
             raise UsageError(f"center: two finite numbers are expected, not {place}")
         file = _new_file("terrain")
-        engine.write_terrain(file.name, z, float(resolution_m), crs or "", place)
+        engine.write_terrain(file.name, z, resolution_m, crs or "", place)
         return cls(file, threads=threads)
 
     @property
@@ -393,6 +397,8 @@ def _terrain(terrain: Terrain | Path | None) -> Path | None:
 
 
 def _map(dem: typing.Any) -> typing.Any:
+    if not isinstance(dem, (Result, Terrain, str, os.PathLike)):
+        raise UsageError(f"a result of landfall or the path of a file is expected, not of type {type(dem).__name__}")
     return dem._file if isinstance(dem, (Result, Terrain)) else dem  # pylint: disable=protected-access
 
 
@@ -403,7 +409,7 @@ def _threads(threads: int) -> int:
 
 
 def _array(values: typing.Any, name: str, dimensions: int | None = None) -> Array:
-    """Numbers as float64 in C order, copied only where they are not so. Refused before anything is copied: too many, not real."""
+    """Numbers as float64 in C order, copied only where they are not so; masked ones are NaN. Refused before anything is copied: too many, not real."""
     values = values if isinstance(values, np.ndarray) else np.asarray(values)
     if values.dtype.kind not in "fiu":
         raise UsageError(f"{name}: real numbers are expected, not {values.dtype}")
@@ -411,7 +417,30 @@ def _array(values: typing.Any, name: str, dimensions: int | None = None) -> Arra
         raise UsageError(f"{name}: {dimensions} dimensions are expected, not {values.ndim}")
     if values.size > MAX_ROWS:
         raise UsageError(f"{name}: {values.size} values are more than 2^31 - 1")
+    if np.ma.is_masked(values):
+        values = values.astype(np.float64).filled(np.nan)
     return np.ascontiguousarray(values, np.float64).reshape(values.shape)
+
+
+def _resolution(value: typing.Any) -> float:
+    try:
+        return float(value)
+    except (TypeError, ValueError) as error:
+        raise UsageError(f"resolution_m: a number is expected, not {value!r}") from error
+
+
+def _check_order(z: typing.Any, resolution_m: float) -> None:
+    """Refuses an xarray.DataArray whose own coordinates contradict the order of rows and columns, or in metres their spacing."""
+    for name, axis in zip(getattr(z, "dims", ()), "yx"):
+        if name in ("x", "y") and name != axis:
+            raise UsageError("z: its dimensions are (x, y); transpose it")
+        if name not in getattr(z, "coords", ()) or z.coords[name].dtype.kind not in "fiu":
+            continue
+        steps = np.diff(np.asarray(z.coords[name].values, np.float64))
+        if not np.all(steps > 0):
+            raise UsageError(f"z: its coordinate {name} does not increase, and row 0 is the southernmost, column 0 the westernmost: z.sortby({name!r})")
+        if z.coords[name].attrs.get("units") in ("m", "metre") and not np.allclose(steps, resolution_m, 1e-6, 0):
+            raise UsageError(f"z: its coordinate {name} has steps of {steps[0]:g} m; resolution_m is {resolution_m:g}")
 
 
 def _flat(values: Array) -> Array:

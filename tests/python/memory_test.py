@@ -11,6 +11,7 @@ import unittest
 
 import h5py
 import numpy as np
+import xarray
 
 from harness import EVAL, HAZARD, REGRID, SCAN, TERRAIN, attributes, run, with_values
 
@@ -157,6 +158,17 @@ class InMemory(unittest.TestCase):
             with h5py.File(imported) as expected, h5py.File(self.path("placed.h5")) as found:
                 self.assertEqual(found["crs"].attrs["crs_wkt"], expected["crs"].attrs["crs_wkt"])
 
+    @staticmethod
+    def raster(y=(0, 1, 2)):
+        coordinates = {name: (name, list(values), {"units": "m"}) for name, values in {"y": y, "x": (0, 1, 2)}.items()}
+        return xarray.DataArray(np.arange(9.0).reshape(3, 3), dims=("y", "x"), coords=coordinates)
+
+    def test_arrays_of_other_packages(self):
+        """Masked elevations are holes; the coordinates of an xarray agree with the order of its rows."""
+        masked = landfall.Terrain.from_array(np.ma.masked_equal([[0, 1, 2], [3, -9999, 5], [6, 7, 8]], -9999), 1)
+        np.testing.assert_array_equal(masked.z, [[0, 1, 2], [3, np.nan, 5], [6, 7, 8]])
+        self.assertEqual(landfall.Terrain.from_array(self.raster(), 1).elevation(0, 1), 7)
+
     def test_a_raster_becomes_a_terrain(self):
         raster = os.path.join(os.environ["LANDFALL_ROOT"], "testdata/rasters/relief_europa_10m.tif")
         config = {"base": {"type": "dem", "path": raster}, "grid": {"half_width_m": 20, "resolution_m": 1}}
@@ -204,6 +216,12 @@ class InMemory(unittest.TestCase):
                 "is geocentric": lambda: landfall.Terrain.from_array(np.zeros((4, 4)), 1, crs="EPSG:4978", center=[9, 47]),
                 "'EPSG:1' is not a CRS": lambda: landfall.Terrain.from_array(np.zeros((4, 4)), 1, crs="EPSG:1", center=[9, 47]),
                 "2 x 2 elevations": lambda: landfall.Terrain.from_array(np.zeros((1, 1)), 1),
+                "not of type ndarray": lambda: landfall.evaluate(np.zeros((9, 9))),
+                "a number is expected": lambda: landfall.Terrain.from_array(np.zeros((4, 4)), None),
+                'a text such as "EPSG:32632" is expected': lambda: landfall.Terrain.from_array(np.zeros((4, 4)), 1, crs=32632, center=[5e5, 5e6]),
+                "coordinate y does not increase": lambda: landfall.Terrain.from_array(self.raster(y=[2, 1, 0]), 1),
+                "transpose it": lambda: landfall.Terrain.from_array(self.raster().transpose(), 1),
+                "coordinate y has steps of 1 m": lambda: landfall.Terrain.from_array(self.raster(), 2),
                 "weight: no gridding": lambda: landfall.grid([1], [1], [1], weight=[1]),
                 "resolution_m is missing": lambda: landfall.hazards(np.zeros((9, 9))),
                 "not in [0, 4096]": lambda: landfall.Terrain(TERRAIN, threads=-1),
