@@ -77,11 +77,7 @@ class ExportTest(ToolTest):
         outs = [self.path(f"paraview-{i}.npz") for i in range(len(files))]
         words = [word for (reader, path), out in zip(files, outs) for word in (reader, path, out)]
         output_of(program("pvpython", "python3-paraview"), os.path.join(OUTSIDE, "read_paraview.py"), *words)
-        found = []
-        for out in outs:
-            with np.load(out) as arrays:
-                found.append(dict(arrays))
-        return found
+        return [dict(np.load(out)) for out in outs]
 
     def assert_close(self, found, expected, tolerance, what=""):
         found, expected = np.asarray(found, float), np.asarray(expected, float)

@@ -82,6 +82,9 @@ class Deb(unittest.TestCase):
         for name, (mode, owner) in (tools | module).items():
             self.assertEqual(owner, "root/root", name)
             self.assertIn(mode, ["lrwxrwxrwx"] if name in links else ["drwxr-xr-x", "-rwxr-xr-x", "-rw-r--r--"], name)
+        depends = subprocess.run(["dpkg-deb", "-f", self.path("landfall"), "Depends"], capture_output=True, text=True, check=True).stdout
+        names = re.findall(r"(?:^|, )([\w.+-]+)(?= |,|$)", depends)
+        self.assertEqual([names.count(name) for name in ("python3", "libc6", "libgdal32", "libtbb12")], [1] * 4, depends)
 
     def test_python_imports_the_package_and_finds_the_tools(self):
         unpacked = os.path.join(self.folder, "unpacked")
@@ -102,12 +105,6 @@ print(landfall.__file__, terrain.z.shape, terrain.z.attrs["units"], terrain.crs.
             with open(os.path.join(scripts, name), encoding="utf-8") as file:
                 self.assertIn(words, file.read())
             self.assertEqual(subprocess.run(["sh", "-n", os.path.join(scripts, name)], check=False).returncode, 0)
-
-    def test_the_libraries_of_the_programs_are_needed(self):
-        """Once each; those of the plugins are among them."""
-        depends = subprocess.run(["dpkg-deb", "-f", self.path("landfall"), "Depends"], capture_output=True, text=True, check=True).stdout
-        names = re.findall(r"(?:^|, )([\w.+-]+)(?= |,|$)", depends)
-        self.assertEqual([names.count(name) for name in ("python3", "libc6", "libgdal32", "libtbb12")], [1] * 4, depends)
 
     @unittest.skipUnless(shutil.which("lintian"), "lintian is not installed")
     @unittest.skipUnless(is_release(), "only a release build has the flags of a package")

@@ -23,23 +23,6 @@ figure.savefig(sys.argv[2])
 figure.canvas.print_png(sys.argv[2] + ".print")
 assert dict(matplotlib.rcParams) == before, "the caller's settings have changed"
 """
-# The help of commands, each in a child of a process that has loaded what they need but matplotlib.
-HELP = """
-import os, runpy, sys
-import dateutil.rrule, h5py, kiwisolver, numpy, PIL.Image, pyparsing
-assert "matplotlib" not in sys.modules
-for command in sys.argv[1:]:
-    child = os.fork()
-    if not child:
-        sys.argv[:] = [command, "--help"]
-        try:
-            runpy.run_path(command, run_name="__main__")
-        except SystemExit as end:
-            os._exit(end.code or 0)
-        os._exit(9)
-    if os.waitpid(child, 0)[1]:
-        sys.exit(command)
-"""
 ANSWERS = """
 import types
 from landfall.answers import {name}
@@ -64,7 +47,7 @@ class Settings(ChainTest):
         os.mkdir(self.environment["MPLCONFIGDIR"])
 
     def run_python(self, *words, environment=None):
-        result = subprocess.run([sys.executable, *words], cwd=self.folder, env=environment or self.environment, capture_output=True, text=True, timeout=600,
+        result = subprocess.run([sys.executable, *words], cwd=self.folder, env=environment or self.environment, capture_output=True, text=True, timeout=120,
                                 check=False)
         self.assertFalse(os.path.exists(self.marks), "LaTeX was run")
         return result
@@ -93,9 +76,9 @@ class Settings(ChainTest):
     def test_no_command_opens_one(self):
         """To open a pipe blocks."""
         os.mkfifo(os.path.join(self.folder, "matplotlibrc"))
-        commands = sorted(os.path.join(COMMANDS, name) for name in os.listdir(COMMANDS) if name != "__pycache__")
-        result = self.run_python("-c", HELP, *commands)
-        self.assertEqual((result.returncode, result.stderr), (0, ""))
+        for command in sorted(name for name in os.listdir(COMMANDS) if name != "__pycache__"):
+            with self.subTest(command):
+                self.assertEqual(self.run_python(os.path.join(COMMANDS, command), "--help").returncode, 0)
         for name in ("sensitivity", "design"):
             with self.subTest(name):
                 result = self.run_python("-c", ANSWERS.format(name=name))

@@ -159,14 +159,15 @@ class Results(StudyTest):
         self.assertIn(f"[{2 + 3 * (rules.MAX_SHARED + 1)} done, 0 failed, 0 left]", progress)
         self.assertEqual([self.runs_of(step) for step in STEPS], [1, 18, 17, 17, 34])
         self.write(hazard_study({**many, "linspace": [0.01, 0.02, 2]}, CLEARANCES), "few")
-        self.make("study-results", "-j2", "KEEP=hazard,dem", study_name="few")
-        self.assertEqual([len(self.files(kind, study_name="few")) for kind in ("dem", "hazard", "score", "sites", "metrics", "shared")],
-                         [2, 4, 4, 4, 2, 0])
+        self.make("study-results", "-j2", "KEEP=all", study_name="few")
+        self.assertEqual([len(self.files(kind, study_name="few")) for kind in ("scan", "dem", "eval", "hazard", "score", "sites", "metrics", "shared")],
+                         [2, 2, 2, 4, 4, 4, 2, 0])
         self.assertEqual(read(self.out("results.csv")).splitlines()[:5], read(self.out("results.csv", study_name="few")).splitlines())
-        for name in self.files("hazard", study_name="few"):
-            with h5py.File(self.out("hazard", name, study_name="few")) as file:
-                self.assertEqual(json.loads(file["score_json"].asstr()[()]),
-                                 json.loads(read(self.out("score", name[:-3] + ".json", study_name="few"))))
+        for layers, numbers in (("hazard", "score"), ("eval", "metrics")):
+            for name in self.files(layers, study_name="few"):
+                with h5py.File(self.out(layers, name, study_name="few")) as file:
+                    self.assertEqual(json.loads(file[numbers + "_json"].asstr()[()]),
+                                     json.loads(read(self.out(numbers, name[:-3] + ".json", study_name="few"))))
 
 
 class OwnRequirements(StudyTest):
@@ -253,11 +254,15 @@ class Repeats(StudyTest):
     def test_prune_keeps_what_the_plan_names(self):
         self.write(hazard_study(CLEARANCES))
         self.make("study-results")
+        results_before = read(self.out("results.csv"))
         self.write(hazard_study({**CLEARANCES, "values": [0.2]}))
         self.make("study-results")
         self.assertRegex(self.sweep("prune", self.out()).stdout, r"\A[1-9]\d* files removed, ")
-        self.assertEqual([len(self.files(folder)) for folder in ("score", "sites", "metrics")], [1, 1, 1])
+        self.assertEqual([len(self.files(*folder)) for folder in (["score"], ["sites"], ["metrics"], ["config", "hazard"])], [1, 1, 1, 1])
         self.assertIn("Nothing to be done", self.make("study-results").stdout)
+        self.write(hazard_study(CLEARANCES))
+        self.make("study-results")
+        self.assertEqual(read(self.out("results.csv")), results_before)
 
     def test_a_failure(self):
         """Legs shorter than two bins are refused when hazard-map sees the DEM; metrics are still made."""

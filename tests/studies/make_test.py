@@ -50,23 +50,6 @@ class Builds(StudyTest):
             folder = self.by_hand(path, number)
             self.assertEqual(read(self.out(cases[number][-1])), read(os.path.join(folder, "metrics.json")), number)
 
-    def test_many_shared_scans_and_kept_files_give_the_same_results(self):
-        many = {"key": "scan.noise.range_sigma_m", "linspace": [0.01, 0.17, 17]}
-        self.write(study(many, LIMITS))
-        self.make("study-results", "-j2")
-        self.assertEqual([self.runs_of(step) for step in ("scan", "regrid", "eval")], [18, 17, 34])
-        self.assertEqual(self.files("shared") + self.files("scratch"), [])
-        self.write(study({**many, "linspace": [0.01, 0.02, 2]}, LIMITS), "few")
-        self.make("study-results", "-j2", "KEEP=all", study_name="few")
-        self.assertEqual([len(self.files(kind, study_name="few")) for kind in ("scan", "dem", "eval", "metrics", "shared")],
-                         [2, 2, 4, 4, 0])
-        self.assertEqual(read(self.out("results.csv")).splitlines()[:5], read(self.out("results.csv", study_name="few")).splitlines())
-        for name in self.files("eval", study_name="few"):
-            with h5py.File(self.out("eval", name, study_name="few")) as file:
-                metrics = json.loads(file["metrics_json"].asstr()[()])
-            stored = json.loads(read(self.out("metrics", name[:-3] + ".json", study_name="few")))
-            self.assertEqual(metrics, stored)
-
     def test_files_to_keep_can_be_requested_later(self):
         self.write(study(SIGMAS))
         self.make("study-results")
@@ -152,19 +135,6 @@ class Builds(StudyTest):
         self.assertEqual([row["columns"] for row in self.rows()], ["20", "19"])
         with h5py.File(self.out("results.h5")) as file:
             np.testing.assert_array_equal(file["columns"][()], [20, 19])
-
-    def test_prune(self):
-        self.write(study(RESOLUTIONS, LIMITS))
-        self.make("study-results", "-j2")
-        results = read(self.out("results.csv"))
-        self.write(study(RESOLUTIONS))
-        self.make("study-results", "-j2")
-        self.assertRegex(self.sweep("prune", self.out()).stdout, r"\A\d+ files removed, ")
-        self.assertEqual((len(self.files("metrics")), len(self.files("config", "eval"))), (2, 1))
-        self.assertIn("Nothing to be done", self.make("study-results").stdout)
-        self.write(study(RESOLUTIONS, LIMITS))
-        self.make("study-results", "-j2")
-        self.assertEqual(read(self.out("results.csv")), results)
 
 
 if __name__ == "__main__":

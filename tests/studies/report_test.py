@@ -12,7 +12,6 @@ import os
 import re
 import shutil
 import sys
-import tempfile
 import unittest
 
 import h5py
@@ -209,8 +208,8 @@ class MadeStudy(ReportTest):
 def failed_study():
     """The folder of a study whose case 1 failed, with its report."""
     test = ReportTest("report")
-    test.folder = tempfile.mkdtemp(prefix="landfall-study-")
-    unittest.addModuleCleanup(shutil.rmtree, test.folder)
+    test.setUp()
+    unittest.addModuleCleanup(test.doCleanups)
     test.write(study({"key": "regrid.half_width_m", "values": [5, 2, 4]}, plot=FEW_FIGURES))
     test.make("study", "-k", "-j2", code=2)
     test.assertFalse(os.path.exists(test.out("report.html")))

@@ -111,8 +111,7 @@ exec "$@"
         subprocess.run(["scontrol", "update", f"JobId={job}", "StartTime=now"], capture_output=True, env=self.environment(), check=False)
 
     def test_ending_the_batch_runner_cancels_its_job(self):
-        process = subprocess.Popen([os.path.join(ROOT, "studies", "runners", "slurm-batch"), "sleep", "300"], cwd=self.folder,
-                                   env=self.environment())
+        process = subprocess.Popen([os.path.join(ROOT, "studies", "runners", "slurm-batch"), "sleep", "300"], cwd=self.folder, env=self.environment())
         while not self.batch_jobs():
             time.sleep(0.1)
         process.terminate()
@@ -146,8 +145,7 @@ monte-carlo scan.h5 --terrain terrain.h5 -c mc.json -v -t 1 --draws $A:$B -o par
             with open(self.path(name), "w", encoding="utf-8") as file:
                 file.write(text)
         environment = {**self.environment(), "PATH": BIN + ":" + os.environ["PATH"]}
-        job = subprocess.run(["sbatch", "--parsable", "parts.sh"], cwd=self.folder, env=environment, capture_output=True, text=True,
-                             check=True).stdout.strip()
+        job = subprocess.run(["sbatch", "--parsable", "parts.sh"], cwd=self.folder, env=environment, capture_output=True, text=True, check=True).stdout.strip()
         self.wait_for(lambda: os.path.exists(self.path(".part2.h5.state")), "part 2 writes no state")
         node = self.squeue("-j", f"{job}_2", "-o", "%N")
         self.assertEqual(slurm_local("lose", node, "--dir", self.slurm).returncode, 0)
