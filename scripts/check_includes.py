@@ -19,7 +19,7 @@ LEVELS = {
     "chain/lidar/receiver": 0, "chain/opencl": 0,
     "chain/ray": 1,
     "chain/lidar/simulation": 2, "chain/gridding": 2, "chain/evaluation": 2, "chain/hazards": 2,
-    "chain/draws": 3,
+    "chain/draws": 3, "chain/likeness": 3,
     "formats/picture": 0, "formats/mesh": 0, "formats/gdal": 0,
     "formats/points": 1,
     "store/hdf5": 0,

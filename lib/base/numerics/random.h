@@ -43,6 +43,7 @@ enum class RandomStream : std::uint64_t {
   pixel_offset = 54,
   touchdown = 60,
   landing_yaw = 61,
+  likeness = 70,
 };
 
 /// Random numbers as a pure function of (seed, draw, stream, i, j): Philox4x64-10 (Salmon et al. 2011) with
