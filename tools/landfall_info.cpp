@@ -48,7 +48,7 @@ constexpr const char* kDescription =
 
 Files are read in pieces, so that the memory does not depend on their size. A file that is damaged, incomplete or not a landfall file is refused with a one-line message; the other files are still described.
 
---compare says in words whether the second file, B, is better than the first, A, and shows where they differ: their configurations and those of the steps before them, requirements and metrics, the layers on the bins that both maps have in common once B is placed in the frame of A, and the draws of equal seeds in pairs. All differences are B - A, B being the second file.
+--compare says in words whether the second file, B, is better than the first, A, and shows where they differ: their configurations and those of the steps before them, requirements and metrics, the layers on the bins that both maps have in common once B is placed in the frame of A, and the draws of equal seeds in pairs. Of two scans it says how like they are, and what of that is beyond chance. All differences are B - A, B being the second file.
 
 --at shows the layers of one bin of a DEM and, with --scan, each return that lies in it. Of an evaluation it shows the footprint that is centred on the bin: its errors and verdicts, its five worst bins and, with --dem and --scan, the likely cause of a failure.
 

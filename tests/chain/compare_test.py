@@ -233,8 +233,8 @@ class Answer(ChainTest):
             self.assertEqual(point["change"], {1: "better", 0: "same", -1: "worse"}[sign(point["a"], point["b"], 0)])
         self.assertEqual(found["answer"]["notes"], ["A and B are judged by different rules: limits.roughness_m"])
 
-    def test_scans_have_no_answer(self):
-        found = json.loads(self.succeed("landfall-info", "--compare", self.chain.scan, self.chain.scan, "--json").stdout)
+    def test_terrains_have_no_answer(self):
+        found = json.loads(self.succeed("landfall-info", "--compare", self.chain.terrain, self.chain.terrain, "--json").stdout)
         self.assertIsNone(found["answer"])
 
 

@@ -166,7 +166,9 @@ std::string meeting_text(const Comparison& a, const Comparison& b, const Compari
   std::string text = "\nplace: A " + place_text(a["place"]) + "\n       B " + place_text(b["place"]) + "\n";
   for (const Comparison& said : json["placement"]["said"]) text += "  B " + said.get<std::string>() + "\n";
   if (json.contains("not_compared"))
-    return text + "layers are not compared: " + json["not_compared"].get<std::string>() + "\n";
+    return text + (json["kind"] == "scan" ? "returns" : "layers") +
+           " are not compared: " + json["not_compared"].get<std::string>() + "\n";
+  if (!json.contains("common_bins")) return text;
   const Comparison& bins = json["common_bins"];
   return text + "bins in common: " + value_text(bins["columns"]) + " x " + value_text(bins["rows"]) +
          print(", x %.10g to %.10g m, y %.10g to %.10g m\n", bins["x_m"][0].get<double>(),

@@ -25,6 +25,7 @@
 #include "store/files/grid_file.h"
 #include "store/files/json_leaves.h"
 #include "store/files/place_json.h"
+#include "store/files/scan_likeness.h"
 
 namespace landfall {
 namespace {
@@ -406,6 +407,7 @@ Json compare_files(const std::filesystem::path& a, const std::filesystem::path& 
   if (has_grid(file_a) && has_grid(file_b))
     GridPair(file_a, file_b, request.rules).add_to(json, json["kind"].get<std::string>(), request, progress);
   json["answer"] = answer_of(json, of_a, of_b);
+  if (json["kind"] == "scan") add_likeness(json, a, b, request, progress);
   return json;
 }
 

@@ -16,9 +16,9 @@ namespace landfall {
 /// configuration keys that differ, of the files and of their upstream steps; requirements and numbers of
 /// metrics, scores and verdicts side by side; the places of both; for grids whose bins coincide once B is
 /// placed in the frame of A (meeting.h) the bins in common and the statistics of B - A of each layer, else
-/// the reason why there are none; for draws with equal seeds the pairs of each requirement and of landings.
-/// Differences are B - A. Unknown numbers are null. `answer`: answer_of(). Throws FormatError as
-/// LandfallFileReader, UsageError for files of two kinds.
+/// the reason why there are none; for draws with equal seeds the pairs of each requirement and of landings;
+/// for scans how like they are (scan_likeness.h). Differences are B - A. Unknown numbers are null. `answer`:
+/// answer_of(). Throws FormatError as LandfallFileReader, UsageError for files of two kinds.
 struct ComparisonRequest {
   MeetingRules rules = {};
   bool statistics = true;  ///< false: layers are not read
