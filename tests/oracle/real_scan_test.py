@@ -11,6 +11,7 @@ import unittest
 
 import h5py
 import numpy as np
+from scipy.interpolate import griddata
 
 from harness import ToolTest
 from oracle.flight import FACETS, Flight, Lines, angles_of
@@ -144,6 +145,56 @@ class RealScan(ToolTest):
             print(name, np.round(value / MICRO, 2) if np.size(value) <= 4 else f"{value.std() / MICRO:.2f}, at most {abs(value).max() / MICRO:.0f}")
         if FIGURE:
             draw(self.flight, along, self.directions(self.poses["true"], lines.mount()), lines, report)
+
+    def imported(self, name, points):
+        """Points at the times of the real returns as a scan."""
+        rows = np.column_stack([self.flight.time, points])
+        np.savetxt(self.path(name + ".csv"), rows, delimiter=",", header="t,x,y,z", comments="", fmt="%.9g")
+        self.succeed("landfall-import", self.path(name + ".csv"), "-o", self.path(name + ".h5"), "--center", "0,0,0", "-O")
+        return self.path(name + ".h5")
+
+    def ground_of_returns(self):
+        """The terrain of the real returns, linear between them."""
+        steps = np.arange(-3000, 3001, 10.0)
+        x, y = np.meshgrid(steps, steps[::-1])
+        z = griddata(self.flight.points[:, :2], self.flight.points[:, 2], (x, y))
+        nearest = griddata(self.flight.points[:, :2], self.flight.points[:, 2], (x, y), "nearest")
+        head = f"ncols {len(steps)}\nnrows {len(steps)}\nxllcenter {steps[0]}\nyllcenter {steps[0]}\ncellsize 10"
+        np.savetxt(self.path("relief.asc"), np.where(np.isnan(z), nearest, z), fmt="%.3f", header=head, comments="")
+        terrain = {"grid": {"half_width_m": 3000, "resolution_m": 10},
+                   "base": {"type": "dem", "path": self.path("relief.asc"), "interpolation": "bilinear", "datum": "none", "horizontal_scale_m": 1}}
+        self.succeed("terrain-gen", "-c", self.config(terrain, "relief.json"), "-o", self.path("ground.h5"), "-O")
+
+    def test_a_mount_error_makes_a_simulation_less_like_the_scan(self):
+        """landfall-info --compare: the real scan, its simulation, and simulations with 2 mrad about the axis of the lines."""
+        self.poses, _ = self.scan({"type": "flash"})
+        lines = self.lines(self.poses["true"])
+        self.ground_of_returns()
+        real = self.imported("real_scan", self.flight.points)
+        error = [0, 0.002, 0]
+        turned = lines.mount() @ roll_pitch_yaw(np.array([error]))[0]
+        simulations = {"simulated": (lines.mount(), {}), "misaligned": (lines.mount(), {"pointing_error": {"misalignment_rpy_rad": error}}),
+                       "mounted otherwise": (turned, {})}
+        nearest = np.rint(self.flight.time * RATE_HZ).astype(int)
+        found = {}
+        for name, (mount, more) in simulations.items():
+            self.scan(self.tabulated(lines), mount, **more)
+            with h5py.File(self.path("real.h5")) as file:
+                points = np.stack([file[f"points/{axis}_est"][()][nearest] for axis in "xyz"], -1)
+            scan = self.imported(name.replace(" ", "_"), points)
+            found[name] = json.loads(self.succeed("landfall-info", "--compare", real, scan, "--json").stdout)["likeness"]
+        rows = {name: {row["name"]: row for row in one["statistics"]} for name, one in found.items()}
+        for row in rows["simulated"]:
+            print(f"{row:16}", *(f"{one[row]['distance']:10.3g}{'*' if one[row]['differs'] else ' '}" for one in rows.values()))
+        # A misaligned lidar believes its nominal beams: heights are wrong, not places. One that is mounted otherwise sees other places.
+        for name, seeing, beyond in (("misaligned", ("elevation", "elevation_spread", "shift", "tilt", "position"), ("elevation", "shift", "position")),
+                                     ("mounted otherwise", ("density_map", "coverage", "coverage_time", "position"), ("position",))):
+            for row in seeing:
+                self.assertGreater(rows[name][row]["distance"], rows["simulated"][row]["distance"], (name, row))
+            for row in beyond:
+                self.assertEqual((rows["simulated"][row]["differs"], rows[name][row]["differs"]), (False, True), (name, row))
+            self.assertAlmostEqual(rows[name]["spacing_along"]["distance"], rows["simulated"]["spacing_along"]["distance"], delta=1e-3)
+        self.assertAlmostEqual(np.hypot(*found["misaligned"]["surface"]["shift_m"]), 0.002 * 4600, delta=1)
 
     def test_other_conventions_fail(self):
         """The errors that each of them would leave; the estimated poses are those of a wrong time stamp."""
