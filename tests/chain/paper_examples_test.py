@@ -83,7 +83,7 @@ class Example(unittest.TestCase):
 
 
 class InMemory(Example):
-    """An example that the chain in memory gives too: one with a drawn terrain, one with a raster."""
+    """An example that the chain in memory gives too."""
 
     def config(self, name):
         """The whole configuration of a file of the example."""
@@ -127,7 +127,7 @@ class Cones(Example):
         self.assertLessEqual(np.max(distance[failing]), CONE_RADIUS_M + FOOTPRINT_M / np.sqrt(2))
 
 
-class Example1(Cones):
+class Example1(Cones, InMemory):
     name = "example-1"
     axes = cone_axes(25, 0)
 
