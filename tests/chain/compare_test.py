@@ -269,6 +269,22 @@ class At(ChainTest):
                 self.assertAlmostEqual(r["t_s"], times[r["pulse"]] - times[0], delta=1e-12)
         self.assertGreaterEqual(checked, 3)
 
+    def test_a_scan_that_was_moved(self):
+        """The returns of a scan about another centre on the same map lie, and count, where regrid put them."""
+        grid = ["--set", "half_width_m=2", "--set", "resolution_m=0.5"]
+        points = [(0.1, 0.2, 5), (0.9, 0.1, 6), (-0.1, 0.1, 7), (1.1, 0.9, 8)]
+        for name, centre in {"a": (500000, 5200000), "b": (500001, 5199999)}.items():
+            self.write(name + ".xyz", "".join(f"{500000 + x} {5200000 + y} {z}\n" for x, y, z in points))
+            self.succeed("landfall-import", self.path(name + ".xyz"), "-o", self.path(name + ".h5"), "--crs", "EPSG:32632", "--center", f"{centre[0]},{centre[1]}")
+        self.succeed("regrid", self.path("a.h5"), self.path("b.h5"), "-o", self.path("d.h5"), *grid)
+        both = [self.at(1, 0, "--scan", self.path(name + ".h5"), dem=self.path("d.h5")) for name in "ab"]
+        self.assertEqual([[r["z_est_m"] for r in found["returns"]] for found in both], [[6], [6]])
+        self.assertEqual(both[0]["layers"]["count"], 2)
+        self.assertAlmostEqual(both[1]["returns"][0]["x_est_m"], 0.9, delta=1e-9)
+        self.assertAlmostEqual(both[1]["returns"][0]["share"], 0.5, delta=1e-6)
+        self.succeed("regrid", self.path("a.h5"), self.path("b.h5"), "-o", self.path("same.h5"), "--same-frame", *grid)
+        self.assertEqual(self.at(0, 1, "--scan", self.path("b.h5"), dem=self.path("same.h5"))["returns"][0]["z_est_m"], 6)
+
     def test_methods_without_weights(self):
         self.succeed("regrid", self.chain.scan, "-c", self.chain.config("regrid"), "-o", self.path("max.h5"), "--method", "max")
         returns = self.at(0, 0, "--scan", self.chain.scan, dem=self.path("max.h5"))["returns"]

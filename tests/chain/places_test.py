@@ -80,6 +80,20 @@ class Places(ToolTest):
         best = json.loads(self.succeed("landfall-info", self.path("h.h5"), "--json").stdout)["best_site"]
         self.assertEqual([best[key] for key in KEYS], [first[key] for key in KEYS])
 
+    def test_the_footprint_of_a_scan_that_was_moved(self):
+        other, grid = self.path("t2.h5"), ["--set", "half_width_m=4", "--set", "resolution_m=0.5"]
+        self.succeed("terrain-gen", "--from", RASTER, "--center", f"{CENTER[0] + 3},{CENTER[1] - 2}", "--half-width", "10", "--resolution", "0.5", "-o", other)
+        for name, terrain in {"s.h5": self.terrain, "s2.h5": other}.items():
+            self.succeed("scan-sim", "--terrain", terrain, "-o", self.path(name), *self.lidar)
+        self.succeed("regrid", self.path("s.h5"), self.path("s2.h5"), "-o", self.path("d.h5"), *grid)
+        self.succeed("dem-eval", self.path("d.h5"), "-o", self.path("e.h5"), "--set", "region_radius_m=3", "--set", "footprint_m=2.5")
+        with h5py.File(self.path("s2.h5")) as file:
+            x, y = file["points/x_est"][()] + 3, file["points/y_est"][()] - 2
+        inside = (abs(x - 1) < 1.25) & (abs(y + 1.5) < 1.25)
+        found = json.loads(self.succeed("landfall-info", self.path("e.h5"), "--at", "1,-1.5", "--scan", self.path("s2.h5"), "--json").stdout)
+        self.assertEqual(found["bins"]["return_count"], inside.sum())
+        self.assertNotEqual(inside.sum(), ((abs(x - 4) < 1.25) & (abs(y - 0.5) < 1.25)).sum())
+
     def test_chain(self):
         """The frame of the terrain is that of the scan, the DEM and the evaluation."""
         self.succeed("scan-sim", "--terrain", self.terrain, "-o", self.path("scan.h5"), *self.lidar)

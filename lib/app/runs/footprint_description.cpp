@@ -108,8 +108,9 @@ class FootprintFile {
   }
   void read_dem(const std::filesystem::path& path);
   void read_scan(const std::filesystem::path& path, const ProgressCallback& progress);
-  void read_ranges(const LandfallFileReader& scan, const ProgressCallback& progress);
-  void read_motion(const ScanReader& scan);
+  void read_ranges(const LandfallFileReader& scan, const Placement& placement,
+                   const ProgressCallback& progress);
+  void read_motion(const ScanReader& scan, const Placement& placement);
   [[nodiscard]] double largest_hole() const;
   void judge(Described& json);
   [[nodiscard]] Described bins_json(const FootprintSources& sources) const;
@@ -156,7 +157,8 @@ void FootprintFile::read_dem(const std::filesystem::path& path) {
 }
 
 /// The ranges of the returns in each bin of the footprint.
-void FootprintFile::read_ranges(const LandfallFileReader& scan, const ProgressCallback& progress) {
+void FootprintFile::read_ranges(const LandfallFileReader& scan, const Placement& placement,
+                                const ProgressCallback& progress) {
   const TableReader points(scan.root(), "points", scan.name());
   if (!points.has("range_true") || !points.has("range_measured")) return;
   ranges_ = Grid<BinRanges>(window_);
@@ -172,6 +174,7 @@ void FootprintFile::read_ranges(const LandfallFileReader& scan, const ProgressCa
       values[k].resize(count);
       points.read<double>(kColumns[k], begin, values[k]);
     }
+    placement.to_first(values[0], values[1]);
     for (std::size_t i = 0; i < count; ++i) {
       const BinIndex bin = window_.bin_of(values[0][i], values[1][i]);
       if (!is_return(static_cast<PointStatus>(status[i])) || !window_.contains(bin)) continue;
@@ -187,7 +190,7 @@ void FootprintFile::read_ranges(const LandfallFileReader& scan, const ProgressCa
 
 /// The estimated motion in a tenth of the scan about the time of the footprint, or in the whole of a short
 /// one.
-void FootprintFile::read_motion(const ScanReader& scan) {
+void FootprintFile::read_motion(const ScanReader& scan, const Placement& placement) {
   const TableReader pulses(scan.file().root(), "pulses", scan.file().name());
   const std::vector<double>& times = scan.pulse_times_s();
   constexpr std::array kColumns = {"px_est", "py_est", "pz_est", "qw_est", "qx_est", "qy_est", "qz_est"};
@@ -204,6 +207,8 @@ void FootprintFile::read_motion(const ScanReader& scan) {
   for (std::size_t k = 0; k < kColumns.size(); ++k)
     for (const auto& [row, side] : {std::pair(from, 0), std::pair(to, 1)})
       pulses.read<double>(kColumns[k], row, std::span(&pose[k][static_cast<std::size_t>(side)], 1));
+  placement.to_first(pose[0], pose[1]);
+  placement.raise(pose[2]);
   const double time_s = times[to] - times[from];
   if (!(time_s > 0)) return;
   const auto attitude = [&](std::size_t side) {
@@ -220,12 +225,11 @@ void FootprintFile::read_motion(const ScanReader& scan) {
 
 void FootprintFile::read_scan(const std::filesystem::path& path, const ProgressCallback& progress) {
   const ScanReader scan(path);
-  std::vector<std::string> scans;
-  for (const std::string& dem : inputs_of(file_, file_.file_id(), "dem"))
-    for (const std::string& id : inputs_of(file_, dem, "scan")) scans.push_back(id);
-  require_input(file_, scans, scan.file());
-  read_ranges(scan.file(), progress);
-  if (scan.has_truth()) read_motion(scan);
+  const std::vector<std::string> dems = inputs_of(file_, file_.file_id(), "dem");
+  const Placement placement =
+      placement_in_dem(file_, grid_.crs_wkt(), dems.empty() ? "" : dems.front(), scan);
+  read_ranges(scan.file(), placement, progress);
+  if (scan.has_truth()) read_motion(scan, placement);
 }
 
 /// The bins of the largest hole that reaches into the footprint.

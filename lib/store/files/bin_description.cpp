@@ -31,8 +31,8 @@ struct BinReturn {
   std::int8_t status = 0;
 };
 
-std::vector<BinReturn> returns_in(const TableReader& points, const GridSpec& grid, BinIndex bin,
-                                  const ProgressCallback& progress) {
+std::vector<BinReturn> returns_in(const TableReader& points, const Placement& placement, const GridSpec& grid,
+                                  BinIndex bin, const ProgressCallback& progress) {
   const std::size_t rows = points.row_count("status");
   std::vector<BinReturn> found;
   std::array<std::vector<double>, 2> xy;
@@ -44,6 +44,7 @@ std::vector<BinReturn> returns_in(const TableReader& points, const GridSpec& gri
     points.read<double>("x_est", begin, xy[0]);
     points.read<double>("y_est", begin, xy[1]);
     points.read<std::int8_t>("status", begin, status);
+    placement.to_first(xy[0], xy[1]);
     for (std::size_t i = 0; i < count; ++i) {
       if (!is_return(static_cast<PointStatus>(status[i]))) continue;
       if (grid.bin_of(xy[0][i], xy[1][i]) == bin) found.push_back({begin + i, xy[0][i], xy[1][i], status[i]});
@@ -53,10 +54,12 @@ std::vector<BinReturn> returns_in(const TableReader& points, const GridSpec& gri
   return found;
 }
 
-Json value_at(const TableReader& points, const char* column, std::size_t row) {
+Json value_at(const TableReader& points, const char* column, std::size_t row,
+              const Placement& placement = {}) {
   if (!points.has(column)) return nullptr;
   std::array<double, 1> value = {0};
   points.read<double>(column, row, value);
+  placement.raise(value);
   return std::isfinite(value[0]) ? Json(value[0]) : Json(nullptr);
 }
 
@@ -98,12 +101,14 @@ std::string method_of(const LandfallFileReader& dem) {
 }
 
 /// `weight_sum` is that of the DEM, in which other scans may have returns too.
-Json returns_json(const LandfallFileReader& dem, const GridSpec& grid, BinIndex bin, const Json& weight_sum,
-                  const std::filesystem::path& path, const ProgressCallback& progress) {
+Json returns_json(const LandfallFileReader& dem, const GridLayerReader& layers, BinIndex bin,
+                  const Json& weight_sum, const std::filesystem::path& path,
+                  const ProgressCallback& progress) {
   const ScanReader scan(path);
-  require_input(dem, inputs_of(dem, dem.file_id(), "scan"), scan.file());
+  const GridSpec& grid = layers.spec();
+  const Placement placement = placement_in_dem(dem, layers.crs_wkt(), dem.file_id(), scan);
   const TableReader points(scan.file().root(), "points", scan.file().name());
-  const std::vector<BinReturn> found = returns_in(points, grid, bin, progress);
+  const std::vector<BinReturn> found = returns_in(points, placement, grid, bin, progress);
   const std::string method = method_of(dem);
   double sum = 0;
   for (const BinReturn& point : found) sum += weight_of(method, grid, bin, point).value_or(0);
@@ -120,7 +125,7 @@ Json returns_json(const LandfallFileReader& dem, const GridSpec& grid, BinIndex 
                   {"range_measured_m", value_at(points, "range_measured", point.row)},
                   {"x_est_m", point.x_est_m},
                   {"y_est_m", point.y_est_m},
-                  {"z_est_m", value_at(points, "z_est", point.row)},
+                  {"z_est_m", value_at(points, "z_est", point.row, placement)},
                   {"weight", weight ? Json(*weight) : Json(nullptr)},
                   {"share", weight && sum > 0 ? Json(*weight / sum) : Json(nullptr)}};
     all.push_back(std::move(entry));
@@ -160,6 +165,18 @@ std::vector<std::string> inputs_of(const LandfallFileReader& made, const std::st
   return ids;
 }
 
+Placement placement_in_dem(const LandfallFileReader& made, const std::string& crs_wkt, const std::string& dem,
+                           const ScanReader& scan) {
+  require_input(made, inputs_of(made, dem, "scan"), scan.file());
+  MeetingRules rules;
+  for (const nlohmann::json& step : made.chain()) {
+    if (step.value("file_id", "") != dem || !step.contains("options")) continue;
+    rules = {step["options"].value("same_frame", false), step["options"].contains("vertical_datum")};
+  }
+  const Sited own{scan.file().name(), scan.crs_wkt()};
+  return meet(meeting_kind("scans"), {made.name(), crs_wkt}, own, rules).placement;
+}
+
 void require_input(const LandfallFileReader& made, const std::vector<std::string>& inputs,
                    const LandfallFileReader& source) {
   if (std::ranges::find(inputs, source.file_id()) == inputs.end())
@@ -195,7 +212,7 @@ Json describe_bin(const std::filesystem::path& path, const SitePoint& point,
   json.update(Json{{"layers", layers_json(dem, grid, bin)}, {"units", units_json(dem, spec)}});
   if (!scan) return json;
   const Json weight_sum = json["layers"].value("weight_sum", Json());
-  json["returns"] = returns_json(dem, spec, bin, weight_sum, *scan, progress);
+  json["returns"] = returns_json(dem, grid, bin, weight_sum, *scan, progress);
   return json;
 }
 

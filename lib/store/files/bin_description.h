@@ -10,6 +10,8 @@
 #include "chain/terrain/site_point.h"
 #include "store/files/grid_file.h"
 #include "store/files/landfall_file.h"
+#include "store/files/meeting.h"
+#include "store/files/scan_file.h"
 
 namespace landfall {
 
@@ -35,6 +37,11 @@ namespace landfall {
 /// itself.
 [[nodiscard]] std::vector<std::string> inputs_of(const LandfallFileReader& made, const std::string& step,
                                                  const std::string& role);
+
+/// How the coordinates of a scan became those of the DEM, one of the steps that led to `made`, whose frame is
+/// the DEM's. Throws FormatError unless the DEM was made from the scan.
+[[nodiscard]] Placement placement_in_dem(const LandfallFileReader& made, const std::string& crs_wkt,
+                                         const std::string& dem, const ScanReader& scan);
 
 /// Throws FormatError unless `source` is one of the inputs by its file_id.
 void require_input(const LandfallFileReader& made, const std::vector<std::string>& inputs,
