@@ -205,6 +205,36 @@ class Answer(ChainTest):
         self.assertEqual((point["name"], point["verdict_a"], point["verdict_b"]),
                          ("flat", *("pass" if m["own_requirements"]["flat"]["pass"] else "FAIL" for m in (a, b))))
         self.assertEqual(answer["notes"], ["A and B are judged by different rules: limits.relative_elevation_m"])
+        self.assertTrue(answer["points"][3]["text"].endswith(", limit 5 cm -> 4 cm"), answer["points"][3])
+        self.assertTrue(point["text"].endswith(", limit 1 cm"), point)
+
+    def test_what_one_of_them_does_not_judge_is_unknown(self):
+        """Neither a map without truth, nor bins too coarse to judge, nor another number of one name compares."""
+        def own(metric):
+            return ["--set", f'requirements=[{{"name": "own", "metric": "{metric}", "max": 100}}]']
+        self.evaluated("a", own("statistics.z.rmse_m"), range_sigma_m=0.01)
+        self.succeed("dem-eval", self.path("d.h5"), "-c", self.chain.config("dem-eval"), *own("assumptions.median_returns_per_bin"), "-o", self.path("b.h5"))
+        answer = self.answer("a", "b")
+        self.assertEqual((answer["conclusion"], answer["sentence"]), ("unknown", "whether B is better is unknown for own"))
+        self.assertEqual((answer["points"][-1]["change"], answer["points"][-1]["text"]),
+                         ("unknown", "pass in both; A judges statistics.z.rmse_m, B assumptions.median_returns_per_bin"))
+        self.succeed("regrid", self.path("s.h5"), "-c", self.chain.config("regrid"), "-o", self.path("d2.h5"))
+        for name, dem, keys in (("a", "d.h5", []), ("c", "d2.h5", []), ("e", "d2.h5", ["--set=limits.invalid_frac=1"])):
+            self.succeed("dem-eval", self.path(dem), "-c", self.chain.config("dem-eval"), *keys, "-o", self.path(name + ".h5"), "-O")
+        three = "relative_elevation, relative_horizontal, absolute_horizontal"
+        for a, b in ("ac", "ca"):
+            self.assertEqual(self.answer(a, b)["sentence"], f"whether B is better is unknown for {three}")
+        self.assertEqual(self.answer("a", "e")["sentence"], f"B is better: better in coverage; worse in nothing; unknown for {three}")
+        rms = "rms elevation error of the bins that both have"
+        self.assertEqual(self.answer("d", "d2")["sentence"], f"whether B is better is unknown for {rms}")
+
+    def test_margins_are_shares_of_each_limit(self):
+        """The same map under a tighter limit, which it keeps, is worse by that margin."""
+        loose = ["--set=limits.relative_elevation_m=9", "--set=limits.relative_horizontal_m=9", "--set=limits.invalid_frac=1",
+                 "--set=limits.hole_bins=100000", "--set=limits.distance_bins=100000"]
+        self.evaluated("a", loose, range_sigma_m=0.01)
+        self.evaluated("b", [*loose, "--set=limits.relative_elevation_m=1"], range_sigma_m=0.01)
+        self.assertEqual(self.answer("a", "b")["sentence"], "B is worse: worse by the margins of relative_elevation; better by the margins of nothing")
 
     def test_dems_by_their_errors(self):
         self.evaluated("a", range_sigma_m=0.03)
@@ -332,8 +362,18 @@ class Draws(MonteCarloTest):
         for point in found["answer"]["points"]:
             pair = pairs[point["name"]]
             self.assertEqual((point["a"], point["b"]), (pair["both"] + pair["only_a"], pair["both"] + pair["only_b"]))
-            change = "same" if pair["mcnemar_p"] >= 0.05 else "better" if pair["only_b"] > pair["only_a"] else "worse"
+            change = "better" if pair["only_b"] > pair["only_a"] else "worse"
+            if pair["mcnemar_p"] >= 0.05:  # draws that differ, but too few, do not show that B equals A
+                change = "unknown" if pair["only_a"] + pair["only_b"] else "same"
             self.assertEqual(point["change"], change)
+        changes = {point["name"]: point["change"] for point in found["answer"]["points"]}
+        unknown = ", ".join(name for name, change in changes.items() if change == "unknown")
+        if not {"better", "worse"} & set(changes.values()):
+            self.assertEqual(found["answer"]["sentence"], f"whether B is better is unknown for {unknown}")
+        self.assertEqual(found["answer"]["notes"], [])
+        self.draw("c.h5", {**DRAWS["eval"], "limits": {"invalid_frac": 0.5}}, 0.3)
+        found = json.loads(self.succeed("landfall-info", "--compare", self.path("a.h5"), self.path("c.h5"), "--json").stdout)
+        self.assertIn("A and B are judged by different rules: eval.limits.", "".join(found["answer"]["notes"]))
         self.assertIn("McNemar", self.succeed("landfall-info", "--compare", self.path("a.h5"), self.path("b.h5")).stdout)
 
     def test_other_seeds_are_not_paired(self):

@@ -74,7 +74,16 @@ std::string change_text(std::string_view key, Value a, Value b) {
   return text + " (" + (*b > *a ? "+" : "") + by + ")";
 }
 
-const char* change_word(int sign) { return sign > 0 ? "better" : sign < 0 ? "worse" : "same"; }
+/// The change of the share of its limit that a value uses up.
+int share_sign(Value a, Value b, Value limit_a, Value limit_b, bool larger_is_better) {
+  if (limit_a == limit_b) return sign_of(a, b, limit_b, larger_is_better);
+  if (!a || !b || !(limit_a > 0.0) || !(limit_b > 0.0)) return 0;
+  return sign_of(*a / *limit_a, *b / *limit_b, 1, larger_is_better);
+}
+
+std::string limit_text(std::string_view key, Value a, Value b) {
+  return ", limit " + (a && b && *a != *b ? amount(key, a) + " -> " : "") + amount(key, b ? b : a);
+}
 
 /// The change from A to B of one requirement or number.
 struct AnswerPoint {
@@ -83,7 +92,12 @@ struct AnswerPoint {
   int margin_sign = 0;  ///< of a requirement that both meet
   std::string text;
   Json numbers = Json::object();
+  bool is_known = true;  ///< whether the files tell the change
 };
+
+const char* change_word(const AnswerPoint& point, int sign) {
+  return sign > 0 ? "better" : sign < 0 ? "worse" : point.is_known ? "same" : "unknown";
+}
 
 const char* verdict_of(const Json& requirement) {
   const Json pass = requirement.is_object() ? requirement.value("pass", Json()) : Json();
@@ -95,7 +109,8 @@ void set_signs(AnswerPoint& point, const Json& a, const Json& b, bool at_least, 
   const std::string_view in_a = verdict_of(a), in_b = verdict_of(b);
   point.numbers = {{"verdict_a", in_a}, {"verdict_b", in_b}};
   point.text = in_a == in_b ? std::string(in_a) + " in both" : std::string(in_a) + " -> " + std::string(in_b);
-  if (in_a == "not judged" || in_b == "not judged") return;
+  point.is_known = in_a != "not judged" && in_b != "not judged";
+  if (!point.is_known) return;
   if (in_a != in_b) {
     point.sign = in_b == "pass" ? 1 : -1;
   } else if (in_a == "pass") {
@@ -124,8 +139,8 @@ AnswerPoint requirement_point(const dictionary::Requirement& words, const Json& 
   const Value worst_a = largest_at(a["metrics"], words.worst);
   const Value worst_b = largest_at(b["metrics"], words.worst);
   const std::string limit_path = std::string("config.limits.") + words.worst_limit;
-  const Value limit = at_path(b, limit_path);
-  set_signs(point, in_a, in_b, words.at_least, sign_of(worst_a, worst_b, limit, false));
+  const Value limit_a = at_path(a, limit_path), limit_b = at_path(b, limit_path);
+  set_signs(point, in_a, in_b, words.at_least, share_sign(worst_a, worst_b, limit_a, limit_b, false));
   if (!in_a.is_object() || !in_b.is_object()) return point;
   const bool counts_footprints = words.unit == std::string_view("footprints");
   const std::string_view key = counts_footprints ? "" : words.value;
@@ -134,26 +149,35 @@ AnswerPoint requirement_point(const dictionary::Requirement& words, const Json& 
   if (counts_footprints) point.text += shares_text(words, value_a, value_b, a, b);
   point.numbers.update(Json{{"a", in_a["value"]}, {"b", in_b["value"]}});
   if (std::string_view(words.worst) == words.value) {
-    point.text += ", limit " + amount(words.worst_limit, limit);
+    point.text += limit_text(words.worst_limit, limit_a, limit_b);
     return point;
   }
   const char* const what = words.at_least ? "95th percentile " : "worst ";
-  point.text += std::string("; ") + what + change_text("_m", worst_a, worst_b) + ", limit " +
-                amount(words.worst_limit, limit);
+  point.text += std::string("; ") + what + change_text("_m", worst_a, worst_b) +
+                limit_text(words.worst_limit, limit_a, limit_b);
   point.numbers.update(Json{{"worst_a_m", worst_a ? Json(*worst_a) : Json(nullptr)},
                             {"worst_b_m", worst_b ? Json(*worst_b) : Json(nullptr)}});
   return point;
 }
 
+/// A requirement of the user's own. Of one that judges other numbers in B than in A the change is unknown.
 AnswerPoint own_point(const std::string& name, const Json& in_a, const Json& in_b) {
   AnswerPoint point{name, 0, 0, "", {}};
   const Json& any = in_b.is_object() ? in_b : in_a;
   const bool at_least = any.value("at_least", false);
-  const Value value_a = in_a.is_object() ? number_in(in_a["value"]) : std::nullopt;
-  const Value value_b = in_b.is_object() ? number_in(in_b["value"]) : std::nullopt;
-  set_signs(point, in_a, in_b, at_least, sign_of(value_a, value_b, number_in(any["limit"]), at_least));
+  const auto number = [](const Json& side, const char* key) { return at_path(side, key); };
+  const Value value_a = number(in_a, "value"), value_b = number(in_b, "value");
+  const Value limit_a = number(in_a, "limit"), limit_b = number(in_b, "limit");
+  set_signs(point, in_a, in_b, at_least, share_sign(value_a, value_b, limit_a, limit_b, at_least));
   const std::string metric = any.value("metric", "");
-  point.text += "; " + metric + ": " + change_text(metric, value_a, value_b);
+  if (in_a.is_object() && (in_a.value("metric", "") != metric || in_a.value("at_least", false) != at_least)) {
+    point.sign = point.margin_sign = 0;
+    point.is_known = false;
+    point.text += "; A judges " + in_a.value("metric", "") + ", B " + metric;
+    return point;
+  }
+  point.text +=
+      "; " + metric + ": " + change_text(metric, value_a, value_b) + limit_text(metric, limit_a, limit_b);
   return point;
 }
 
@@ -174,6 +198,7 @@ std::vector<AnswerPoint> requirement_points(const Json& comparison, const Json& 
 AnswerPoint number_point(const std::string& name, const std::string& key, Value a, Value b) {
   AnswerPoint point{name, sign_of(a, b, std::nullopt, false), 0, change_text(key, a, b), Json::object()};
   point.numbers = {{"a", a ? Json(*a) : Json(nullptr)}, {"b", b ? Json(*b) : Json(nullptr)}};
+  point.is_known = a.has_value() == b.has_value();
   return point;
 }
 
@@ -195,9 +220,9 @@ std::vector<AnswerPoint> dem_points(const Json& comparison) {
   if (!errors.is_object()) return points;
   points.push_back(number_point("bins without an elevation", "", number_in(errors["empty_a"]),
                                 number_in(errors["empty_b"])));
-  if (errors["rms_a_m"].is_number())
-    points.push_back(number_point("rms elevation error of the bins that both have", "_m",
-                                  number_in(errors["rms_a_m"]), number_in(errors["rms_b_m"])));
+  points.push_back(number_point("rms elevation error of the bins that both have", "_m",
+                                number_in(errors["rms_a_m"]), number_in(errors["rms_b_m"])));
+  points.back().is_known = errors["rms_a_m"].is_number();
   return points;
 }
 
@@ -212,6 +237,7 @@ std::vector<AnswerPoint> draw_points(const Json& comparison) {
         name, 0, 0, "", {{"a", count("both") + count("only_a")}, {"b", count("both") + count("only_b")}}};
     const double p = pair["mcnemar_p"].get<double>();
     if (p < kSignificant) point.sign = count("only_b") > count("only_a") ? 1 : -1;
+    point.is_known = point.sign != 0 || count("only_a") + count("only_b") == 0;
     const Json& difference = pair["difference"];
     point.text = "passed by " + grouped(count("both") + count("only_a")) + " -> " +
                  grouped(count("both") + count("only_b")) + " of " + grouped(all) + " draws; difference " +
@@ -223,10 +249,11 @@ std::vector<AnswerPoint> draw_points(const Json& comparison) {
   return points;
 }
 
-std::string names_of(const std::vector<AnswerPoint>& points, int AnswerPoint::*sign, int wanted) {
+template <class Member, class Value>
+std::string names_of(const std::vector<AnswerPoint>& points, Member member, Value wanted) {
   std::vector<std::string> names;
   for (const AnswerPoint& point : points)
-    if (point.*sign == wanted) names.push_back(point.name);
+    if (point.*member == wanted) names.push_back(point.name);
   return names.empty() ? "nothing" : joined(names, ", ");
 }
 
@@ -248,8 +275,10 @@ Json notes_of(const Json& comparison) {
   Json notes = Json::array();
   std::vector<std::string> keys;
   for (const Json& entry : comparison["configuration"])
-    if (entry["tool"] == "dem-eval" || entry["tool"] == "hazard-map")
-      keys.push_back(entry["key"].get<std::string>());
+    if (const auto key = entry["key"].get<std::string>();
+        entry["tool"] == "dem-eval" || entry["tool"] == "hazard-map" ||
+        (entry["tool"] == "monte-carlo" && (key.starts_with("eval.") || key.starts_with("hazard."))))
+      keys.push_back(key);
   if (!keys.empty()) notes.push_back("A and B are judged by different rules: " + joined(keys, ", "));
   if (comparison.contains("draws") && !comparison.contains("pairs"))
     notes.push_back("no draw of A has the seed and number of one of B: nothing is compared in pairs");
@@ -267,6 +296,11 @@ Json answer_of(const Json& comparison, const Json& a, const Json& b) {
   if (kind == "dem") std::ranges::move(dem_points(comparison), std::back_inserter(points));
   std::ranges::move(draw_points(comparison), std::back_inserter(points));
   auto conclusion = concluded(points, &AnswerPoint::sign, " in ");
+  if (std::ranges::count(points, false, &AnswerPoint::is_known) > 0) {
+    const std::string unknown = names_of(points, &AnswerPoint::is_known, false);
+    if (conclusion) conclusion->second += "; unknown for " + unknown;
+    if (!conclusion) conclusion.emplace("unknown", "whether B is better is unknown for " + unknown);
+  }
   if (!conclusion) conclusion = concluded(points, &AnswerPoint::margin_sign, " by the margins of ");
   if (!conclusion && points.empty())
     conclusion.emplace("unknown", "whether B is better is unknown: no number of both is judged");
@@ -275,8 +309,8 @@ Json answer_of(const Json& comparison, const Json& a, const Json& b) {
       {"conclusion", conclusion->first}, {"sentence", conclusion->second}, {"points", Json::array()}};
   for (const AnswerPoint& point : points) {
     Json entry = {{"name", point.name},
-                  {"change", change_word(point.sign)},
-                  {"margin", change_word(point.margin_sign)}};
+                  {"change", change_word(point, point.sign)},
+                  {"margin", change_word(point, point.margin_sign)}};
     entry.update(point.numbers);
     entry["text"] = point.text;
     json["points"].push_back(std::move(entry));
