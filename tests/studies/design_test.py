@@ -331,6 +331,8 @@ class Run(DesignTest):
         self.write(design_file())
         with mock.patch.dict(sys.modules, {"optuna": None}), self.assertRaisesRegex(UsageError, "apt-get install python3-optuna$"):
             design.main([self.path("tiny.json"), "--out", self.path("out")])
+        with self.assertRaisesRegex(UsageError, "none.json"):
+            design.main([self.path("none.json"), "--out", self.path("out")])
         self.assertFalse(os.path.exists(self.path("out")))
 
 

@@ -2,6 +2,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """landfall margin: dem-eval passes at the values that it finds and fails above them."""
 import copy
+import fcntl
 import json
 import os
 import re
@@ -150,6 +151,11 @@ class Margins(StudyTest):
                 self.assertRegex(error, r"\Alandfall margin: [^\n]*\n\Z")
                 self.assertIn(message, error)
                 self.assertFalse(os.path.exists(self.path("m.json")))
+                self.assertFalse(os.path.exists(self.path("m.json.runs")))
+        self.assertIn("--postings 1e-09: monte-carlo: footprint_m", self.run_it("--postings", "0.1,1e-9", code=2).stderr)
+        with open(self.path("m.json.runs", "lock"), "w", encoding="ascii") as lock:
+            fcntl.flock(lock, fcntl.LOCK_EX)
+            self.assertIn("m.json.runs: another run uses it", self.run_it(code=2).stderr)
         self.write("", "m")
         self.assertIn("m.json exists", self.run_it(code=2).stderr)
 

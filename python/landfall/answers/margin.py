@@ -180,14 +180,18 @@ def key_margin(judge, key, first, last, judged):
 
 
 def posting(judge, resolution_m):
-    """The entry of a posting: all else, and the traced rays, as in the chain. A half width that is not a whole number of bins is rounded up to one."""
+    """The entry of a posting: all else, and the traced rays, as in the chain. A half width that is not a whole number of bins is rounded up to one.
+    Throws ToolError, naming the option, for one that regrid or dem-eval refuses."""
     half = judge.base["regrid"]["half_width_m"]
     whole = [math.ceil(one / resolution_m - 1e-9) for one in (half if isinstance(half, list) else [half])]
     changes = {"regrid.resolution_m": resolution_m}
     if any(abs(bins * resolution_m - one) > 1e-9 * one for bins, one in zip(whole, half if isinstance(half, list) else [half])):
         rounded = [bins * resolution_m for bins in whole]
         changes["regrid.half_width_m"] = rounded if isinstance(half, list) else rounded[0]
-    verdicts = judge.verdicts(changes)
+    try:
+        verdicts = judge.verdicts(changes)
+    except ToolError as error:
+        raise ToolError(f"--postings {resolution_m:g}: {error}", error.exit_code) from error
     return {"resolution_m": resolution_m, "pass": requirements.all_of(verdicts), "fails": [name for name, passes in verdicts.items() if passes is False]}
 
 
@@ -204,20 +208,20 @@ def read_postings(text):
 # The whole
 
 
-def margins(judge, postings, chosen=None):
-    """The content of margins.json; `chosen`: some of the keys."""
+def margins(judge, postings, keys):
+    """The content of margins.json; `keys`: those of error_keys(), or some of them."""
     numbers = judge.numbers({})
     verdicts = judge.verdicts({})
     judged = [name for name, passes in verdicts.items() if passes is not None]
-    keys, progress = chosen_keys(error_keys(judge.base), chosen), judge.progress
+    progress = judge.progress
     progress.start("keys and postings", len(keys) + len(postings))
     answer = {"format": "landfall.margins", "version": 1, "source": judge.runner.version.strip(), "seed": judge.base["scan"]["seed"], "draw": judge.base["scan"]["draw"],
               "pass": requirements.all_of(verdicts), "requirements": requirements.margins_of(numbers, judge.base["eval"]), "keys": {}, "postings": []}
+    for resolution_m in postings:  # first, so that one that is refused ends the run early
+        answer["postings"].append(posting(judge, resolution_m))
+        progress.step()
     for key, ends in keys.items():
         answer["keys"][key] = key_margin(judge, key, *ends, judged)
-        progress.step()
-    for resolution_m in postings:
-        answer["postings"].append(posting(judge, resolution_m))
         progress.step()
     progress.clear()
     return answer
@@ -244,20 +248,25 @@ def options_of(arguments):
 
 
 def work_folder(output):
-    """The folder that keeps what an interrupted run has found."""
+    """The folder that keeps what an interrupted run has found, and the lock that says that a run is in it."""
     folder = output + ".runs"
     if os.path.lexists(folder) and not os.path.isdir(os.path.join(folder, "cache")):
         raise UsageError(f"{folder}: is not a folder of an interrupted run; move it, or choose another -o")
-    return folder
+    os.makedirs(os.path.join(folder, "cache"), exist_ok=True)
+    lock = runs.locked(folder)
+    if lock is None:
+        raise UsageError(f"{folder}: another run uses it; wait, or choose another -o")
+    return folder, lock
 
 
 def main(arguments):
     options = options_of(arguments)
     postings = read_postings(options.postings)
     base = read_chain(options.config, options.set)
-    folder = work_folder(options.output)
+    keys = chosen_keys(error_keys(base), options.keys)
+    folder, _lock = work_folder(options.output)  # which is held while the name lives
     judge = Judge(base, runs.Runner(folder), runs.Progress() if options.progress else runs.Silent())
-    answer = margins(judge, postings, options.keys)
+    answer = margins(judge, postings, keys)
     if options.report:
         margin_page.write(answer, base, options.report)
     runs.write_json(options.output, answer)

@@ -69,7 +69,7 @@ def truth_of(scan):
     return {**stages.truth_config(scan), **echoes}
 
 
-def _lock(folder):
+def locked(folder):
     """The locked file of a run's folder; None while its run holds it."""
     file = open(os.path.join(folder, "lock"), "w", encoding="utf-8")  # pylint: disable=consider-using-with
     try:
@@ -106,7 +106,6 @@ def prepare(options):
         raise UsageError(f"--workers {options.workers}: is not >= 1")
     if options.bin:
         tools.BIN = options.bin
-    os.makedirs(options.out, exist_ok=True)
     return shlex.split(options.runner)
 
 
@@ -182,11 +181,11 @@ class Runner:
             fcntl.flock(all_runs, fcntl.LOCK_EX)
             for name in os.listdir(self.folder):
                 path = os.path.join(self.folder, name)
-                lock = _lock(path) if name.startswith(".run-") else None
+                lock = locked(path) if name.startswith(".run-") else None
                 if lock:
                     _close_scratch(path, lock)
             scratch = tempfile.mkdtemp(dir=self.folder, prefix=".run-")
-            weakref.finalize(self, _close_scratch, scratch, _lock(scratch))
+            weakref.finalize(self, _close_scratch, scratch, locked(scratch))
         return scratch
 
     def run(self, tool, *arguments, config=None):
