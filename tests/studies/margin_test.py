@@ -131,6 +131,10 @@ class Margins(StudyTest):
         self.assertEqual(len(re.findall(rb"/Type /Page\b", pages[0])), 1)
         page = verdict_page.Page(self.path("run", "eval.h5"))
         shown = verdict_page.draw(page)
+        page.config["region"] = {"vertices": [[0, number] for number in range(800)]}
+        long = verdict_page.draw(page)
+        self.assertEqual(shown.get_size_inches()[1], 11.69)
+        self.assertGreater(min(axes.get_position().y0 for axes in long.axes), 0)
         texts = [found.get_text() for found in shown.findobj(Text)] + [found.get_text().get_text() for found in shown.findobj(Cell)]
         worst = metrics["accuracy"]["relative"]["z"]["max_m"]
         tools = ("terrain", "scan", "dem", "eval")

@@ -13,7 +13,7 @@ from landfall.errors import DataError, UsageError, printable, printable_lines
 from landfall.plot import maps
 from landfall.requirements import flatten, margin_text, unit_of_requirement, value_text
 
-SIZE_IN, ROWS = (8.27, 11.69), 16  # A4, and the rows of both tables that fit on it; a page with more rows is longer
+SIZE_IN, FOOT_IN = (8.27, 11.69), 0.4  # A4; a page with more is longer
 LEFT, WIDTH, ROW_IN, STEP_IN = 0.08, 0.84, 0.38, 0.25
 COLORS = {"pass": "#cfe4f2", "FAIL": "#f6c9a8"}
 
@@ -49,9 +49,9 @@ class Page:
         return [*([f"{step['tool']} {step['version']}", step["file_id"]] for step in self.steps), [self.attributes["source"], self.attributes["file_id"]]]
 
 
-def draw(page):
+def draw(page, height_in=SIZE_IN[1]):
     rows, steps = list(page.table()), page.provenance()
-    place = _Place(SIZE_IN[1] + ROW_IN * max(0, len(rows) + len(steps) - ROWS))
+    place = _Place(height_in)
     place.text(f"Verdict: {page.verdict}", 20, weight="bold", color=maps.VERMILION if page.verdict == "FAIL" else "black")
     place.text(f"{page.name}: {page.attributes['title']}", 10)
     place.heading("Requirements")
@@ -64,7 +64,7 @@ def draw(page):
     place.text(textwrap.fill(json.dumps(page.config), 112), 7, family="monospace")
     place.heading("Files and versions")
     place.table(["made by", "file id"], steps, [0.6, 0.4], STEP_IN)
-    return place.figure
+    return place.figure if place.top_in >= FOOT_IN else draw(page, height_in + FOOT_IN - place.top_in + 0.01)
 
 
 class _Place:
