@@ -34,12 +34,15 @@ def all_of(verdicts):
 
 def margins_of(numbers, evaluation):
     """{requirement: {"worst", "limit", "margin_frac"}} of the numbers and the configuration of dem-eval. The worst value is the one that is compared
-    with a limit, of the absolute horizontal error the 95th percentile; None where it is not judged."""
+    with a limit, of the absolute horizontal error the 95th percentile; None where it is not judged. It has no margin where another share than 95 % of
+    the footprints is judged."""
     found, verdicts = {}, verdicts_of(numbers)
     for name, requirement in dictionary.requirements().items():
         worst = [numbers[metric] for metric in requirement.worst]
         is_known = None not in worst and verdicts[name] is not None
         found[name] = _margin(max(worst) if is_known else None, evaluation["limits"][requirement.worst_limit])
+        if requirement.at_least and evaluation["limits"][requirement.limit] != 0.95:
+            found[name]["margin_frac"] = None
     own = {one["name"]: one for one in evaluation.get("requirements", [])}
     for name, path in dictionary.own_paths(numbers).items():
         found[name] = _margin(numbers[path + ".value"], numbers[path + ".limit"], "min" in own.get(name, {}))

@@ -18,7 +18,7 @@ from matplotlib.text import Text
 
 # pylint: disable=wrong-import-order
 import landfall
-from landfall.answers import margin
+from landfall.answers import margin, margin_page
 from landfall.plot import verdict_page
 
 NOISE, POSITION, VELOCITY, ATTITUDE = (margin.NOISE, *(f"scan.navigation_error.{name}" for name in ("position_m.0", "velocity_mps.1", "rpy_rad.1")))
@@ -68,7 +68,8 @@ class Margins(StudyTest):
                 self.assertEqual([name for name, found in worse["requirements"].items() if not found["pass"]], [entry["decides"]])
         self.assertEqual([(entry["resolution_m"], entry["pass"]) for entry in answer["postings"]], [(0.03, False), (0.1, True)])
         self.assert_margins(answer["requirements"])
-        self.assertRegex(result.stdout, rf"{NOISE} +0.01 m +{keys[NOISE]['passes_up_to']:.4g} m  relative_elevation\n")
+        shown = re.search(rf"{NOISE} +0.01 m +(.*) m  relative_elevation\n", result.stdout)[1]  # never rounded to a value that fails
+        self.assertTrue(0 <= keys[NOISE]["passes_up_to"] - float(shown) < 1e-5, shown)
 
     def assert_margins(self, found):
         """The numbers of metrics.json of the chain as it is."""
@@ -118,6 +119,17 @@ class Margins(StudyTest):
         self.assertLess(answer["requirements"]["relative_elevation"]["margin_frac"], 0)
         self.assertEqual(answer["requirements"]["returns"]["margin_frac"], answer["requirements"]["returns"]["worst"] / 2 - 1)
         self.assertFalse(answer["postings"][0]["pass"])
+
+    def test_another_share_of_the_footprints_has_no_margin(self):
+        """The 95th percentile, of which the margin is, decides nothing then. A number that is to be at least its limit uses limit/number of it."""
+        tree = {**CHAIN, "eval": {"limits": {"absolute_horizontal_frac": 0.5}, "requirements": [{"name": "returns", "metric": "assumptions.median_returns_per_bin", "min": 2}]}}
+        text = self.run_it("--keys", NOISE, "--postings", "0.1", tree=tree).stdout
+        answer = json.loads(read(self.path("m.json")))
+        self.assertIsNone(answer["requirements"]["absolute_horizontal"]["margin_frac"])
+        self.assertIn("note: no margin, as another share than 95 % is judged: absolute_horizontal\n", text + "\n")
+        shares = dict(margin_page.shares_used(answer, tree))
+        self.assertEqual(shares["returns"], 2 / answer["requirements"]["returns"]["worst"])
+        self.assertNotIn("absolute horizontal", shares)
 
     def test_the_page_of_a_verdict(self):
         self.write(CHAIN, "chain")

@@ -3,8 +3,9 @@
 import json
 import os
 import tempfile
+from decimal import Context, Decimal, ROUND_DOWN
 
-from landfall import command
+from landfall import command, dictionary
 from landfall.answers.answer_page import image
 from landfall.numbers import number, unit_of, with_unit
 from landfall.requirements import margin_text, unit_of_requirement, value_text
@@ -19,8 +20,9 @@ def unit_of_key(key):
 
 
 def end_text(entry, unit):
-    """The value up to which a key passes, and what it says of the other values."""
-    text = "not limiting" if entry["passes_up_to"] is None else with_unit(entry["passes_up_to"], unit, 4)
+    """The value up to which a key passes, not rounded to one that fails, and what it says of the other values."""
+    end = entry["passes_up_to"]
+    text = "not limiting" if end is None else with_unit(float(Context(4, ROUND_DOWN).create_decimal(Decimal(repr(end)))), unit, 4)
     return text if entry["monotone"] else text + " (larger ones pass again)"
 
 
@@ -47,7 +49,10 @@ def notes(answer):
     out = [f"{name} fails for {count} of {len(answer['keys'])} keys even where the error is 0; the second row of such a key leaves it out"
            for name, count in left_out(answer).items()]
     unjudged = [name for name, entry in answer["requirements"].items() if entry["worst"] is None]
-    return out + ([f"not judged, and left out of the search: {', '.join(unjudged)}"] if unjudged else [])
+    shares = [name for name, entry in answer["requirements"].items() if name in dictionary.requirements() and entry["worst"] is not None
+              and dictionary.requirements()[name].at_least and entry["margin_frac"] is None]
+    return out + [f"{what}: {', '.join(names)}" for what, names in (("not judged, and left out of the search", unjudged),
+                                                                    ("no margin, as another share than 95 % is judged", shares)) if names]
 
 
 def text_of(answer):
@@ -63,14 +68,23 @@ def text_of(answer):
     return "\n".join([*lines, *(f"note: {note}" for note in notes(answer))])
 
 
-def figure_of(answer):
+def shares_used(answer, base):
+    """[(requirement, share of its limit that is used)]; of a number that is to be at least its limit, the share of the number that the limit is."""
+    at_least = {own["name"] for own in base["eval"].get("requirements", []) if "min" in own}
+    for name, entry in answer["requirements"].items():
+        if entry["margin_frac"] is None or (name in at_least and entry["worst"] <= 0):
+            continue
+        yield name.replace("_", " "), entry["limit"] / entry["worst"] if name in at_least else max(0, 1 - entry["margin_frac"])
+
+
+def figure_of(answer, base):
     """The share of each limit that is used; and of the largest errors that pass the share that is configured, where any is."""
     command.import_matplotlib()
     from matplotlib.figure import Figure
 
     from landfall.plot import maps
 
-    used = [(name.replace("_", " "), 1 - entry["margin_frac"]) for name, entry in answer["requirements"].items() if entry["margin_frac"] is not None]
+    used = list(shares_used(answer, base))
     limited = {key: entry if entry["passes_at_zero"] else entry.get("others") for key, entry in answer["keys"].items()}
     errors = [(f"{key.split('.', 2)[2]}, up to {with_unit(entry['passes_up_to'], unit_of_key(key))}", answer["keys"][key]["configured"] / entry["passes_up_to"])
               for key, entry in limited.items() if entry and entry["passes_up_to"] and answer["keys"][key]["configured"]]
@@ -108,7 +122,7 @@ def sections(answer, base, picture):
 
 
 def write(answer, base, path):
-    figure = figure_of(answer)
+    figure = figure_of(answer, base)
     from matplotlib.backends.backend_agg import FigureCanvasAgg  # after figure_of(), which imports matplotlib
 
     with tempfile.TemporaryDirectory(prefix="landfall-margin-") as folder:
