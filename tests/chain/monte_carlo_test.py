@@ -124,8 +124,9 @@ class Division(DrawsTest):
                     self.assertEqual(read_bytes(self.path("merged.h5")), whole)
                 self.assertEqual(read_bytes(self.parts([0, config["draws"]], config)[0]), whole)
                 os.rename(parts[0], self.path(".draws.h5.state"))
-                result = run("monte-carlo", *self.arguments(config, "draws.h5", "-O", "-v"))
+                result = run("monte-carlo", *self.arguments(config, "draws.h5", "-O", "-v", "-t", 3))
                 self.assertIn("resumes after 1 draws", result.stderr)
+                self.assertIn("makes 3 draws at a time on 3 threads", result.stderr)
                 self.assertEqual(read_bytes(self.path("draws.h5")), whole)
 
     def test_goes_on(self):

@@ -16,8 +16,11 @@ FEATURES = {"grid": TERRAIN["grid"], "base": {"type": "fractal"}, "features": TE
     {"type": "ring", "count": 5, "radius_m": 3, "feature": {"type": "rock", "diameter_m": 1}}],
     "albedo": {"ground": {"type": "patches", "albedo": 0.9, "albedo_between": 0.2, "cover_frac": 0.4, "longest_wavelength_m": 4}}}
 SIGMAS = "--uncertainty --corrected --navigation-sigma position_m=0.1 --navigation-sigma rpy_rad=0.001"
+# A sequential test that ends long before the last draw.
+TESTED = {"stop": {"type": "sprt", "p0": 0.9, "p1": 0.1}, "metrics": "verdict"}
 DRAWS_CONFIG = "monte-carlo source.h5 --terrain terrain.h5 -c monte-carlo.json --set draws=9 -o OUT/d.h5"
 OPTIONS = ("-t 1", "-t 2", "-t 7")
+DRAWS_OPTIONS = ("-t 1", "-t 2", "-t 3", "-t 16")  # as many draws at a time
 BATCHES = (*OPTIONS, "-t 7 --batch-points 1", "-t 2 --batch-points 100", "-t 1 --batch-points 70000", "-t 2 --batch-points 16777216")
 # A scan of 192,000 points.
 MANY = "scan-sim --terrain terrain.h5 -c scan-sim.json --set laser.pulse_rate_hz=10000 --set laser.scan_time_s=0.3 -o OUT/s.h5"
@@ -36,8 +39,9 @@ COMMANDS = [
     (f"regrid scan.h5 --terrain terrain.h5 -c regrid.json {SIGMAS} -o OUT/d.h5", OPTIONS),
     *((f"hazard-map dem.h5 -c {method}.json -o OUT/h.h5 --sites OUT/a.json --score OUT/b.json --report OUT/h.html", OPTIONS)
       for method in ("contact", "plane", "range_difference", "lmeds")),
-    *((DRAWS_CONFIG + more, OPTIONS) for more in (" --set metrics=full", " --set metrics=verdict", " --set metrics=verdict -c hazard.json")),
-    ("monte-carlo -c traced.json -o OUT/d.h5", OPTIONS),
+    *((DRAWS_CONFIG + more, DRAWS_OPTIONS)
+      for more in (" --set metrics=full", " --set metrics=verdict", " --set metrics=verdict -c hazard.json", " -c tested.json")),
+    ("monte-carlo -c traced.json -o OUT/d.h5", DRAWS_OPTIONS),
     *((f"landfall-export {source} -o OUT/a.{kind}", OPTIONS)
       for source, kind in (("eval.h5 --layers all", "tif"), ("scan.h5", "png"), ("dem.h5", "png"), ("scan.h5", "csv"),
                            ("scan.h5 --max-points 2000", "html"))),
@@ -50,7 +54,7 @@ class Repeat(ChainTest):
     def setUpClass(cls):
         super().setUpClass()
         chain = cls.chain
-        configs = {"features": FEATURES, "errors": ALL_ERRORS, "hazard": {"hazard": HAZARD}, "traced": {
+        configs = {"features": FEATURES, "errors": ALL_ERRORS, "hazard": {"hazard": HAZARD}, "tested": TESTED, "traced": {
             **DRAWS, "draws": 5, "scan": SCAN, "terrain": FRACTAL, "terrain_seed": "each", "vary": DISPERSED}}
         for method in ("contact", "plane", "range_difference", "lmeds"):
             configs[method] = with_values(HAZARD, z_sigma_m=0.02, method=method, limits__roughness_m=0.1)

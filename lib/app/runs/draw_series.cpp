@@ -3,13 +3,16 @@
 #include "app/runs/draw_series.h"
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 #include "app/runs/redraw.h"
 #include "app/runs/region_input.h"
 #include "base/core/error.h"
+#include "base/core/parallel.h"
 #include "base/memory/available_memory.h"
 #include "base/raster/grid_spec.h"
+#include "base/text/number_text.h"
 #include "chain/draws/predicted_sigma.h"
 #include "chain/evaluation/evaluate.h"
 #include "store/config/config_path.h"
@@ -110,7 +113,7 @@ DrawsTruth read_truth(const RangeFile& scan, const ProgressCallback& progress) {
 
 /// Draws that trace may meet ground and poses that others do not: says which one failed.
 template <class Work>
-DrawResult naming_draw(const DrawsConfig& config, std::int64_t draw, const Work& work) {
+auto naming_draw(const DrawsConfig& config, std::int64_t draw, const Work& work) {
   if (!config.traces()) return work();
   try {
     return work();
@@ -136,15 +139,11 @@ DrawSeries::DrawSeries(const RangeFile& scan, TerrainSource terrain, const Draws
       source_(std::move(terrain)),
       regrid_(regrid_config(config.stages().regrid, config.name() + ": /regrid")) {
   provenance.add_input("scan", scan.file().file_id(), scan.file().chain());
-  scene_ = open_scene({.terrain = source_.terrain, .use = SceneUse::surface});
-  provenance.add_input("terrain", scene_.file_id, scene_.chain);
-  const GridSpec& grid = regrid_.grid;
-  if (scene_.window)
-    scene_.window->require({grid.x(0), grid.x(grid.cols - 1), grid.y(0), grid.y(grid.rows - 1)});
-  require_same_rays(scan, scene_, config, span);
+  open_terrain(SceneUse::surface, false, provenance);
+  require_same_rays(scan, terrains_.front().scene, config, span);
   truth_ = read_truth(scan, progress);
   require_hazards(config, span);
-  prepare(scene_.surface.get(), device, provenance);
+  prepare(terrains_.front().scene.surface.get(), device, provenance);
   if (device && device->on_failure == DeviceFailure::throws) require_device(span);
 }
 
@@ -158,45 +157,50 @@ DrawSeries::DrawSeries(TerrainSource terrain, const DrawsConfig& config, const D
   const nlohmann::json& scan = config.stages().scan;
   static_cast<void>(scan_model(scan, config.name() + ": /scan", recording_table_loader(provenance)));
   if (!source_.terrain.empty()) {
-    open_terrain(uses_albedo_map(scan), provenance);
+    open_terrain(SceneUse::rays, uses_albedo_map(scan), provenance);
   } else {
-    build_terrain(config.stages(span.first).terrain, provenance);
-    terrain_draw_ = span.first;
+    const UsedMemory before = used_memory();
+    build_terrain(config.stages(span.first).terrain, terrains_.front(), provenance);
+    terrains_.front().draw = span.first;
+    if (config.terrain_varies()) terrain_bytes_ = used_memory().peak - before.now;
     source_.warn = [](const std::string&) {};  // of later terrains, which are alike
   }
-  prepare(config.terrain_varies() ? nullptr : scene_.surface.get(), std::nullopt, provenance);
+  prepare(config.terrain_varies() ? nullptr : terrains_.front().scene.surface.get(), std::nullopt,
+          provenance);
 }
 
-void DrawSeries::open_terrain(bool uses_albedo, Provenance& provenance) {
-  scene_ = open_scene({.terrain = source_.terrain});
-  provenance.add_input("terrain", scene_.file_id, scene_.chain);
+void DrawSeries::open_terrain(SceneUse use, bool uses_albedo, Provenance& provenance) {
+  Scene& scene = terrains_.front().scene;
+  scene = open_scene({.terrain = source_.terrain, .use = use});
+  provenance.add_input("terrain", scene.file_id, scene.chain);
   const GridSpec& grid = regrid_.grid;
-  if (scene_.window)
-    scene_.window->require({grid.x(0), grid.x(grid.cols - 1), grid.y(0), grid.y(grid.rows - 1)});
-  if (uses_albedo) albedo_ = open_albedo(source_.terrain);
+  if (scene.window)
+    scene.window->require({grid.x(0), grid.x(grid.cols - 1), grid.y(0), grid.y(grid.rows - 1)});
+  if (uses_albedo) terrains_.front().albedo = open_albedo(source_.terrain);
 }
 
-void DrawSeries::build_terrain(const nlohmann::json& terrain, Provenance& provenance) {
-  scene_ = {};  // the old ground first, so that both never exist at once
-  albedo_.reset();
+void DrawSeries::build_terrain(const nlohmann::json& config, Terrain& terrain, Provenance& provenance) const {
+  terrain = {};  // the old one first, so that both never exist at once
   const TerrainInput made =
-      source_.make(terrain_config(terrain, config_.name() + ": /terrain"), provenance, source_.warn);
-  scene_ = traced_scene(made);
-  if (made.grid) scene_.spacing_m = node_spacing_m(terrain, made.grid->nodes().spec().resolution_m);
-  albedo_ = made.albedo;
+      source_.make(terrain_config(config, config_.name() + ": /terrain"), provenance, source_.warn);
+  terrain.scene = traced_scene(made);
+  if (made.grid) terrain.scene.spacing_m = node_spacing_m(config, made.grid->nodes().spec().resolution_m);
+  terrain.albedo = made.albedo;
 }
 
-DrawTerrain DrawSeries::terrain_of(const DrawStages& stages, std::int64_t draw) {
-  if (config_.terrain_varies() && draw != terrain_draw_) {
-    Provenance recorded;  // with the first ground
-    build_terrain(stages.terrain, recorded);
-    terrain_draw_ = draw;
+DrawTerrain DrawSeries::terrain_of(const DrawStages& stages, std::int64_t draw, Terrain& terrain) const {
+  if (config_.terrain_varies() && draw != terrain.draw) {
+    Provenance recorded;  // with the first terrain
+    build_terrain(stages.terrain, terrain, recorded);
+    terrain.draw = draw;
   }
-  return {*scene_.surface, scene_.engine.get(), albedo_.get(), scene_.spacing_m};
+  const Scene& scene = terrain.scene;
+  return {*scene.surface, scene.engine.get(), terrain.albedo.get(), scene.spacing_m};
 }
 
 void DrawSeries::prepare(const TerrainSurface* terrain, const std::optional<OpenClOptions>& device,
                          Provenance& provenance) {
+  crs_wkt_ = terrains_.front().scene.crs_wkt;
   const GridSpec& grid = regrid_.grid;
   constexpr std::uint64_t kBytesPerBin = 24;  // the elevation and the true position of a draw, at least
   require_memory(kBytesPerBin * grid.size(), config_.name() + ": gridding a draw to " + size_text(grid),
@@ -204,23 +208,29 @@ void DrawSeries::prepare(const TerrainSurface* terrain, const std::optional<Open
   const std::string eval = config_.name() + ": /eval";
   const std::optional<BinMask> mask =
       read_region(region_config(config_.stages().eval, eval),
-                  {"the DEM", grid, scene_.crs_wkt, false, source_.rules, source_.warn}, eval, provenance);
+                  {"the DEM", grid, crs_wkt_, false, source_.rules, source_.warn}, eval, provenance);
   const EvaluationParameters evaluation = evaluation_config(config_.stages().eval, eval);
-  at_path(eval + "/", [&] { region_ = judged_region(evaluation, grid, mask ? &*mask : nullptr); });
-  runner_ = std::make_unique<DrawRunner>(
-      DrawsScene{
-          {truth_.ranges_m, truth_.echoes, truth_.later}, terrain, grid, region_, hazard_region(provenance)},
-      config_.has_layers(), device);
+  BinMask region;
+  at_path(eval + "/", [&] { region = judged_region(evaluation, grid, mask ? &*mask : nullptr); });
+  DrawsScene scene{{truth_.ranges_m, truth_.echoes, truth_.later},
+                   terrain,
+                   grid,
+                   std::move(region),
+                   hazard_region(provenance)};
+  scene_ = config_.has_layers() ? with_maps(std::move(scene)) : std::move(scene);
+  lanes_.emplace_back(terrains_.front(), *scene_, device);
+  is_shaped_ = device || thread_count() == 1;
   if (!config_.predicted()) return;
-  const Simulation first = terrain_of(config_.stages(), 0).simulate(setup_of(config_.stages(), 0).scan);
-  z_sigma_abs_ = predicted_sigma(runner_->scene(), first, *config_.predicted()).z_abs;
+  const Simulation first =
+      terrain_of(config_.stages(), 0, terrains_.front()).simulate(setup_of(config_.stages(), 0).scan);
+  z_sigma_abs_ = predicted_sigma(*scene_, first, *config_.predicted()).z_abs;
 }
 
 std::optional<BinMask> DrawSeries::hazard_region(Provenance& provenance) const {
   if (!config_.has_hazards()) return std::nullopt;
   const std::string name = config_.name() + ": /hazard";
   return read_region(region_config(config_.stages().hazard, name),
-                     {"the DEM", regrid_.grid, scene_.crs_wkt, true, source_.rules, source_.warn}, name,
+                     {"the DEM", regrid_.grid, crs_wkt_, true, source_.rules, source_.warn}, name,
                      provenance);
 }
 
@@ -229,7 +239,7 @@ void DrawSeries::require_device(const DrawSpan& span) const {
   for (std::int64_t draw = span.first; draw < span.end; ++draw) {
     DrawSetup setup = setup_of(config_.stages(draw), draw);
     try {
-      runner_->check_device(std::move(setup));
+      lanes_.front().runner.check_device(std::move(setup));
     } catch (const UsageError& error) {
       throw UsageError(config_.name() + ": draw " + std::to_string(draw) + ": " + error.what(),
                        error.parameter());
@@ -245,8 +255,8 @@ Draws DrawSeries::empty(std::int64_t first) const {
   for (const std::string& key : config_.varied_keys()) draws.table.varied.push_back({key, {}});
   if (config_.has_layers()) {
     draws.maps.emplace(regrid_.grid);
-    draws.region = region_;
-    if (const auto& z_true_map = runner_->z_true_map()) {
+    draws.region = scene_->region;
+    if (const auto& z_true_map = scene_->z_true_map) {
       draws.z_true_map.emplace(regrid_.grid);
       std::ranges::transform(z_true_map->values(), draws.z_true_map->values().begin(),
                              [](double z_m) { return static_cast<float>(z_m); });
@@ -285,29 +295,72 @@ std::optional<LandingSetup> DrawSeries::landing_setup(const nlohmann::json& scan
 
 void DrawSeries::complete(Draws& draws) {
   const std::vector<std::int64_t> kept = std::exchange(on_device_, {});
-  if (kept.empty() || runner_->take_from_device(std::ssize(kept), *draws.maps)) return;
-  for (const std::int64_t draw : kept) static_cast<void>(run(draw, draws));  // by the CPU
+  Lane& lane = lanes_.front();
+  if (kept.empty() || lane.runner.take_from_device(std::ssize(kept), *draws.maps)) return;
+  for (const std::int64_t draw : kept) {  // by the CPU
+    make(draw, lane);
+    add_to_maps(draw, lane, *draws.maps);
+  }
 }
 
-DrawResult DrawSeries::run(std::int64_t draw, Draws& draws) {
+void DrawSeries::run(Draws& draws, std::int64_t count, const DrawsControl& control) {
+  if (count > 1 && !is_shaped_) {
+    const UsedMemory before = used_memory();
+    if (!run_on_lanes(draws, 1, control)) return;
+    choose_lanes(before, control);
+    --count;
+  }
+  run_on_lanes(draws, count, control);
+}
+
+void DrawSeries::choose_lanes(const UsedMemory& before, const DrawsControl& control) {
+  const std::uint64_t bytes_each = used_memory().peak - before.now + terrain_bytes_;
+  shape_ = draw_lanes(thread_count(), bytes_each, available_memory());
+  is_shaped_ = true;
+  control.log("makes " + std::to_string(shape_.draws) + " draws at a time on " +
+              std::to_string(thread_count()) + " threads; each needs " +
+              number_text(std::round(static_cast<double>(bytes_each) / 1e6)) + " MB");
+  while (lanes_.size() < shape_.draws)
+    lanes_.emplace_back(config_.terrain_varies() ? terrains_.emplace_back() : terrains_.front(), *scene_,
+                        std::nullopt);
+}
+
+/// Returns false if not all were added.
+bool DrawSeries::run_on_lanes(Draws& draws, std::int64_t count, const DrawsControl& control) {
+  const std::int64_t first = draws.table.end() - pair_.value_or(0) * config_.draw_count();
+  return make_draws(count, shape_,
+                    {control.begins, [&](std::int64_t i, std::size_t lane) { make(first + i, lanes_[lane]); },
+                     [&](std::int64_t i, std::size_t lane) {
+                       add(first + i, lanes_[lane], draws);
+                       return control.added();
+                     }});
+}
+
+void DrawSeries::make(std::int64_t draw, Lane& lane) const {
   const DrawStages stages = config_.stages(draw);
-  DrawResult result = naming_draw(config_, draw, [&] {
+  lane.result = naming_draw(config_, draw, [&] {
     DrawSetup setup = setup_of(stages, draw);
-    const DrawTerrain terrain = terrain_of(stages, draw);
+    const DrawTerrain terrain = terrain_of(stages, draw, lane.terrain);
     return at_path(config_.name() + ": /hazard/", [&] {
-      return runner_->run(std::move(setup), terrain, config_.metrics(), draws.maps ? &*draws.maps : nullptr);
+      return lane.runner.run(std::move(setup), terrain, config_.metrics(), lane.layers);
     });
   });
-  if (result.is_on_device) on_device_.push_back(draw);
-  return result;
 }
 
-void DrawSeries::run_next(Draws& draws) {
+void DrawSeries::add_to_maps(std::int64_t draw, const Lane& lane, DrawMaps& maps) const {
+  naming_draw(config_, draw,
+              [&] { maps.add(lane.layers, scene_->z_true_map ? &*scene_->z_true_map : nullptr); });
+}
+
+void DrawSeries::add(std::int64_t draw, const Lane& lane, Draws& draws) {
+  const DrawResult& result = lane.result;
+  if (result.is_on_device)
+    on_device_.push_back(draw);
+  else if (draws.maps)
+    add_to_maps(draw, lane, *draws.maps);
   DrawTable& table = draws.table;
-  const std::int64_t draw = table.end() - pair_.value_or(0) * config_.draw_count();
   std::vector<double> values = config_.values(draw);
   if (pair_) values.insert(values.begin(), static_cast<double>(*pair_));
-  const DrawResult result = run(draw, draws);
   const std::optional<bool> pass = std::visit([](const auto& kind) { return kind.pass; }, result.metrics);
   add_to(table.metrics, flat_metrics(result));
   for (std::size_t i = 0; i < values.size(); ++i) table.varied[i].values.push_back(values[i]);

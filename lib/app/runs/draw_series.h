@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <deque>
 #include <functional>
 #include <memory>
 #include <string>
@@ -9,6 +10,8 @@
 
 #include "app/runs/scene.h"
 #include "base/memory/large_memory.h"
+#include "base/memory/used_memory.h"
+#include "chain/draws/draw_lanes.h"
 #include "chain/draws/draw_runner.h"
 #include "store/config/dem_config.h"
 #include "store/config/draws_config.h"
@@ -44,6 +47,13 @@ struct TerrainSource {
   MeetingRules rules = {};  ///< of regions
 };
 
+/// Questions of a run of draws to its owner, and its news.
+struct DrawsControl {
+  std::function<bool()> begins;  ///< whether another draw may begin; any thread calls it
+  std::function<bool()> added;   ///< called after each draw, in order: whether the next one is added, too
+  std::function<void(const std::string&)> log;
+};
+
 /// A run of draws over one traced scan, or one whose draws trace: its inputs in memory, and its draws.
 class DrawSeries {
  public:
@@ -61,39 +71,61 @@ class DrawSeries {
              std::optional<std::int64_t> pair, const std::optional<OpenClOptions>& device,
              Provenance& provenance, const ProgressCallback& progress);
 
-  [[nodiscard]] const std::string& crs_wkt() const { return scene_.crs_wkt; }
+  [[nodiscard]] const std::string& crs_wkt() const { return crs_wkt_; }
   /// No draw yet, from row `first` on.
   [[nodiscard]] Draws empty(std::int64_t first) const;
-  /// Runs the draw after the last row of `draws`, and adds it. The result of each draw depends on its number
-  /// only.
-  void run_next(Draws& draws);
+  /// Runs the `count` draws after the last row of `draws`, and adds them in order. The result of each draw
+  /// depends on its number only. The first one has all threads, and shows how many fit into the memory at a
+  /// time; a device makes one at a time.
+  void run(Draws& draws, std::int64_t count, const DrawsControl& control);
   /// Adds the remaining results of a device to the maps. Call after the last draw and before keeping `draws`.
   void complete(Draws& draws);
 
  private:
-  /// Reads the judged region and makes the runner; `terrain` is that of all draws, null where it varies.
+  struct Terrain {
+    Scene scene;
+    std::shared_ptr<const SurfaceAlbedo> albedo;
+    std::int64_t draw = -1;  ///< whose terrain it is, where it varies
+  };
+  /// The memory of a draw until it is added.
+  struct Lane {
+    Lane(Terrain& lane_terrain, const DrawsScene& scene, const std::optional<OpenClOptions>& device)
+        : terrain(lane_terrain), runner(scene, device) {}
+    Terrain& terrain;
+    DrawRunner runner;
+    DrawnLayers layers;
+    DrawResult result;
+  };
+
+  /// Reads the judged region and makes the first lane; `terrain` is that of all draws, null where it varies.
   [[nodiscard]] std::optional<BinMask> hazard_region(Provenance& provenance) const;
   void prepare(const TerrainSurface* terrain, const std::optional<OpenClOptions>& device,
                Provenance& provenance);
   void require_device(const DrawSpan& span) const;
-  void open_terrain(bool uses_albedo, Provenance& provenance);
-  void build_terrain(const nlohmann::json& terrain, Provenance& provenance);
-  [[nodiscard]] DrawTerrain terrain_of(const DrawStages& stages, std::int64_t draw);
+  void open_terrain(SceneUse use, bool uses_albedo, Provenance& provenance);
+  void build_terrain(const nlohmann::json& config, Terrain& terrain, Provenance& provenance) const;
+  [[nodiscard]] DrawTerrain terrain_of(const DrawStages& stages, std::int64_t draw, Terrain& terrain) const;
   [[nodiscard]] DrawSetup setup_of(const DrawStages& stages, std::int64_t draw) const;
   [[nodiscard]] std::optional<LandingSetup> landing_setup(const nlohmann::json& scan,
                                                           std::int64_t draw) const;
-  [[nodiscard]] DrawResult run(std::int64_t draw, Draws& draws);
+  bool run_on_lanes(Draws& draws, std::int64_t count, const DrawsControl& control);
+  void choose_lanes(const UsedMemory& before, const DrawsControl& control);
+  void make(std::int64_t draw, Lane& lane) const;
+  void add_to_maps(std::int64_t draw, const Lane& lane, DrawMaps& maps) const;
+  void add(std::int64_t draw, const Lane& lane, Draws& draws);
 
   const DrawsConfig& config_;
   std::optional<std::int64_t> pair_;
   TerrainSource source_;
-  Scene scene_;
-  std::shared_ptr<const SurfaceAlbedo> albedo_;
-  std::int64_t terrain_draw_ = -1;  ///< the draw whose ground the scene is, where it varies
+  std::deque<Terrain> terrains_{1};  ///< that of all draws, or one for each lane
+  std::string crs_wkt_;
+  std::uint64_t terrain_bytes_ = 0;  ///< of a terrain that varies, while it is made
   DrawsTruth truth_;
   RegridConfig regrid_;
-  BinMask region_;
-  std::unique_ptr<DrawRunner> runner_;
+  std::optional<DrawsScene> scene_;
+  DrawLanes shape_;
+  bool is_shaped_ = false;
+  std::deque<Lane> lanes_;
   std::optional<Grid<float>> z_sigma_abs_;
   std::vector<std::int64_t> on_device_;  ///< draws that the maps do not have yet
 };

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The first interrupt waits for the current draw and the state, a second one does not. Batch systems send
-// SIGTERM some seconds before SIGKILL, and a draw takes less. Writing a state does not decide the end of the
-// run (lib/base/output/temporary_files.h), because interrupts are deferred while it is named.
+// The first interrupt waits for the draws that have begun and the state, a second one does not. Batch systems
+// send SIGTERM some seconds before SIGKILL, and a draw takes less, as a rule. Writing a state does not decide
+// the end of the run (lib/base/output/temporary_files.h), because interrupts are deferred while it is named.
 #include "app/runs/draws_run.h"
 
 #include <algorithm>
@@ -69,6 +69,11 @@ class ScanSequence {
     Provenance recorded;  // by check()
     if (!series_ || pair != loaded_) load(pair, recorded, {});
     return *series_;
+  }
+
+  /// The rows of the same run of draws from `row` to the end of the span.
+  [[nodiscard]] std::int64_t rows_from(std::int64_t row) const {
+    return std::min((row / config().draw_count() + 1) * config().draw_count(), span_.end) - row;
   }
 
   /// Adds the remaining results of a device to the maps.
@@ -142,20 +147,12 @@ class DrawLoop {
   void run(Draws& draws, const DeferredInterrupts& interrupts, const ProgressCallback& progress) {
     if (sprt_)
       for (std::int64_t row = 0; row < draws.table.size(); ++row) sprt_->add(is_success(draws.table, row));
-    double saved_s = output_.clock_s();
+    saved_s_ = output_.clock_s();
+    const DrawsControl control{[&] { return !interrupts.requested(); },
+                               [&] { return take(draws, interrupts, progress); }, output_.log};
     while (!is_done(draws) && !interrupts.requested()) {
-      scans_.of(draws.table.end()).run_next(draws);
-      if (sprt_) sprt_->add(is_success(draws.table, draws.table.size() - 1));
-      const std::vector<std::int8_t>& pass = draws.table.pass;
-      output_.note(std::to_string(std::ranges::count(pass, 1)) + " of " + std::to_string(pass.size()) +
-                   " pass");
-      report(progress, static_cast<double>(draws.table.end() - span_.first) /
-                           static_cast<double>(span_.end - span_.first));
-      if (output_.clock_s() - saved_s < kStateInterval_s || is_done(draws) || interrupts.requested())
-        continue;
-      scans_.complete(draws);
-      state_.save(draws, scans_.crs_wkt());
-      saved_s = output_.clock_s();
+      const std::int64_t row = draws.table.end();
+      scans_.of(row).run(draws, scans_.rows_from(row), control);
     }
     scans_.complete(draws);
     if (!interrupts.requested()) report(progress, 1);
@@ -174,6 +171,22 @@ class DrawLoop {
   }
 
  private:
+  /// Called after each draw. Returns whether the run takes another one.
+  bool take(Draws& draws, const DeferredInterrupts& interrupts, const ProgressCallback& progress) {
+    if (sprt_) sprt_->add(is_success(draws.table, draws.table.size() - 1));
+    const std::vector<std::int8_t>& pass = draws.table.pass;
+    output_.note(std::to_string(std::ranges::count(pass, 1)) + " of " + std::to_string(pass.size()) +
+                 " pass");
+    report(progress, static_cast<double>(draws.table.end() - span_.first) /
+                         static_cast<double>(span_.end - span_.first));
+    if (is_done(draws)) return false;
+    if (output_.clock_s() - saved_s_ < kStateInterval_s || interrupts.requested()) return true;
+    scans_.complete(draws);
+    state_.save(draws, scans_.crs_wkt());
+    saved_s_ = output_.clock_s();
+    return true;
+  }
+
   /// The draws that the sequential test counts.
   [[nodiscard]] bool is_success(const DrawTable& table, std::int64_t row) const {
     const auto at = static_cast<std::size_t>(row);
@@ -190,6 +203,7 @@ class DrawLoop {
   std::optional<Sprt> sprt_;
   const DrawsState& state_;
   const DrawsOutput& output_;
+  double saved_s_ = 0;  ///< when the last state was written
 };
 
 /// Landings beyond the terrain are not safe, whatever is there.

@@ -10,13 +10,20 @@
 
 #include <algorithm>
 #include <latch>
+#include <limits>
 #include <mutex>
 #include <system_error>
 #include <thread>
+#include <utility>
 #include <vector>
+
+#include "base/core/thread_share.h"
 
 namespace landfall {
 namespace {
+
+thread_local std::size_t share_of_threads =
+    std::numeric_limits<std::size_t>::max();  // NOLINT(*-avoid-non-const-global-variables)
 
 using ItemWork = std::function<void(std::size_t item, std::size_t slot)>;
 
@@ -66,7 +73,8 @@ ThreadLimit::ThreadLimit(std::size_t threads) {
 ThreadLimit::~ThreadLimit() = default;
 
 std::size_t thread_count() {
-  return tbb::global_control::active_value(tbb::global_control::max_allowed_parallelism);
+  return std::min(share_of_threads,
+                  tbb::global_control::active_value(tbb::global_control::max_allowed_parallelism));
 }
 
 void parallel_for(std::size_t count, std::size_t grain,
@@ -90,6 +98,16 @@ void parallel_for(std::size_t count, std::size_t grain,
 }
 
 void run_isolated(const std::function<void()>& work) { tbb::this_task_arena::isolate(work); }
+
+void run_with_share(std::size_t threads, const std::function<void()>& work) {
+  struct Share {
+    explicit Share(std::size_t threads) : before(std::exchange(share_of_threads, threads)) {}
+    ~Share() { share_of_threads = before; }
+    std::size_t before;
+  };
+  const Share share(threads);
+  work();
+}
 
 void run_both(const std::function<void()>& first, const std::function<void()>& second) {
   tbb::this_task_arena::isolate([&] { tbb::parallel_invoke(first, second); });

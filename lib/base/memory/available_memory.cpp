@@ -11,6 +11,7 @@
 #include <sys/resource.h>
 
 #include "base/core/error.h"
+#include "base/memory/used_memory.h"
 #include "base/text/number_text.h"
 
 namespace landfall {
@@ -47,10 +48,12 @@ std::uint64_t address_space() {
   return limit.rlim_cur > used ? limit.rlim_cur - used : 0;
 }
 
-/// The limit of a container, whose own control group is the root that it sees.
+/// The rest of the limit of a container, whose own control group is the root that it sees.
 std::uint64_t container_memory() {
   const std::uint64_t limit = std::strtoull(text_of("/sys/fs/cgroup/memory.max").c_str(), nullptr, 10);
-  return limit > 0 ? limit : kUnlimited;  // "max" without one
+  const std::uint64_t used = used_memory().now;
+  if (limit == 0) return kUnlimited;  // "max"
+  return limit > used ? limit - used : 0;
 }
 
 std::string gigabytes(std::uint64_t bytes) {
@@ -58,6 +61,11 @@ std::string gigabytes(std::uint64_t bytes) {
 }
 
 }  // namespace
+
+UsedMemory used_memory() {
+  constexpr const char* kStatus = "/proc/self/status";
+  return {proc_bytes(kStatus, "VmRSS").value_or(0), proc_bytes(kStatus, "VmHWM").value_or(0)};
+}
 
 std::optional<std::uint64_t> available_memory() {
   const std::uint64_t minimum = std::min({system_memory(), address_space(), container_memory()});

@@ -37,8 +37,9 @@ DrawGridder::DrawGridder(const TrueRanges& truth, const GridSpec& grid,
 }
 
 template <class Bins>
-void DrawGridder::take_values(const Bins& bins, TruthAt truth_at, const TerrainSurface& truth) {
-  require_layers(dem_, grid_);
+void DrawGridder::take_values(const Bins& bins, TruthAt truth_at, const TerrainSurface& truth,
+                              DrawnDem& dem) const {
+  require_layers(dem, grid_);
   const auto elevation = [&](double x_m, double y_m) { return truth.elevation(x_m, y_m); };
   parallel_for(static_cast<std::size_t>(grid_.rows), 16, [&](std::size_t begin, std::size_t end) {
     std::vector<BinValues> row(static_cast<std::size_t>(grid_.cols));
@@ -47,22 +48,19 @@ void DrawGridder::take_values(const Bins& bins, TruthAt truth_at, const TerrainS
       for (std::int64_t c = 0; c < grid_.cols; ++c) {
         const BinIndex bin{r, c};
         const BinValues& values = row[static_cast<std::size_t>(c)];
-        dem_.layers.z_est.at(bin) = values.z_est;
-        dem_.layers.truth->x.at(bin) = values.x_true;
-        dem_.layers.truth->y.at(bin) = values.y_true;
-        dem_.layers.truth->z.at(bin) = true_elevation(values, grid_, bin, elevation, truth_at);
-        dem_.count.at(bin) = values.count;
+        dem.layers.z_est.at(bin) = values.z_est;
+        dem.layers.truth->x.at(bin) = values.x_true;
+        dem.layers.truth->y.at(bin) = values.y_true;
+        dem.layers.truth->z.at(bin) = true_elevation(values, grid_, bin, elevation, truth_at);
+        dem.count.at(bin) = values.count;
       }
     }
   });
 }
 
-DrawnDem& DrawGridder::draw(const Simulation& simulation, Method method, TruthAt truth_at,
-                            const TerrainSurface& truth) {
-  if (device_ && device_->draw(simulation, method)) {
-    take_values(*device_, truth_at, truth);
-    return dem_;
-  }
+void DrawGridder::draw(const Simulation& simulation, Method method, TruthAt truth_at,
+                       const TerrainSurface& truth, DrawnDem& dem) {
+  if (device_ && device_->draw(simulation, method)) return take_values(*device_, truth_at, truth, dem);
   Accumulator& bins = empty_bins(method);
   const auto rows = static_cast<std::int64_t>(simulation.rows_per_pulse());
   const std::int64_t pulses_per_pass = std::max<std::int64_t>(1, kBatchPoints / rows);
@@ -72,8 +70,7 @@ DrawnDem& DrawGridder::draw(const Simulation& simulation, Method method, TruthAt
       bins.add(take_returns());
     }
   } while (bins.end_pass());
-  take_values(bins, truth_at, truth);
-  return dem_;
+  take_values(bins, truth_at, truth, dem);
 }
 
 Accumulator& DrawGridder::empty_bins(Method method) {

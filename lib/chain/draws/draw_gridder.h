@@ -55,11 +55,11 @@ class DrawGridder {
   /// Null without a device.
   [[nodiscard]] DeviceGridder* device() const { return device_.get(); }
 
-  /// The DEM of the draw, which the next call replaces; the caller may take layers out of it. `simulation`
-  /// must use the terrain `truth`. Without an engine its pulse and pixel counts must match the ranges; throws
-  /// FormatError otherwise.
-  [[nodiscard]] DrawnDem& draw(const Simulation& simulation, Method method, TruthAt truth_at,
-                               const TerrainSurface& truth);
+  /// Replaces `dem`, whose memory is used again, by the DEM of the draw. `simulation` must use the terrain
+  /// `truth`. Without an engine its pulse and pixel counts must match the ranges; throws FormatError
+  /// otherwise.
+  void draw(const Simulation& simulation, Method method, TruthAt truth_at, const TerrainSurface& truth,
+            DrawnDem& dem);
 
  private:
   [[nodiscard]] Accumulator& empty_bins(Method method);
@@ -69,7 +69,7 @@ class DrawGridder {
   [[nodiscard]] GridPoints take_returns();
   /// `bins` are those of the device, or an Accumulator.
   template <class Bins>
-  void take_values(const Bins& bins, TruthAt truth_at, const TerrainSurface& truth);
+  void take_values(const Bins& bins, TruthAt truth_at, const TerrainSurface& truth, DrawnDem& dem) const;
 
   TrueRanges truth_;
   GridSpec grid_;
@@ -80,7 +80,6 @@ class DrawGridder {
   std::unique_ptr<DeviceGridder> device_;
   std::unique_ptr<Accumulator> bins_;
   Method method_ = Method::bilinear_nearest;  ///< of the bins
-  DrawnDem dem_;
 };
 
 }  // namespace landfall

@@ -93,6 +93,12 @@ DrawMaps::DrawMaps(const GridSpec& grid)
       e_z(grid),
       e_map(std::in_place, grid) {}
 
+void DrawMaps::add(const DrawnLayers& draw, const Grid<double>* z_true_map) {
+  add_dem(draw.dem, z_true_map);
+  add_verdicts(draw.fail);
+  if (draw.outcome) safety->add(*draw.outcome);
+}
+
 void DrawMaps::add_dem(const DrawnDem& dem, const Grid<double>* z_true_map) {
   const auto z_est = dem.layers.z_est.values();
   const auto z_true = dem.layers.truth->z.values();

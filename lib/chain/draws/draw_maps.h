@@ -41,6 +41,13 @@ struct SafetyCounts {
   void merge(const SafetyCounts& other);
 };
 
+/// The layers of one draw that the maps take.
+struct DrawnLayers {
+  DrawnDem dem;
+  Grid<std::int8_t> fail;  ///< FailFlag bits (evaluate.h); 0 outside the region
+  std::optional<Grid<std::int8_t>> outcome = std::nullopt;  ///< of hazards.h5; of a draw that judges hazards
+};
+
 /// The sums from which the maps of a run of draws are made: counts and integer sums over its draws, per bin
 /// of the DEM. 84 bytes per bin, 96 with hazards.
 struct DrawMaps {
@@ -59,6 +66,8 @@ struct DrawMaps {
   explicit DrawMaps(const GridSpec& grid);
   [[nodiscard]] const GridSpec& spec() const { return invalid.spec(); }
 
+  /// Adds one draw: add_dem(), add_verdicts() and its outcome.
+  void add(const DrawnLayers& draw, const Grid<double>* z_true_map);
   /// Adds the DEM of one draw. `z_true_map` is H(X, Y), NaN off the terrain; null only without e_map.
   void add_dem(const DrawnDem& dem, const Grid<double>* z_true_map);
   /// Adds the verdicts on the footprints of the same draw: FailFlag bits (evaluate.h), 0 outside the region.

@@ -21,6 +21,13 @@ Grid<double> in_double(const Grid<float>& layer) {
   return result;
 }
 
+/// Layers to be judged: copies of those that the maps take, too, and the others themselves.
+DemLayers copied_for_maps(DrawnDem& dem) {
+  TrueLayers& truth = *dem.layers.truth;
+  return {.z_est = dem.layers.z_est,
+          .truth = TrueLayers{std::exchange(truth.x, {}), std::exchange(truth.y, {}), truth.z}};
+}
+
 /// The metrics of dem-eval for the 1-sigma layers of a DEM: its errors are those of its file.
 UncertaintyMetrics assess(SigmaLayers sigma, const DrawnDem& dem, const TerrainSurface& terrain,
                           const EvaluationParameters& parameters, const BinMask& region) {
@@ -34,13 +41,18 @@ UncertaintyMetrics assess(SigmaLayers sigma, const DrawnDem& dem, const TerrainS
 
 }  // namespace
 
-DrawRunner::DrawRunner(DrawsScene scene, bool with_maps, const std::optional<OpenClOptions>& device)
-    : scene_(std::move(scene)), gridder_(scene_.truth, scene_.grid, device) {
-  if (with_maps && scene_.terrain != nullptr) z_true_map_ = bin_elevations(*scene_.terrain, scene_.grid);
+DrawsScene with_maps(DrawsScene scene) {
+  scene.has_maps = true;
+  if (scene.terrain != nullptr) scene.z_true_map = bin_elevations(*scene.terrain, scene.grid);
+  return scene;
+}
+
+DrawRunner::DrawRunner(const DrawsScene& scene, const std::optional<OpenClOptions>& device)
+    : scene_(scene), gridder_(scene_.truth, scene_.grid, device) {
   const auto* const terrain = dynamic_cast<const TriangulatedGrid*>(scene_.terrain);
   if (gridder_.device() != nullptr && terrain != nullptr)
     judge_ = std::make_unique<DeviceJudge>(*gridder_.device(), *terrain, scene_.region,
-                                           z_true_map_ ? &*z_true_map_ : nullptr);
+                                           scene_.z_true_map ? &*scene_.z_true_map : nullptr);
 }
 
 void DrawRunner::check_device(DrawSetup setup) const {
@@ -50,24 +62,24 @@ void DrawRunner::check_device(DrawSetup setup) const {
 
 DrawHazards DrawRunner::judge_hazards(const DemLayers& dem, const SigmaLayers* sigma,
                                       const TerrainSurface& terrain, const HazardParameters& parameters,
-                                      DrawMaps* maps) const {
+                                      DrawnLayers& layers) const {
   const auto complete = [&](Grid<double>& z_true, const std::vector<FillableBin>& holes) {
     for (const TruthPosition& at : truth_positions(z_true, dem.truth->x, dem.truth->y, holes))
       z_true.at(at.bin) = terrain.elevation(at.x_m, at.y_m);
     return BinMask(z_true.spec());
   };
-  MapLayers layers{dem.z_est, dem.truth->z};
+  MapLayers map_layers{dem.z_est, dem.truth->z};
   if (sigma != nullptr) {
-    layers.z_sigma = in_double(sigma->z_rel);
-    layers.z_sigma_noise = in_double(sigma->z_noise);
-    layers.centroids = sigma->centroids;
+    map_layers.z_sigma = in_double(sigma->z_rel);
+    map_layers.z_sigma_noise = in_double(sigma->z_noise);
+    map_layers.centroids = sigma->centroids;
   }
-  HazardInput input = fill_map(std::move(layers), parameters, complete);
+  HazardInput input = fill_map(std::move(map_layers), parameters, complete);
   input.region = scene_.hazard_region;
   input.takes_unknown = true;  // a draw whose map is that bad counts: it has no site
   const auto run = [](const std::string& /*name*/, const auto& part) { part({}); };
-  const HazardMap map = map_hazards(input, parameters, run);
-  if (maps != nullptr) maps->safety->add(map.truth->outcome);
+  HazardMap map = map_hazards(input, parameters, run);
+  layers.outcome = std::move(map.truth->outcome);
   DrawHazards hazards{map.truth->score, std::nullopt};
   if (!map.sites.empty()) hazards.best = map.sites.front();
   return hazards;
@@ -102,31 +114,33 @@ bool DrawRunner::take_from_device(std::int64_t draws, DrawMaps& maps) {
   return judge_ && judge_->take_maps(draws, maps);
 }
 
-DrawResult DrawRunner::run(DrawSetup setup, const DrawTerrain& terrain, MetricsKind kind, DrawMaps* maps) {
+DrawResult DrawRunner::run(DrawSetup setup, const DrawTerrain& terrain, MetricsKind kind,
+                           DrawnLayers& layers) {
   const Simulation simulation = terrain.simulate(std::move(setup.scan));
   if (const auto metrics = judge_on_device(simulation, setup, kind))
-    return {.metrics = *metrics, .hazards = std::nullopt, .is_on_device = maps != nullptr};
-  DrawnDem& dem = gridder_.draw(simulation, setup.method, setup.truth_at, terrain.surface);
-  if (maps != nullptr) maps->add_dem(dem, z_true_map_ ? &*z_true_map_ : nullptr);
+    return {.metrics = *metrics, .hazards = std::nullopt, .is_on_device = scene_.has_maps};
+  DrawnDem& dem = layers.dem;
+  gridder_.draw(simulation, setup.method, setup.truth_at, terrain.surface, dem);
   std::optional<SigmaLayers> sigma;
   if (setup.uncertainty) sigma = predicted_sigma(scene_, simulation, *setup.uncertainty);
   std::optional<DrawHazards> hazards;
   std::optional<DrawLandings> landings;
   if (setup.hazard)
-    hazards = judge_hazards(dem.layers, sigma ? &*sigma : nullptr, terrain.surface, *setup.hazard, maps);
+    hazards = judge_hazards(dem.layers, sigma ? &*sigma : nullptr, terrain.surface, *setup.hazard, layers);
   if (setup.landing) landings = land(simulation, setup, *hazards, terrain.surface);
   if (kind == MetricsKind::verdict) {
-    const Verdict verdict = decide(dem.layers, scene_.region, setup.evaluation);
-    if (maps != nullptr) maps->add_verdicts(verdict.fail);
+    Verdict verdict = decide(dem.layers, scene_.region, setup.evaluation);
+    layers.fail = std::move(verdict.fail);
     return {verdict.metrics, std::move(hazards), landings};
   }
   std::optional<UncertaintyMetrics> assessed;
   if (sigma) assessed = assess(*std::move(sigma), dem, terrain.surface, setup.evaluation, scene_.region);
-  if (has_mask(setup.evaluation.region_shape)) dem.layers.region_mask = scene_.region;
-  dem.layers.count = std::exchange(dem.count, {});
-  dem.layers.truth_spacing_m = terrain.spacing_m;
-  Evaluation evaluation = evaluate(std::exchange(dem.layers, {}), setup.evaluation);
-  if (maps != nullptr) maps->add_verdicts(evaluation.fail);
+  DemLayers judged = scene_.has_maps ? copied_for_maps(dem) : std::exchange(dem.layers, {});
+  if (has_mask(setup.evaluation.region_shape)) judged.region_mask = scene_.region;
+  judged.count = dem.count;
+  judged.truth_spacing_m = terrain.spacing_m;
+  Evaluation evaluation = evaluate(std::move(judged), setup.evaluation);
+  layers.fail = std::move(evaluation.fail);
   evaluation.metrics.uncertainty = std::move(assessed);
   judge_own_requirements(evaluation.metrics, setup.evaluation.own_requirements);
   return {std::move(evaluation.metrics), std::move(hazards), landings};

@@ -78,27 +78,24 @@ struct DrawSetup {
   std::optional<UncertaintyParameters> uncertainty = std::nullopt;
 };
 
-/// Runs draws one after the other, each on all threads: traces or replays, grids and judges in memory. Memory
-/// does not depend on the number of draws. A device judges them too (DeviceJudge) where the metrics are
-/// MetricsKind::verdict, no hazards are requested and the terrain is a grid in memory.
+/// Runs draws one after the other: traces or replays, grids and judges in memory. Several objects may run
+/// draws of one scene at the same time. Memory does not depend on the number of draws. A device judges them
+/// too (DeviceJudge) where the metrics are MetricsKind::verdict, no hazards are requested and the terrain is
+/// a grid in memory.
 class DrawRunner {
  public:
-  /// The scene's data must outlive this object. With maps H at the bins' centres is computed once, if all
-  /// draws have one terrain. With `device`, an OpenCL device draws and bins (DeviceGridder).
-  DrawRunner(DrawsScene scene, bool with_maps, const std::optional<OpenClOptions>& device = std::nullopt);
-
-  [[nodiscard]] const DrawsScene& scene() const { return scene_; }
-  /// H at the bins' centres, NaN off the terrain; only with maps of one terrain.
-  [[nodiscard]] const std::optional<Grid<double>>& z_true_map() const { return z_true_map_; }
+  /// `scene` must outlive this object. With `device`, an OpenCL device draws and bins (DeviceGridder).
+  explicit DrawRunner(const DrawsScene& scene, const std::optional<OpenClOptions>& device = std::nullopt);
 
   /// Throws UsageError, naming the key, for a draw that the device must make and cannot.
   void check_device(DrawSetup setup) const;
 
   /// The metrics of the draw on this ground: those of scan-sim (without an engine, of scan-sim
   /// --ranges-from), regrid and dem-eval --metrics-only, bit for bit; score and best site those of hazard-map
-  /// --terrain. Adds the draw to `maps` unless it is null, or leaves it on the device at first. Throws as
-  /// Simulation, DrawGridder, evaluate() and map_hazards() do.
-  [[nodiscard]] DrawResult run(DrawSetup setup, const DrawTerrain& terrain, MetricsKind kind, DrawMaps* maps);
+  /// --terrain. Sets `layers`, whose memory is used again, in a run with maps, unless the draw is on the
+  /// device. Throws as Simulation, DrawGridder, evaluate() and map_hazards() do.
+  [[nodiscard]] DrawResult run(DrawSetup setup, const DrawTerrain& terrain, MetricsKind kind,
+                               DrawnLayers& layers);
 
   /// Adds the draws on the device, whose number is given, to `maps`. Returns false if the device has lost
   /// them and the CPU takes over: they must be run again.
@@ -109,14 +106,13 @@ class DrawRunner {
                                                                const DrawSetup& setup, MetricsKind kind);
   [[nodiscard]] DrawHazards judge_hazards(const DemLayers& dem, const SigmaLayers* sigma,
                                           const TerrainSurface& terrain, const HazardParameters& parameters,
-                                          DrawMaps* maps) const;
+                                          DrawnLayers& layers) const;
 
   [[nodiscard]] DrawLandings land(const Simulation& simulation, const DrawSetup& setup,
                                   const DrawHazards& hazards, const TerrainSurface& terrain) const;
 
-  DrawsScene scene_;
+  const DrawsScene& scene_;
   DrawGridder gridder_;
-  std::optional<Grid<double>> z_true_map_;
   std::unique_ptr<DeviceJudge> judge_;  ///< null without a device, or if it cannot judge
 };
 

@@ -10,7 +10,7 @@
 
 namespace landfall {
 
-/// The inputs that the draws of a run share.
+/// The inputs that the draws of a run share; none changes them.
 struct DrawsScene {
   TrueRanges truth;  ///< one range per pixel and pulse, and its echo if the receiver uses waveforms; empty
                      ///< for draws that trace
@@ -18,6 +18,12 @@ struct DrawsScene {
   GridSpec grid;
   BinMask region;                                       ///< judged_region(), which no draw changes
   std::optional<BinMask> hazard_region = std::nullopt;  ///< HazardInput::region
+  bool has_maps = false;                                ///< the draws are added to DrawMaps
+  /// H at the bins' centres, NaN off the terrain; only with maps of one terrain.
+  std::optional<Grid<double>> z_true_map = std::nullopt;
 };
+
+/// The scene of a run with maps.
+[[nodiscard]] DrawsScene with_maps(DrawsScene scene);
 
 }  // namespace landfall

@@ -105,6 +105,13 @@ TriangulatedGrid rough_terrain() {
   return TriangulatedGrid(std::move(nodes));
 }
 
+DrawnDem drawn(DrawGridder& gridder, const Simulation& simulation, Method method, TruthAt truth_at,
+               const TerrainSurface& terrain) {
+  DrawnDem dem;
+  gridder.draw(simulation, method, truth_at, terrain, dem);
+  return dem;
+}
+
 /// A run of draws with and without a device.
 class DeviceJudging : public ::testing::Test {
  protected:
@@ -114,21 +121,22 @@ class DeviceJudging : public ::testing::Test {
     start(true);
   }
 
-  void start(bool with_maps) {
+  void start(bool has_maps) {
     const BinMask region = circular_region(kGrid, 4);
-    cpu_ = std::make_unique<DrawRunner>(DrawsScene{{ranges_}, &terrain_, kGrid, region}, with_maps);
-    device_ = std::make_unique<DrawRunner>(DrawsScene{{ranges_}, &terrain_, kGrid, region}, with_maps,
-                                           OpenClOptions{.use = use_});
-    expected_ = with_maps ? std::optional(DrawMaps(kGrid)) : std::nullopt;
+    cpu_.reset();
+    device_.reset();
+    scene_ = {{ranges_}, &terrain_, kGrid, region};
+    if (has_maps) scene_ = with_maps(std::move(scene_));
+    cpu_ = std::make_unique<DrawRunner>(scene_);
+    device_ = std::make_unique<DrawRunner>(scene_, OpenClOptions{.use = use_});
+    expected_ = has_maps ? std::optional(DrawMaps(kGrid)) : std::nullopt;
     found_ = expected_;
   }
 
   /// Runs a draw on both. Returns whether the device judged it, and keeps it for the maps.
   bool expect_same_metrics(const Draw& draw) {
-    const DrawResult expected =
-        cpu_->run(draw.setup(), {terrain_}, MetricsKind::verdict, expected_ ? &*expected_ : nullptr);
-    const DrawResult found =
-        device_->run(draw.setup(), {terrain_}, MetricsKind::verdict, found_ ? &*found_ : nullptr);
+    const DrawResult expected = run(*cpu_, draw, expected_);
+    const DrawResult found = run(*device_, draw, found_);
     const auto& a = std::get<DecisiveMetrics>(expected.metrics);
     const auto& b = std::get<DecisiveMetrics>(found.metrics);
     EXPECT_EQ(b.pass, a.pass);
@@ -143,6 +151,13 @@ class DeviceJudging : public ::testing::Test {
     for (const auto& axis : {a.accuracy->relative.x, a.accuracy->relative.y, a.accuracy->relative.z})
       violations_ += axis.violation_count.value_or(0);
     return found.is_on_device;
+  }
+
+  DrawResult run(DrawRunner& runner, const Draw& draw, std::optional<DrawMaps>& maps) {
+    DrawnLayers layers;
+    DrawResult result = runner.run(draw.setup(), {terrain_}, MetricsKind::verdict, layers);
+    if (maps && !result.is_on_device) maps->add(layers, &*scene_.z_true_map);
+    return result;
   }
 
   void expect_same_maps() {
@@ -165,6 +180,7 @@ class DeviceJudging : public ::testing::Test {
   TriangulatedGrid terrain_ = rough_terrain();
   std::vector<double> ranges_;
   std::shared_ptr<DeviceUse> use_ = std::make_shared<DeviceUse>();
+  DrawsScene scene_;
   std::unique_ptr<DrawRunner> cpu_, device_;
   std::optional<DrawMaps> expected_, found_;
   std::int64_t kept_ = 0, violations_ = 0;
@@ -205,7 +221,7 @@ TEST_F(DeviceJudging, AnErrorAtItsLimitIsForTheCpu) {
   Draw draw{.evaluation = rule({}, kGrid.resolution_m)};
   DrawGridder gridder({ranges_}, kGrid);
   const Simulation simulation(device_scan({}, 1), nullptr, &terrain_);
-  const DrawnDem& dem = gridder.draw(simulation, draw.method, draw.truth_at, terrain_);
+  const DrawnDem dem = drawn(gridder, simulation, draw.method, draw.truth_at, terrain_);
   const BinIndex bin{60, 60};
   ASSERT_GT(dem.count.at(bin), 0);
   const double error_m =
@@ -259,9 +275,9 @@ class DeviceGridding : public ::testing::Test {
                                 TruthAt truth_at, std::uint64_t seed, const GridSpec& grid) {
     DrawGridder cpu({ranges_}, grid);
     const Simulation simulation(device_scan(errors, seed, columns_), nullptr, &terrain_);
-    const DrawnDem& expected = cpu.draw(simulation, method, truth_at, terrain_);
+    const DrawnDem expected = drawn(cpu, simulation, method, truth_at, terrain_);
     const std::uint64_t before = use_->draws();
-    const DrawnDem& found = device.draw(simulation, method, truth_at, terrain_);
+    const DrawnDem found = drawn(device, simulation, method, truth_at, terrain_);
     EXPECT_EQ(use_->draws(), before + 1);
     EXPECT_FALSE(use_->failure());
     EXPECT_EQ(different(found.layers.z_est.values(), expected.layers.z_est.values()), 0);
@@ -351,7 +367,7 @@ TEST_F(DeviceGridding, RefusesWhatADeviceCannotDo) {
   DrawGridder device({ranges_}, grid_, options());
   const Simulation simulation(device_scan({}, 1), nullptr, &terrain_);
   EXPECT_THAT(
-      [&] { static_cast<void>(device.draw(simulation, Method::median, TruthAt::bin_center, terrain_)); },
+      [&] { static_cast<void>(drawn(device, simulation, Method::median, TruthAt::bin_center, terrain_)); },
       testing::ThrowsMessage<UsageError>(HasSubstr("/regrid/method: a device bins by bilinear_nearest, "
                                                    "bilinear4 or mean; opencl-or-cpu uses the CPU")));
   ScanModel timed = device_scan({}, 1);
@@ -363,11 +379,11 @@ TEST_F(DeviceGridding, RefusesWhatADeviceCannotDo) {
 TEST_F(DeviceGridding, FallsBackForADraw) {
   DrawGridder device({ranges_}, grid_, OpenClOptions{.on_failure = DeviceFailure::falls_back, .use = use_});
   const Simulation simulation(device_scan({}, 1), nullptr, &terrain_);
-  const DrawnDem& median = device.draw(simulation, Method::median, TruthAt::bin_center, terrain_);
+  const DrawnDem median = drawn(device, simulation, Method::median, TruthAt::bin_center, terrain_);
   EXPECT_GT(median.count.at({140, 100}), 0);
   EXPECT_EQ(use_->draws(), 0U);
   EXPECT_EQ(use_->failure(), "/regrid/method: a device bins by bilinear_nearest, bilinear4 or mean");
-  static_cast<void>(device.draw(simulation, Method::mean, TruthAt::bin_center, terrain_));
+  static_cast<void>(drawn(device, simulation, Method::mean, TruthAt::bin_center, terrain_));
   EXPECT_EQ(use_->draws(), 1U);
 }
 
