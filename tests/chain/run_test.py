@@ -65,7 +65,7 @@ class Landfall(ToolTest):
             text = ('source "$1"; shift; COMP_WORDS=("$@"); COMP_CWORD=$((${#COMP_WORDS[@]} - 1)); _landfall_landfall; '
                     'printf "%s\\n" "${COMPREPLY[@]}"')
             command = ["bash", "-c", text, "bash", script, "landfall", *words]
-            return subprocess.run(command, capture_output=True, text=True, check=True, env={**os.environ, "PATH": f"{BIN}:{os.environ['PATH']}"}).stdout.split()
+            return subprocess.run(command, capture_output=True, text=True, check=True, cwd=self.folder, env={**os.environ, "PATH": f"{BIN}:{os.environ['PATH']}"}).stdout.split()
 
         self.assertIn("scan-sim", complete("s"))
         self.assertIn("run", complete(""))
