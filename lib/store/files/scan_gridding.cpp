@@ -7,7 +7,9 @@
 #include <cassert>
 #include <cmath>
 #include <limits>
+#include <map>
 #include <span>
+#include <string>
 #include <utility>
 
 #include "base/core/error.h"
@@ -132,6 +134,16 @@ std::string terrain_id_of(const ScanReader& scan) {
   return "";
 }
 
+/// Twice in one map, a return would count twice in the error of its bin.
+void require_distinct(const Scans& scans) {
+  std::map<std::string, std::string> names;  // by file_id
+  for (const auto& scan : scans) {
+    const LandfallFileReader& file = scan->file();
+    if (const auto [first, is_new] = names.emplace(file.file_id(), file.name()); !is_new)
+      throw FormatError(file.name() + ": is the same scan as " + first->second);
+  }
+}
+
 }  // namespace
 
 ScanPoses read_scan_poses(const ScanReader& reader) {
@@ -164,6 +176,7 @@ Scans open_scans(const std::vector<std::string>& paths, Provenance& provenance) 
 }
 
 ScanPlacements place_scans(const Scans& scans, const MeetingRules& rules) {
+  require_distinct(scans);
   ScanPlacements placements;
   for (const auto& scan : scans) {
     Meeting meeting = meet(meeting_kind("scans"), sited(*scans.front()), sited(*scan), rules);

@@ -37,7 +37,7 @@ struct ScanPlacements {
   std::vector<std::string> said;
 };
 
-/// Throws FormatError for scans that do not meet the first one.
+/// Throws FormatError for scans that do not meet the first one, and for two of one file_id.
 [[nodiscard]] ScanPlacements place_scans(const Scans& scans, const MeetingRules& rules);
 
 /// Throws FormatError, naming the scan, if its history names another terrain than this one.
