@@ -23,6 +23,7 @@
 #include "base/text/number_text.h"
 #include "chain/draws/draw_layers.h"
 #include "store/config/hazard_config.h"
+#include "store/files/field_json.h"
 
 namespace landfall::html_report {
 namespace {

@@ -76,8 +76,6 @@ std::vector<std::pair<std::string, std::string>> Packer::pack() const {
   return result;
 }
 
-Json finite_json(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
-
 Json grid_json(const GridSpec& spec, std::int64_t factor) {
   return {{"rows", spec.rows},
           {"cols", spec.cols},

@@ -42,8 +42,6 @@ class Packer {
 inline constexpr std::int64_t kMaxCells = 1024;
 inline constexpr std::int64_t kMaxCropCells = 512;  ///< of the surroundings of a place
 
-/// Null for a number that is not finite.
-[[nodiscard]] nlohmann::ordered_json finite_json(double value);
 /// A map's bins and its blocks of factor x factor bins.
 [[nodiscard]] nlohmann::ordered_json grid_json(const GridSpec& spec, std::int64_t factor);
 /// The colour maps of lib/formats/picture, which the page's scripts use too.

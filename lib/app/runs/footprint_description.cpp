@@ -17,6 +17,7 @@
 #include "base/returns/point_status.h"
 #include "chain/evaluation/fail_flag.h"
 #include "chain/evaluation/failure_cause.h"
+#include "chain/evaluation/median.h"
 #include "chain/evaluation/parameters.h"
 #include "chain/hazards/measures.h"
 #include "store/config/dem_config.h"
@@ -39,8 +40,6 @@ constexpr std::size_t kWorstBins = 5;
 constexpr std::int64_t kReachFootprints = 3;
 constexpr std::int64_t kMinReachBins = 20;
 
-Described number(double value) { return std::isfinite(value) ? Described(value) : Described(nullptr); }
-
 /// The bins of a window about a bin of a map, cut at the border.
 GridSpec window_of(const GridSpec& map, BinIndex bin, std::int64_t reach) {
   const BinIndex first{std::max<std::int64_t>(0, bin.row - reach),
@@ -52,9 +51,7 @@ GridSpec window_of(const GridSpec& map, BinIndex bin, std::int64_t reach) {
 double median(std::vector<double> values) {
   std::erase_if(values, [](double value) { return !std::isfinite(value); });
   if (values.empty()) return kNan;
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::ranges::nth_element(values, middle);
-  return *middle;
+  return median_of(values);
 }
 
 const LandfallFileReader& with_layers(const LandfallFileReader& evaluation) {
@@ -261,9 +258,10 @@ void FootprintFile::judge(Described& json) {
   for (const BinIndex bin : inside_)
     if (invalid.at(bin) == 1 && !(to_valid.at(bin) <= distance)) distance = to_valid.at(bin);
   const double hole = largest_hole();
-  json["errors"] = {{"absolute_m", {number(errors[0][0]), number(errors[0][1]), number(errors[0][2])}},
-                    {"relative_m", {number(errors[1][0]), number(errors[1][1]), number(errors[1][2])}},
-                    {"horizontal_m", number(horizontal_m)}};
+  json["errors"] = {
+      {"absolute_m", {finite_json(errors[0][0]), finite_json(errors[0][1]), finite_json(errors[0][2])}},
+      {"relative_m", {finite_json(errors[1][0]), finite_json(errors[1][1]), finite_json(errors[1][2])}},
+      {"horizontal_m", finite_json(horizontal_m)}};
   json["judged"] = is_judged_;
   json["verdicts"] = Described::array();
   const auto add = [&](Missed kind, const std::string& name, double found, std::optional<bool> misses) {
@@ -273,7 +271,7 @@ void FootprintFile::judge(Described& json) {
     if (!misses) misses = !(found <= limit);
     json["verdicts"].push_back(
         {{"requirement", name},
-         {"value", number(found)},
+         {"value", finite_json(found)},
          {"limit", limit},
          {"pass", is_judged_ && std::isfinite(found) ? Described(!*misses) : Described(nullptr)}});
     const double share = limit > 0 ? found / limit : std::numeric_limits<double>::infinity();
@@ -307,10 +305,10 @@ Described FootprintFile::bins_json(const FootprintSources& sources) const {
     double steepest = kNan;
     for (const double slope : slopes)
       if (!(slope <= steepest) && std::isfinite(slope)) steepest = slope;
-    json.update(Described{{"median_returns_per_bin", number(median(counts))},
-                          {"median_spread_m", number(median(of_footprint(spread_)))},
-                          {"median_slope_deg", number(slope_deg(median(slopes)))},
-                          {"steepest_slope_deg", number(slope_deg(steepest))}});
+    json.update(Described{{"median_returns_per_bin", finite_json(median(counts))},
+                          {"median_spread_m", finite_json(median(of_footprint(spread_)))},
+                          {"median_slope_deg", finite_json(slope_deg(median(slopes)))},
+                          {"steepest_slope_deg", finite_json(slope_deg(steepest))}});
   }
   if (sources.scan && !ranges_.values().empty()) {
     BinRanges all;
@@ -320,9 +318,10 @@ Described FootprintFile::bins_json(const FootprintSources& sources) const {
       all.squares += ranges_.at(bin).squares;
     }
     const auto n = static_cast<double>(all.count);
-    json.update(Described{{"return_count", all.count},
-                          {"range_error_mean_m", number(all.sum / n)},
-                          {"range_noise_m", number(std::sqrt(all.squares / n - all.sum / n * all.sum / n))}});
+    json.update(
+        Described{{"return_count", all.count},
+                  {"range_error_mean_m", finite_json(all.sum / n)},
+                  {"range_noise_m", finite_json(std::sqrt(all.squares / n - all.sum / n * all.sum / n))}});
   }
   return json;
 }
@@ -361,13 +360,13 @@ Described FootprintFile::worst_json() const {
     const BinIndex bin = bins[k].second;
     Described entry = {{"x_m", window_.x(bin.col)},
                        {"y_m", window_.y(bin.row)},
-                       {"e_x_m", number(errors_.x.at(bin))},
-                       {"e_y_m", number(errors_.y.at(bin))},
-                       {"e_z_m", number(errors_.z.at(bin))}};
+                       {"e_x_m", finite_json(errors_.x.at(bin))},
+                       {"e_y_m", finite_json(errors_.y.at(bin))},
+                       {"e_z_m", finite_json(errors_.z.at(bin))}};
     if (errors_.count) entry["returns"] = static_cast<std::int64_t>(errors_.count->at(bin));
     if (!spread_.values().empty()) {
-      entry["spread_m"] = number(spread_.at(bin));
-      entry["slope_deg"] = number(slope_deg(slope_.at(bin)));
+      entry["spread_m"] = finite_json(spread_.at(bin));
+      entry["slope_deg"] = finite_json(slope_deg(slope_.at(bin)));
     }
     list.push_back(std::move(entry));
   }

@@ -5,19 +5,9 @@
 #include <algorithm>
 #include <vector>
 
+#include "chain/evaluation/median.h"
+
 namespace landfall {
-namespace {
-
-/// The mean of the two middle values of an even number. Orders the values; at least one exists.
-double median_of(std::vector<std::int32_t>& values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::ranges::nth_element(values, middle);
-  const double upper = *middle;
-  if (values.size() % 2 == 1) return upper;
-  return (static_cast<double>(*std::max_element(values.begin(), middle)) + upper) / 2;
-}
-
-}  // namespace
 
 AssumptionMetrics assumptions_of(const DemLayers& dem, const BinMask& region, const Footprint& footprint) {
   AssumptionMetrics result{.footprint_bins = footprint.edge_bins()};

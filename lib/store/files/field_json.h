@@ -13,6 +13,11 @@
 
 namespace landfall {
 
+/// The value, or null where it is not finite.
+[[nodiscard]] inline nlohmann::ordered_json finite_json(double value) {
+  return std::isfinite(value) ? nlohmann::ordered_json(value) : nlohmann::ordered_json(nullptr);
+}
+
 /// Writes the fields that a walk visits into nested JSON objects. A number that is not finite becomes null.
 class FieldWriter {
  public:
@@ -28,7 +33,7 @@ class FieldWriter {
 
  private:
   static Json json_of(std::nullopt_t /*none*/) { return nullptr; }
-  static Json json_of(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
+  static Json json_of(double value) { return finite_json(value); }
   template <class T>
   static Json json_of(const std::optional<T>& value) {
     return value ? json_of(*value) : Json(nullptr);

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "store/files/file_description.h"
-#include "store/files/place_json.h"
 
 #include <algorithm>
 #include <array>
@@ -15,10 +14,12 @@
 #include "base/text/number_text.h"
 #include "formats/gdal/gdal_loader.h"
 #include "store/files/crs.h"
+#include "store/files/field_json.h"
 #include "store/files/grid_file.h"
 #include "store/files/imported_scan.h"
 #include "store/files/landfall_file.h"
 #include "store/files/map_position_json.h"
+#include "store/files/place_json.h"
 #include "store/files/stored_json.h"
 #include "store/hdf5/dataset_list.h"
 #include "store/hdf5/table.h"
@@ -31,8 +32,6 @@ using Json = nlohmann::ordered_json;
 
 /// The root's own datasets come first, under this name.
 constexpr const char* kLayers = "layers";
-
-Json number(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
 
 Json parsed(const std::optional<std::string>& text) { return stored_json<Json>(text); }
 
@@ -111,10 +110,10 @@ void add_statistics(Json& json, const DatasetEntry& entry, const std::optional<V
   json["count"] = s.count;
   json["nan_count"] = s.nan_count;
   json["infinite_count"] = s.infinite_count;
-  json["min"] = any ? number(s.min) : Json(nullptr);
-  json["max"] = any ? number(s.max) : Json(nullptr);
-  json["mean"] = any ? number(s.mean) : Json(nullptr);
-  json["std"] = any ? number(s.std()) : Json(nullptr);
+  json["min"] = any ? finite_json(s.min) : Json(nullptr);
+  json["max"] = any ? finite_json(s.max) : Json(nullptr);
+  json["mean"] = any ? finite_json(s.mean) : Json(nullptr);
+  json["std"] = any ? finite_json(s.std()) : Json(nullptr);
   if (entry.type == "int8" && !entry.flag_meanings.empty()) json["flag_counts"] = flag_counts(entry, s);
 }
 
@@ -213,15 +212,15 @@ Json scan_json(const LandfallFileReader& file, const Json& datasets, const Json&
   if (pulses > 0) {
     const TableReader table(file.root(), "pulses", file.name());
     table.read("t", 0, std::span<double>(t));
-    json["t_first_s"] = number(t[0]);
+    json["t_first_s"] = finite_json(t[0]);
     table.read("t", static_cast<std::size_t>(pulses - 1), std::span<double>(t));
-    json["t_last_s"] = number(t[0]);
+    json["t_last_s"] = finite_json(t[0]);
   }
   const TableReader points(file.root(), "points", file.name());
   if (is_imported_scan(file)) {
     json["imported_from"] = h5::read_text_attribute(points.group(), "imported_from").value_or("");
     for (const char* const axis : {"origin_x", "origin_y", "origin_z"})
-      json[axis] = number(h5::read_number_attribute(points.group(), axis).value_or(std::nan("")));
+      json[axis] = finite_json(h5::read_number_attribute(points.group(), axis).value_or(std::nan("")));
   }
   for (const PointStatusInfo& info : kPointStatuses) {
     if (!info.is_counted(points.has(name_of(&PointColumns::intensity)))) continue;
@@ -271,7 +270,7 @@ Json mesh_json(const LandfallFileReader& file, const Group& mesh, bool statistic
   if (!statistics || vertices.shape[0] == 0) return json;
   const auto bounds = mesh_bounds(file, vertices);
   for (std::size_t axis = 0; axis < kAxes.size(); ++axis)
-    json[kAxes[axis]] = {number(bounds[axis][0]), number(bounds[axis][1])};
+    json[kAxes[axis]] = {finite_json(bounds[axis][0]), finite_json(bounds[axis][1])};
   return json;
 }
 
@@ -310,7 +309,7 @@ Json best_site_json(const LandfallFileReader& file, const Group& sites) {
     const std::optional<double> value = first_value(file, entry);
     if (!value) continue;
     if (coordinate != kMapCoordinates.end())
-      json[coordinate->key] = number(*value);
+      json[coordinate->key] = finite_json(*value);
     else if (*value == 0 || *value == 1)
       json["true_safe"] = *value == 1;
   }

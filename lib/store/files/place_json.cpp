@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "store/files/place_json.h"
 
-#include <cmath>
-
 #include "chain/terrain/site_wkt.h"
+#include "store/files/field_json.h"
 #include "store/files/grid_mapping.h"
 
 namespace landfall {
@@ -22,11 +21,10 @@ Json name_in(const std::string& wkt) {
 
 Json place_json(const std::string& crs_wkt) {
   const MapPlace place = place_of(crs_wkt).value_or(unplaced(crs_wkt));
-  const auto number = [](double value) { return std::isfinite(value) ? Json(value) : Json(); };
   Json json;
   json["map"] = name_in(place.map_wkt.empty() && !is_local_crs(crs_wkt) ? crs_wkt : place.map_wkt);
-  json["center"] = {number(place.center[0]), number(place.center[1])};
-  json["height_m"] = number(place.center[2]);
+  json["center"] = {finite_json(place.center[0]), finite_json(place.center[1])};
+  json["height_m"] = finite_json(place.center[2]);
   json["vertical_datum"] = place.vertical.empty() ? Json() : Json(place.vertical);
   return json;
 }

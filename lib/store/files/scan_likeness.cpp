@@ -203,18 +203,16 @@ ScanPair read_pair(ComparedScanReader& a, ComparedScanReader& b) {
   return pair;
 }
 
-Json number_json(double value) { return std::isfinite(value) ? Json(value) : Json(); }
-
 Json statistic_json(const LikenessStatistic& s) {
   const auto differs = s.differs();
   return {{"name", s.name},
           {"unit", s.unit.empty() ? "1" : s.unit},
-          {"a", number_json(s.a)},
-          {"b", number_json(s.b)},
-          {"distance", number_json(s.distance)},
+          {"a", finite_json(s.a)},
+          {"b", finite_json(s.b)},
+          {"distance", finite_json(s.distance)},
           {"distance_unit", s.distance_unit.empty() ? "1" : s.distance_unit},
-          {"chance", number_json(s.chance)},
-          {"p", number_json(s.p)},
+          {"chance", finite_json(s.chance)},
+          {"p", finite_json(s.p)},
           {"differs", differs ? Json(*differs) : Json()}};
 }
 
@@ -231,11 +229,11 @@ Json likeness_json(const Likeness& likeness, const ScanPair& pair) {
     json["statistics"].push_back(statistic_json(statistic));
   const SurfaceDifference& s = likeness.surface;
   json["surface"] = {{"bins", s.bins},
-                     {"median_m", number_json(s.median_m)},
-                     {"nmad_m", number_json(s.nmad_m)},
-                     {"p95_m", number_json(s.p95_m)},
-                     {"shift_m", {number_json(s.shift_x_m), number_json(s.shift_y_m)}},
-                     {"tilt_rad", {number_json(s.tilt_x_rad), number_json(s.tilt_y_rad)}}};
+                     {"median_m", finite_json(s.median_m)},
+                     {"nmad_m", finite_json(s.nmad_m)},
+                     {"p95_m", finite_json(s.p95_m)},
+                     {"shift_m", {finite_json(s.shift_x_m), finite_json(s.shift_y_m)}},
+                     {"tilt_rad", {finite_json(s.tilt_x_rad), finite_json(s.tilt_y_rad)}}};
   return json;
 }
 
