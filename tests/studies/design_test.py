@@ -18,7 +18,7 @@ from unittest import mock
 from case import BASE, BIN, PYTHON, ROOT, StudyTest, read
 
 # pylint: disable=wrong-import-order
-from landfall import tools
+from landfall import dictionary, tools
 from landfall.answers import design, design_problem, design_search, runs
 from landfall.errors import DataError, UsageError
 
@@ -116,6 +116,14 @@ class Filters(DesignTest):
             self.assertEqual((problem.passes(row), accepted.passes(row)), (passes, is_accepted))
         found = self.check_candidate(problem)
         self.assertEqual((found["stage"], found["passes"], list(found["margins"])), ("draw", True, [design_problem.CHOSEN_PLACE_SAFE]))
+
+    def test_another_share_than_the_95th_percentile(self):
+        row = {number: 1e-3 for one in dictionary.requirements().values() for number in (*one.worst, one.value) if number}
+        for share, within, margin in ((0.95, 0.7, math.log(1e-3 / 0.2)), (0.6, 0.7, math.log(0.6 / 0.7)), (0.8, 0.7, math.log(0.8 / 0.7))):
+            file = design_file()
+            file["base"]["eval"]["limits"] = {"absolute_horizontal_frac": share, "absolute_horizontal_m": 0.2}
+            problem = design_problem.Problem(self.write(file))
+            self.assertAlmostEqual(problem.margins({**row, "accuracy.absolute.horizontal.within_limit_frac": within})["absolute horizontal"], margin)
 
     def test_one_requirement_of_its_own(self):
         """By its name: the others, and the six, do not count."""

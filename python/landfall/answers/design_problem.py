@@ -188,6 +188,8 @@ class Problem:
             values = [row[number] for number in requirement.worst]
             limit = limits[requirement.worst_limit]
             found[requirement.words] = NO_NUMBER if None in values else max(model.margin(value, limit) for value in values)
+            if requirement.at_least and limits[requirement.limit] != 0.95 and None not in values:  # the worst is a 95th percentile
+                found[requirement.words] = model.margin(limits[requirement.limit], row[requirement.value])
         for path, own in self._counted_own().items():
             value = row[path + ".value"]
             found[own["name"]] = NO_NUMBER if value is None else model.margin(value, own["max"]) if "max" in own else model.margin(own["min"], value)
