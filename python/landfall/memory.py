@@ -259,7 +259,7 @@ class Lidar:
     """A lidar within a simulation: for each pulse it gets the lander's poses, and gives its pixels.
 
     `config`: a configuration of scan-sim (dict, preset, JSON file or list). `terrain`: a Terrain, or a function that gets origins and unit directions,
-    (N, 3), metres, frame D, and returns N ranges, NaN for a miss.
+    (N, 3), metres, frame D, and returns N ranges; NaN, masked, infinite or negative for a miss.
     """
 
     def __init__(self, config: Configs, terrain: Terrain | typing.Callable[[Array, Array], typing.Any], *, threads: int = 0) -> None:
@@ -268,7 +268,8 @@ class Lidar:
             raise UsageError(f"terrain is a Terrain or a function, not of type {type(terrain).__name__}")
         self._terrain = terrain
         resolved = _print_config("scan-sim", config)
-        self._lidar = engine.Lidar(resolved, terrain.surface if isinstance(terrain, Terrain) else terrain)
+        self._lidar = engine.Lidar(resolved, terrain.surface if isinstance(terrain, Terrain) else lambda origins, directions: _array(
+            terrain(origins, directions), "terrain's ranges", 1))
         self.pulse_rate_hz, self.pixel_count, self.pulse_limit = (
             self._lidar.pulse_rate_hz, self._lidar.pixel_count, self._lidar.pulse_limit)
 

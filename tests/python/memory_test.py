@@ -191,6 +191,8 @@ class InMemory(unittest.TestCase):
         one = traced.pulse(3, position[3], attitude[3])
         for field in one.dtype.names:
             np.testing.assert_array_equal(one[field], records[3][field], field)
+        masked = landfall.Lidar(SCAN, lambda origins, directions: np.ma.array(np.full(len(origins), 40.0), mask=True))
+        self.assertTrue((masked.pulse(3, position[3], attitude[3])["status"] != 0).all())
 
     def test_arrays_outlive_their_results(self):
         z = landfall.Terrain(TERRAIN).z
@@ -225,6 +227,7 @@ class InMemory(unittest.TestCase):
                 "weight: no gridding": lambda: landfall.grid([1], [1], [1], weight=[1]),
                 "resolution_m is missing": lambda: landfall.hazards(np.zeros((9, 9))),
                 "not in [0, 4096]": lambda: landfall.Terrain(TERRAIN, threads=-1),
+                "terrain's ranges: real numbers": lambda: landfall.Lidar(SCAN, lambda o, d: ["a"] * len(o)).pulse(0, [0, 0, 50], [1, 0, 0, 0]),
                 "returned 1 ranges of 64": lambda: landfall.Lidar(SCAN, lambda o, d: [1.0]).pulse(
                     0, [0, 0, 50], [1, 0, 0, 0]),
         }.items():
