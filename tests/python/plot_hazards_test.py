@@ -113,8 +113,8 @@ class MarksTest(HazardsTest):
         size = maps.block_size(axes[0, 0], flags.shape)
         return how, self.image(axes[0, 0], "marks").get_array()[..., 3], flags, size
 
-    def test_few_are_enlarged_more_fill_their_blocks_and_many_are_shares(self):
-        for spacing, expected in ((500, "single ones enlarged"), (100, "each pixel with one"), (20, "share of each pixel")):
+    def test_few_are_enlarged_more_fill_their_blocks_and_of_many_a_single_one_is_seen(self):
+        for spacing, expected in ((500, "single ones enlarged"), (100, "each pixel with one"), (20, "each pixel with one, fuller with more")):
             how, opacity, flags, size = self.marks(spacing)
             self.assertEqual(how, expected)
             self.assertGreater(max(opacity.shape), reduction.WIDE_BLOCKS)
@@ -122,7 +122,7 @@ class MarksTest(HazardsTest):
             if how == "single ones enlarged":
                 self.assertGreater(np.count_nonzero(opacity == 1), 3 * blocks.sum())
             else:
-                np.testing.assert_allclose(opacity, blocks if how == "each pixel with one" else reduction.shrink_share(flags, size))
+                np.testing.assert_allclose(opacity, blocks if how == "each pixel with one" else size ** (-2 / 3) * blocks)
 
 
 class LimitTest(HazardsTest):
@@ -168,7 +168,7 @@ class LimitTest(HazardsTest):
 
 
 class SitesTest(HazardsTest):
-    def test_numbers_and_costs_of_the_sites_and_the_divert_circle(self):
+    def test_numbers_and_places_of_the_sites_and_the_divert_circle(self):
         path = self.made("--set", "z_sigma_m=0.02")
         ax = self.draw(path)["probability"]
         sites = harness.columns(path, "sites")
@@ -176,11 +176,11 @@ class SitesTest(HazardsTest):
         places = [(line.get_xdata()[0], line.get_ydata()[0]) for line in ax.lines if line.get_gid() == "site"]
         self.assertEqual(places, list(zip(sites["x"], sites["y"])))
         self.assertLessEqual({str(rank) for rank in sites["rank"]}, {text.get_text() for text in ax.texts})
-        listed = [f"{rank}: cost {cost:.4f}, p_touchdown {p:.4f}" + ("" if true else ", true hazard") for rank, cost, p, true
-                  in zip(*(sites[name] for name in ("rank", "cost", "p_touchdown", "true_safe")))]
+        listed = [f"{rank}: ({x:.2f}, {y:.2f}) m, p_touchdown {p:.4f}".replace("-0.00", "0.00") + ("" if true else ", true hazard")
+                  for rank, x, y, p, true in zip(*(sites[name] for name in ("rank", "x", "y", "p_touchdown", "true_safe")))]
         self.assertEqual(self.legend(ax), [*listed, "divert radius 3 m"])
         without = self.legend(self.draw()["probability"])
-        self.assertFalse([text for text in without if "p_touchdown" in text], "without a 1-sigma there is no probability")
+        self.assertRegex(without[0], r"^1: \(-?\d+\.\d\d, -?\d+\.\d\d\) m, cost 0\.\d{4}", "without a 1-sigma there is no probability")
         circle = next(patch for patch in ax.patches if patch.get_gid() == "divert")
         self.assertEqual((circle.center, circle.radius), ((0, 0), 3))
 

@@ -127,7 +127,8 @@ def draw_color_bar(ax, scale, quantity=""):
 def draw_marks(ax, grid, flags, color, region_bins=None, fill_few=False):
     """Marks set bins, nothing elsewhere: single ones enlarged while they are few, otherwise the opacity is their share of a block.
 
-    With `fill_few`, blocks with a set bin are filled before that, while they are less than 1 % of the map.
+    With `fill_few`, blocks with a set bin are filled before that, while they are less than 1 % of the map, and the opacity of others is the
+    cube root of their share: thin edges on ground of any colour are seen.
 
     Returns its text in the legend, empty if bins are drawn as they are.
     """
@@ -135,9 +136,11 @@ def draw_marks(ax, grid, flags, color, region_bins=None, fill_few=False):
     marks = reduction.enlarged_marks(flags, size, flags.size if region_bins is None else region_bins)
     how = "single ones enlarged" if marks is not None and flags.any() and max(marks.shape) > reduction.WIDE_BLOCKS else ""
     if marks is None:
-        marks, how = reduction.shrink_any(flags, size), "each pixel with one" if size > 1 else ""
+        marks, how = reduction.shrink_any(flags, size), "each pixel with one"
         if not fill_few or marks.sum() >= reduction.MAX_MARKED * marks.size:
-            marks, how = reduction.shrink_share(flags, size), "share of each pixel" if size > 1 else ""
+            share = reduction.shrink_share(flags, size)
+            marks, how = (np.cbrt(share), "each pixel with one, fuller with more") if fill_few else (share, "share of each pixel")
+        how = how if size > 1 else ""
     image = np.empty((*marks.shape, 4))
     image[...] = to_rgba(color)
     image[..., 3] = marks

@@ -91,12 +91,13 @@ def draw_safety(ax, hazards, z):
     for value in MARKED if name == "outcome" else ():
         if counts[value]:
             text, color = classes[value]
-            how[text] = maps.draw_marks(ax, hazards.grid, (values == value) & inside, color, np.count_nonzero(inside), fill_few=True)
+            manner = maps.draw_marks(ax, hazards.grid, (values == value) & inside, color, np.count_nonzero(inside), fill_few=True)
+            how.setdefault(manner, []).append(text)
     total = np.count_nonzero(inside)
     maps.legend(ax, {f"{text}: {counts[value]:,} ({captions.percent(counts[value] / total if total else None)})": color
                      for value, (text, color) in classes.items()}, 2)
     maps.draw_scale_marks(ax)
-    maps.note(ax, *(f"{text}: {manner}" for text, manner in how.items() if manner))
+    maps.note(ax, *(f"{', '.join(texts)}: {manner}" for manner, texts in how.items() if manner))
 
 
 def shaded(grid, image, z, size):
@@ -132,7 +133,8 @@ def draw_probability(ax, hazards):
     maps.draw_scale_marks(ax)
     maps.note(ax, scale.range_text(), maps.blocks_note(ax, values.shape, "smallest"))
     handles = [*draw_sites(ax, hazards), *draw_reach(ax, hazards)]
-    ax.legend(handles=handles, loc="upper center", bbox_to_anchor=(0.5, -0.13), ncol=2, frameon=False, handletextpad=0.4)
+    ax.legend(handles=handles, loc="upper center", bbox_to_anchor=(0.5, -0.13), ncol=2, frameon=False, handletextpad=0.4,
+              columnspacing=1, fontsize=maps.NOTE_PT + 1)
 
 
 def draw_reach(ax, hazards):
@@ -159,9 +161,10 @@ def draw_sites(ax, hazards):
         ax.plot(*place, linestyle="none", zorder=5 + (count - row) / count, gid="site", **style)
         ax.text(*place, str(rank), fontsize=maps.NOTE_PT, ha="center", va="center_baseline", zorder=5 + (count - row) / count)
         if row < MAX_LISTED:
-            prefix = "at least " if "p_capped" in sites and sites["p_capped"][row] and sites["p_touchdown"][row] >= sites["p_safe"][row] - 1e-6 else ""
-            touchdown = "" if hazards.layers["p_safe"] is None else f", p_touchdown {prefix}{sites['p_touchdown'][row]:.4f}"
-            text = f"cost {sites['cost'][row]:.4f}{touchdown}" + (", true hazard" if wrong else "")
+            prefix = "≥ " if "p_capped" in sites and sites["p_capped"][row] and sites["p_touchdown"][row] >= sites["p_safe"][row] - 1e-6 else ""
+            merit = f"cost {sites['cost'][row]:.4f}" if hazards.layers["p_safe"] is None else f"p_touchdown {prefix}{sites['p_touchdown'][row]:.4f}"
+            x_m, y_m = (round(axis, 2) + 0.0 for axis in place)  # no -0.00
+            text = f"({x_m:.2f}, {y_m:.2f}) m, {merit}" + (", true hazard" if wrong else "")
             handles.append(Line2D([], [], linestyle="none", label=f"{rank}: {text}", **{**style, "markersize": 8}))
     if count > MAX_LISTED:
         handles.append(Line2D([], [], linestyle="none", label=f"and {count - MAX_LISTED} more sites"))
