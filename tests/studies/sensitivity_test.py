@@ -105,8 +105,18 @@ class Ishigami(SensitivityTest):
             self.assert_within(rows["one and three"][kind], (V1 + V13) / VARIANCE)
             self.assert_within(rows["two"][kind], V2 / VARIANCE)
             self.assert_within(rows["random numbers"][kind], 0, slack=1e-9)
+        self.assert_drawn(problem, answer, rows)
         self.assertAlmostEqual(answer["outputs"]["y"]["mean"], 3.5, delta=0.2)
         self.assertAlmostEqual(answer["outputs"]["y"]["std"], math.sqrt(VARIANCE), delta=0.2)
+
+    def assert_drawn(self, problem, answer, rows):
+        """Bars of groups with an effect are filled, all intervals are inside the panel, and an output that does not vary is named."""
+        problem.outputs["z"], answer["outputs"]["z"] = "never varies", {"groups": None}
+        figure = sensitivity.figure_of(problem, answer)
+        panel, = figure.axes
+        self.assertEqual([bool(bar.get_facecolor()[3]) for bar in panel.patches], 2 * [True, True, False])
+        self.assertGreaterEqual(panel.get_ylim()[1], max(row[kind]["high"] for row in rows.values() for kind in ("first", "total")))
+        self.assertIn("the same in all draws: never varies", figure._suptitle.get_text())  # pylint: disable=protected-access
 
     def test_every_estimator(self):
         for name in sensitivity.ESTIMATORS:

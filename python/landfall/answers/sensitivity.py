@@ -18,6 +18,7 @@ PARTS = ("value", "low", "high")
 ESTIMATORS = {"martinez": "MartinezSensitivityAlgorithm", "saltelli": "SaltelliSensitivityAlgorithm", "jansen": "JansenSensitivityAlgorithm",
               "mauntz-kucherenko": "MauntzKucherenkoSensitivityAlgorithm"}
 MIN_POINTS = 16
+ROUNDING = 1e-9  # of an index
 # Kind of distribution: its keys, and those that it needs.
 DISTRIBUTIONS = {"normal": (("mean", "sigma"), ("sigma",)), "uniform": (("low", "high"), ("low", "high"))}
 
@@ -142,32 +143,37 @@ def write_csv(path, answer):
 
 
 def figure_of(problem, answer):
-    """A panel per output: bars of both indices with their intervals."""
+    """A panel per output: bars of both indices with their intervals, hollow where these reach 0. Outputs that do not vary are named."""
     command.import_matplotlib()
     from matplotlib.figure import Figure
+    from matplotlib.patches import Patch
 
     from landfall.plot import maps
 
     shown = {name: output["groups"] for name, output in answer["outputs"].items() if output["groups"]}
     figure = Figure(figsize=(9, 1.2 + 2.3 * max(len(shown), 1)), constrained_layout=True)
-    panels = figure.subplots(max(len(shown), 1), 1, squeeze=False, sharex=True)[:, 0]
+    panels = figure.subplots(max(len(shown), 1), 1, squeeze=False, sharex=True, sharey=True)[:, 0]
     places = np.arange(len(problem.groups))
     for axes, (name, rows) in zip(panels, shown.items()):
-        for shift, kind, color, label in ((-0.19, "first", maps.BLUE, "first order: the group alone"),
-                                          (0.19, "total", maps.VERMILION, "total: with its interactions")):
+        for shift, kind, color in ((-0.19, "first", maps.BLUE), (0.19, "total", maps.VERMILION)):
             value, low, high = (np.array([row[kind][part] for row in rows]) for part in PARTS)
             error = np.maximum([value - low, high - value], 0)
-            axes.bar(places + shift, value, 0.36, color=color, label=label, yerr=error, capsize=2, error_kw={"linewidth": 0.8})
+            colors = ["none" if bound < ROUNDING else color for bound in low]
+            axes.bar(places + shift, value, 0.36, color=colors, edgecolor=color, yerr=error, capsize=2, error_kw={"linewidth": 0.8})
         axes.set_title(problem.outputs[name], fontsize=10, loc="left")
         axes.set_ylabel("share of\nvariance")
-        axes.set_ylim(-0.3, 1.05)
+        axes.set_ylim(min(-0.05, axes.get_ylim()[0]), max(1.05, axes.get_ylim()[1]))
         axes.axhline(0, color="black", linewidth=0.6)
         axes.grid(axis="y", alpha=0.3)
         axes.set_axisbelow(True)
     panels[-1].set_xticks(places, problem.groups, rotation=25, ha="right", rotation_mode="anchor")
     if shown:
-        panels[0].legend(fontsize=8)
-    figure.suptitle(f"{problem.title}\nSobol indices with 95 % intervals, {answer['draws']:,} draws", fontsize=11)
+        panels[0].legend(handles=[Patch(color=maps.BLUE, label="first order: the group alone"),
+                                  Patch(color=maps.VERMILION, label="total: with its interactions"),
+                                  Patch(facecolor="none", edgecolor="black", label="hollow: the interval reaches 0, no effect is shown")], fontsize=8)
+    constant = ", ".join(problem.outputs[name] for name, output in answer["outputs"].items() if not output["groups"])
+    figure.suptitle(f"{problem.title}\nSobol indices with 95 % intervals, {answer['draws']:,} draws"
+                    + (f"\nthe same in all draws: {constant}" if constant else ""), fontsize=11)
     return figure
 
 
