@@ -227,8 +227,8 @@ def finish_y(axes, results, metric, scale):
 
 
 def blind_together(results, series):
-    """[(share, low, high)] of the safe landings without a lidar along x, the draws of all series together; None where the intervals of two series do
-    not overlap, because then they differ in more than the lidar."""
+    """[(share, low, high)] of the safe landings without a lidar along x, the share of all series; None where the intervals of two series do not
+    overlap, because then they differ in more than the lidar. The interval is that of one series: with the seeds of a study, all have the same terrains."""
     estimates = []
     if len({tuple(at for at, _ in placed) for _, placed in series}) > 1:
         return None
@@ -236,7 +236,8 @@ def blind_together(results, series):
         passed, draws, low, high = np.array([results.draws_rate(point, "landing.blind") for _, point in column], float).T
         if not np.max(low) <= np.min(high):
             return None
-        estimates.append((passed.sum() / draws.sum(), *wilson(passed.sum(), draws.sum())))
+        share = passed.sum() / draws.sum()
+        estimates.append((share, *wilson(share * draws.min(), draws.min())))
     return estimates
 
 
