@@ -112,7 +112,8 @@ class DrawsTest(harness.ChainTest):
         low, high = ax.get_xlim()
         self.assertTrue(low < values.min() and values.max() < high, requirement.name)
         drawn = [line.get_xdata()[0] for line in ax.lines if line.get_gid() == "limit"]
-        self.assertEqual(drawn, [limit] if limit <= scales.LIMIT_NEAR * values.max() else [])
+        end = limit + (0.5 if requirement.is_whole and not is_length else 0)  # beyond the bar of values that are equal to it
+        self.assertEqual(drawn, [end] if limit <= scales.LIMIT_NEAR * values.max() else [])
         text = next(text.get_text() for text in ax.get_legend().get_texts() if text.get_text().startswith("limit"))
         self.assertEqual(("beyond this diagram" in text, f"{limit:g}" in text), (not drawn, True), text)
 

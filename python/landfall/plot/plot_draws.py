@@ -207,12 +207,13 @@ def draw_distribution(ax, draws, name):
     values, limit, passed = shown.values[known], shown.limit, draws.columns[f"{path}.pass"][known] == 1
     edges = edges_of(values, limit, shown.is_whole)
     ax.hist([values[passed], values[~passed]], edges, stacked=True, color=[maps.BLUE, maps.VERMILION], label=["passed", "failed"])
-    ends = [edges[0], edges[-1], *([limit] if is_shown(limit, values) else [])]
+    end = limit + (0 if not shown.is_whole else 0.5 if shown.bound == "at most" else -0.5)  # whole numbers that are equal to the limit pass
+    ends = [edges[0], edges[-1], *([end] if is_shown(limit, values) else [])]
     room = edges[1] - edges[0] if len(edges) == 2 else 0.04 * (max(ends) - min(ends))  # a single bar would fill the axes
     ax.set_xlim(min(ends) - room, max(ends) + room)
     label = f"limit: {shown.bound} {limit:g}{shown.unit}"
     if is_shown(limit, values):
-        ax.axvline(limit, color="black", linestyle="--", label=label, gid="limit")
+        ax.axvline(end, color="black", linestyle="--", label=label, gid="limit")
     else:
         ax.plot([], [], " ", label=f"{label} (beyond this diagram)")
     ax.yaxis.get_major_locator().set_params(integer=True)
