@@ -5,8 +5,6 @@
 #include <sys/mman.h>
 
 #include <algorithm>
-#include <cstdint>
-#include <cstdlib>
 #include <cstring>
 #include <mutex>
 #include <new>
@@ -19,12 +17,6 @@
 
 namespace landfall::h5 {
 namespace {
-
-void use_huge_pages(std::byte* data, std::size_t size) {
-  const auto address = reinterpret_cast<std::uintptr_t>(data);
-  const std::uintptr_t begin = (address + kHugePage - 1) / kHugePage * kHugePage;
-  madvise(data + (begin - address), (size - (begin - address)) / kHugePage * kHugePage, MADV_HUGEPAGE);
-}
 
 /// The files of this process by name. `any` spares all others the search.
 struct Register {
@@ -153,18 +145,30 @@ void save_array(hid_t file, const std::string& path, const MemoryArray& array) {
 
 }  // namespace
 
-GrowingBytes::~GrowingBytes() { std::free(data_); }
+GrowingBytes::~GrowingBytes() {
+  if (data_ != nullptr) LargeAllocator<std::byte>().deallocate(data_, capacity_);
+}
 
 void GrowingBytes::resize(std::size_t size) {
-  if (size > capacity_) {
-    const std::size_t capacity = std::max(size, 2 * capacity_);  // pages that are not used cost nothing
-    void* const larger = std::realloc(data_, capacity);
-    if (larger == nullptr) throw std::bad_alloc();
-    data_ = static_cast<std::byte*>(larger);
-    capacity_ = capacity;
-    if (capacity >= 2 * kHugePage) use_huge_pages(data_, capacity);
-  }
+  if (size > capacity_) grow(size);
   size_ = size;
+}
+
+/// The pages of a large block are moved to another one, whose alignment keeps huge pages whole. realloc()
+/// would copy the bytes or split the pages, which took longer than a scan.
+void GrowingBytes::grow(std::size_t size) {
+  std::size_t capacity = std::max(size, 2 * capacity_);  // pages that are not used cost nothing
+  if (capacity >= kLargeBlock) capacity = (capacity + kHugePage - 1) / kHugePage * kHugePage;
+  std::byte* const larger = LargeAllocator<std::byte>().allocate(capacity);
+  if (capacity_ >= kLargeBlock) {
+    if (mremap(data_, capacity_, capacity, MREMAP_MAYMOVE | MREMAP_FIXED, larger) == MAP_FAILED)
+      throw std::bad_alloc();
+  } else if (data_ != nullptr) {
+    std::memcpy(larger, data_, size_);
+    LargeAllocator<std::byte>().deallocate(data_, capacity_);
+  }
+  data_ = larger;
+  capacity_ = capacity;
 }
 
 MemoryFile::MemoryFile(std::string name) : name_(std::move(name)) {

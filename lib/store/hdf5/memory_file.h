@@ -31,6 +31,8 @@ class GrowingBytes {
   [[nodiscard]] std::size_t size() const { return size_; }
 
  private:
+  void grow(std::size_t size);
+
   std::byte* data_ = nullptr;
   std::size_t size_ = 0;
   std::size_t capacity_ = 0;

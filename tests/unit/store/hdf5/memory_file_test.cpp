@@ -75,6 +75,17 @@ TEST(MemoryFile, IsReadAsAFileAndSavedAsOne) {
   EXPECT_THROW(save_file(memory, {folder / "saved.h5"}), UsageError);
 }
 
+TEST(GrowingBytes, KeepTheirValues) {
+  h5::GrowingBytes bytes;
+  std::size_t filled = 0;
+  const auto value = [](std::size_t i) { return static_cast<std::byte>(i % 251); };
+  for (const std::size_t size : {100U, 5U << 10U, 3U << 20U, 7U << 20U, 40U << 20U, 1U << 20U}) {
+    bytes.resize(size);
+    for (; filled < size; ++filled) bytes.data()[filled] = value(filled);
+    for (std::size_t i = 0; i < size; i += 997) ASSERT_EQ(bytes.data()[i], value(i)) << size;
+  }
+}
+
 TEST(MemoryFile, ArraysOutliveItAndNamesAreFreed) {
   std::shared_ptr<const h5::MemoryArray> layer;
   {
