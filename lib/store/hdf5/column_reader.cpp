@@ -74,7 +74,8 @@ ColumnReader::ColumnReader(const TableReader& table, const std::vector<std::stri
     h5::Handle dataset = table.open(name);
     const std::optional<DecodableChunks> chunks = decodable_column(dataset.get(), row_count);
     const ChunkFile file(dataset.get());
-    columns_.push_back({table.path_of(name), std::move(dataset), file, row_count, chunks, {}, {}});
+    const auto array = h5::array_in_memory(dataset.get());
+    columns_.push_back({table.path_of(name), std::move(dataset), file, row_count, chunks, array, {}, {}});
   }
 }
 
@@ -132,6 +133,12 @@ bool ColumnReader::copy_kept(const Piece& piece, const ColumnTarget& target) con
 void ColumnReader::read_piece(const Piece& piece, const ColumnTarget& target) {
   Column& column = columns_[piece.column];
   const DecodableChunks& chunks = *column.chunks;
+  if (column.array) {
+    const std::size_t size = chunks.format.element_size;
+    const std::span values(column.array->values.data(), column.array->values.size());
+    const std::size_t first = piece.chunk * kTableChunkRows + piece.first;
+    return convert(values.subspan(first * size, piece.count * size), chunks.type, target);
+  }
   thread_local StoredChunk stored;
   const std::array<hsize_t, 1> offset = {piece.chunk * kTableChunkRows};
   if (!column.file.load(column.dataset.get(), offset, stored)) {

@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <span>
 #include <string>
@@ -11,6 +12,7 @@
 
 #include "store/hdf5/chunk_source.h"
 #include "store/hdf5/h5.h"
+#include "store/hdf5/memory_file.h"
 
 namespace landfall {
 
@@ -45,7 +47,8 @@ class ColumnReader {
     ChunkFile file;
     std::size_t row_count;
     std::optional<DecodableChunks> chunks;
-    std::optional<std::size_t> kept_chunk;  ///< the chunk that `kept` holds, decoded
+    std::shared_ptr<const h5::MemoryArray> array;  ///< null unless the values are in memory
+    std::optional<std::size_t> kept_chunk;         ///< the chunk that `kept` holds, decoded
     std::vector<std::byte> kept;
   };
   /// The part of a chunk that a batch needs.

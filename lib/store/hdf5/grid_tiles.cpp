@@ -15,8 +15,10 @@
 
 #include "base/core/error.h"
 #include "base/core/parallel.h"
+#include "base/raster/by_rows.h"
 #include "store/hdf5/chunk_codec.h"
 #include "store/hdf5/chunk_source.h"
+#include "store/hdf5/memory_file.h"
 
 namespace landfall {
 namespace {
@@ -94,6 +96,19 @@ bool place_tile(const LoadedTile& loaded, BinIndex tile, const ChunkFormat& form
   return true;
 }
 
+/// Copies a part of a layer in memory. False if that has another type.
+template <class T>
+bool copy_part(const h5::MemoryArray& array, const LayerPart& part, Grid<T>& layer) {
+  if (array.type != h5::TypeOf<T>::value) return false;
+  by_rows(layer.spec(), [&](std::int64_t row) {
+    const auto [first_row, first_col] = offset_of(part, {row, 0});
+    std::memcpy(&layer.at({row, 0}),
+                array.values.data() + (first_row * array.shape[1] + first_col) * sizeof(T),
+                static_cast<std::size_t>(layer.spec().cols) * sizeof(T));
+  });
+  return true;
+}
+
 }  // namespace
 
 BinIndex tile_of(const GridSpec& spec) { return {std::min(kTile, spec.rows), std::min(kTile, spec.cols)}; }
@@ -125,6 +140,7 @@ void write_tiles(hid_t dataset, const Grid<T>& values, const LayerPart& part, in
 
 template <class T>
 bool read_tiles(hid_t dataset, Grid<T>& layer, const LayerPart& part, const ProgressCallback& progress) {
+  if (const auto array = h5::array_in_memory(dataset)) return copy_part(*array, part, layer);
   const auto chunks = decodable_chunks(dataset, offset_of({}, part.tile));
   if (!chunks || chunks->type != h5::TypeOf<T>::value) return false;
   TileSequence tiles(layer.spec(), part.tile);
