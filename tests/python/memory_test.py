@@ -25,13 +25,13 @@ SAFE = with_values(HAZARD, limits__slope_deg=20)
 
 
 def datasets(path):
-    """{path: dataset's values and attributes} of a file, without its history and the references of HDF5."""
+    """{path: dataset's values, attributes and scales} of a file, without its history and the references of HDF5."""
     found = {}
     with h5py.File(path) as file:
         def visit(name, item):
             if isinstance(item, h5py.Dataset) and not name.startswith("provenance"):
                 kept = {key: value for key, value in attributes(item).items() if key not in ("REFERENCE_LIST", "DIMENSION_LIST")}
-                found[name] = (item[()], kept)
+                found[name] = (item[()], kept | {"scales": [list(scale) for scale in item.dims]})
         file.visititems(visit)
     return found
 
@@ -92,6 +92,7 @@ class InMemory(unittest.TestCase):
                     self.assertEqual(found.dtype, values.dtype, name)
             saved = self.path(f"saved-{stage}.h5")
             result.to_file(saved)
+            result.to_file(saved, overwrite=True)
             self.assert_same_datasets(saved, path)
             self.assertEqual(run("landfall-info", "--check", saved).returncode, 0)
         if case.terrain.z is not None:

@@ -78,7 +78,7 @@ class File {
   /// The values of a dataset: an array, or the text.
   [[nodiscard]] py::object values(const std::string& path) const { return object_of(file_.values(path)); }
 
-  void save(const std::filesystem::path& path, bool overwrite) const {
+  void save(const std::filesystem::path& path, bool overwrite) {
     const py::gil_scoped_release unlock;
     save_file(file_, {path, overwrite});
   }

@@ -17,6 +17,7 @@
 #include "store/hdf5/chunk_codec.h"
 #include "store/hdf5/grid_tiles.h"
 #include "store/hdf5/infinite_values.h"
+#include "store/hdf5/memory_file.h"
 
 namespace landfall {
 namespace {
@@ -35,10 +36,10 @@ void prepare(GridLayerWriter::TileValues& values, h5::Type type, std::size_t cou
   throw std::logic_error("no tiles of this type");
 }
 
-h5::Handle write_axis(hid_t root, const char* name, const std::vector<double>& values,
-                      const std::string& located_at) {
+void write_axis(hid_t root, const char* name, const std::vector<double>& values,
+                const std::string& located_at) {
   const std::string axis = name;
-  h5::Handle dataset =
+  const h5::Handle dataset =
       h5::create_dataset(root, axis, h5::Type::float64, {.size = {values.size()}, .chunk = {}});
   if (H5Dwrite(dataset.get(), H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, values.data()) < 0)
     throw IoError("writing /" + axis + " failed: " + h5::failure_reason());
@@ -47,7 +48,6 @@ h5::Handle write_axis(hid_t root, const char* name, const std::vector<double>& v
   h5::write_attribute(dataset.get(), "long_name", axis + " in the DEM frame, " + located_at);
   h5::write_attribute(dataset.get(), "standard_name", "projection_" + axis + "_coordinate");
   h5::write_attribute(dataset.get(), "axis", std::string(axis == "x" ? "X" : "Y"));
-  return dataset;
 }
 
 void write_actual_range(hid_t dataset, h5::Type type, const ValueRange& range) {
@@ -160,15 +160,21 @@ GridLayerWriter::GridLayerWriter(LandfallFileWriter& file, const GridSpec& spec,
   for (std::int64_t c = 0; c < spec.cols; ++c) x[static_cast<std::size_t>(c)] = spec.x(c);
   for (std::int64_t r = 0; r < spec.rows; ++r) y[static_cast<std::size_t>(r)] = spec.y(r);
   h5::write_attribute(root_, "resolution_m", spec.resolution_m);
-  x_ = write_axis(root_, "x", x, located_at);
-  y_ = write_axis(root_, "y", y, located_at);
+  write_axis(root_, "x", x, located_at);
+  write_axis(root_, "y", y, located_at);
   frame_ = write_crs(root_, crs_wkt);
   if (frame_ == CfFrame::inexpressible) file.withdraw_cf_claim();
 }
 
-void GridLayerWriter::attach_scales(hid_t dataset) const {
-  if (H5DSattach_scale(dataset, y_.get(), 0) < 0 || H5DSattach_scale(dataset, x_.get(), 1) < 0)
-    throw IoError("attaching the coordinates failed: " + h5::failure_reason());
+/// netCDF then knows the axes of a layer.
+void GridLayerWriter::attach_scales(const std::string& layer) const {
+  h5::for_other_programs(root_, [layer](hid_t root) {
+    const h5::Handle dataset = h5::open_dataset(root, layer);
+    const h5::Handle y = h5::open_dataset(root, "y");
+    const h5::Handle x = h5::open_dataset(root, "x");
+    if (H5DSattach_scale(dataset.get(), y.get(), 0) < 0 || H5DSattach_scale(dataset.get(), x.get(), 1) < 0)
+      throw IoError("attaching the coordinates failed: " + h5::failure_reason());
+  });
 }
 
 h5::Handle GridLayerWriter::create(const std::string& name, h5::Type type, const LayerText& given) const {
@@ -181,7 +187,7 @@ h5::Handle GridLayerWriter::create(const std::string& name, h5::Type type, const
                           .chunk = {static_cast<hsize_t>(tile.row), static_cast<hsize_t>(tile.col)},
                           .level = compression_,
                           .nan_fill = is_real});
-  attach_scales(dataset.get());
+  attach_scales(name);
   if (is_real) write_fill_value(dataset.get(), type);
   h5::write_attribute(dataset.get(), "units", text.units);
   h5::write_attribute(dataset.get(), "long_name", text.long_name);

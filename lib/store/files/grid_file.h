@@ -84,14 +84,12 @@ class GridLayerWriter {
   [[nodiscard]] std::vector<Tile> tiles() const;
   void write_tile(hid_t dataset, const std::string& name, BinIndex first,
                   std::span<const std::byte> bytes) const;
-  void attach_scales(hid_t dataset) const;
+  void attach_scales(const std::string& layer) const;
 
   hid_t root_;
   std::string kind_;
   int compression_;
   GridSpec spec_;
-  h5::Handle x_;
-  h5::Handle y_;
   CfFrame frame_;
 };
 

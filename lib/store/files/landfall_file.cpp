@@ -154,7 +154,7 @@ void LandfallFileWriter::commit() {
   seal_and_commit(*output_, objects);
 }
 
-void save_file(const h5::MemoryFile& file, const OutputOptions& options) {
+void save_file(h5::MemoryFile& file, const OutputOptions& options) {
   OutputPath output(options.path, options.overwrite);
   write_text(output, file.image());
   file.save_arrays(output.temporary());

@@ -47,7 +47,7 @@ class LandfallFileWriter {
 };
 
 /// Writes a file in memory to the disk, as its tool would have. Throws as LandfallFileWriter does.
-void save_file(const h5::MemoryFile& file, const OutputOptions& options);
+void save_file(h5::MemoryFile& file, const OutputOptions& options);
 
 /// Opens and checks any landfall file.
 class LandfallFileReader {

@@ -201,6 +201,7 @@ MemoryFile* MemoryFile::of(hid_t object) {
 Handle MemoryFile::create(hid_t creation_properties) {
   constexpr std::size_t kStep = std::size_t{1} << 20U;
   arrays_.clear();
+  todo_.clear();
   file_.reset();
   const Handle access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
   H5Pset_fapl_core(access.get(), kStep, false);
@@ -305,8 +306,20 @@ bool gather(const MemoryArray& array, hid_t type, hid_t selection, void* values)
   return true;
 }
 
-std::string MemoryFile::image() const {
+void MemoryFile::when_saved(std::function<void(hid_t)> work) { todo_.push_back(std::move(work)); }
+
+void for_other_programs(hid_t root, const std::function<void(hid_t)>& work) {
+  if (MemoryFile* const file = MemoryFile::of(root))
+    file->when_saved(work);
+  else
+    work(root);
+}
+
+std::string MemoryFile::image() {
+  const std::lock_guard lock(saving_);
   const Handle file = open();
+  for (const auto& work : todo_) work(file.get());
+  todo_.clear();
   H5Fflush(file.get(), H5F_SCOPE_GLOBAL);
   std::string bytes(static_cast<std::size_t>(std::max<ssize_t>(H5Fget_file_image(file.get(), nullptr, 0), 0)),
                     '\0');

@@ -4,8 +4,10 @@
 #include <atomic>
 #include <cstddef>
 #include <filesystem>
+#include <functional>
 #include <map>
 #include <memory>
+#include <mutex>
 #include <span>
 #include <string>
 #include <variant>
@@ -86,8 +88,10 @@ class MemoryFile {
   /// Takes a chunk in plain form, with which write_chunk() was called; its part beyond the dataset's extent
   /// is left out.
   void put_chunk(hid_t dataset, std::span<const hsize_t> offset, std::span<const std::byte> bytes);
+  /// Keeps work on the file, which gets its root, for image().
+  void when_saved(std::function<void(hid_t root)> work);
   /// The bytes of a file on a disk with all but the values of arrays. Throws IoError.
-  [[nodiscard]] std::string image() const;
+  [[nodiscard]] std::string image();
   /// Writes the values of the arrays to the file at `path`, which holds image(), with its chunks filtered as
   /// their datasets say. Throws IoError.
   void save_arrays(const std::filesystem::path& path) const;
@@ -96,7 +100,13 @@ class MemoryFile {
   std::string name_;
   Handle file_{};
   std::map<std::string, std::shared_ptr<MemoryArray>> arrays_;
+  std::vector<std::function<void(hid_t)>> todo_;  ///< by image()
+  std::mutex saving_;
 };
+
+/// Work on a file that serves other programs only, such as dimensions of netCDF: done now, or when a
+/// MemoryFile is saved.
+void for_other_programs(hid_t root, const std::function<void(hid_t root)>& work);
 
 /// The values of a dataset of a MemoryFile that has them as an array; else null.
 [[nodiscard]] std::shared_ptr<const MemoryArray> array_in_memory(hid_t dataset);

@@ -83,6 +83,25 @@ void describe(hid_t dataset, const ColumnSpec& spec) {
   h5::write_attribute(dataset, "flag_meanings", spec.flag_meanings);
 }
 
+void add_dimension(hid_t root, const std::string& group, const std::string& dimension) {
+  constexpr hsize_t kMaxRows = hsize_t{1} << 28U;
+  const h5::Handle columns = h5::open_group(root, group);
+  const std::vector<DatasetEntry> entries = list_datasets(columns.get());
+  const hsize_t rows = entries.at(0).shape.at(0);
+  if (rows > kMaxRows) return;
+  const h5::Handle scale = h5::create_dataset(root, dimension, h5::Type::int8, {.size = {rows}, .chunk = {}});
+  h5::write_attribute(scale.get(), "units", std::string("1"));
+  h5::write_attribute(scale.get(), "long_name", "rows of /" + group);
+  // netCDF knows a dimension without a variable by this name; the number fills the width that it writes.
+  std::array<char, 80> name{};
+  std::snprintf(name.data(), name.size(), "This is a netCDF dimension but not a netCDF variable.%10llu",
+                static_cast<unsigned long long>(rows));
+  bool attached = H5DSset_scale(scale.get(), name.data()) >= 0;
+  for (const DatasetEntry& entry : entries)
+    attached = attached && H5DSattach_scale(entry.dataset.get(), scale.get(), 0) >= 0;
+  if (!attached) throw IoError("attaching the dimension " + dimension + " failed: " + h5::failure_reason());
+}
+
 }  // namespace
 
 std::optional<DecodableChunks> decodable_column(hid_t dataset, std::size_t rows) {
@@ -259,22 +278,7 @@ void write_table(hid_t parent, const std::string& group, std::vector<ColumnSpec>
 }
 
 void name_rows(hid_t root, const std::string& group, const std::string& dimension) {
-  constexpr hsize_t kMaxRows = hsize_t{1} << 28U;
-  const h5::Handle columns = h5::open_group(root, group);
-  const std::vector<DatasetEntry> entries = list_datasets(columns.get());
-  const hsize_t rows = entries.at(0).shape.at(0);
-  if (rows > kMaxRows) return;
-  const h5::Handle scale = h5::create_dataset(root, dimension, h5::Type::int8, {.size = {rows}, .chunk = {}});
-  h5::write_attribute(scale.get(), "units", std::string("1"));
-  h5::write_attribute(scale.get(), "long_name", "rows of /" + group);
-  // netCDF knows a dimension without a variable by this name; the number fills the width that it writes.
-  std::array<char, 80> name{};
-  std::snprintf(name.data(), name.size(), "This is a netCDF dimension but not a netCDF variable.%10llu",
-                static_cast<unsigned long long>(rows));
-  bool attached = H5DSset_scale(scale.get(), name.data()) >= 0;
-  for (const DatasetEntry& entry : entries)
-    attached = attached && H5DSattach_scale(entry.dataset.get(), scale.get(), 0) >= 0;
-  if (!attached) throw IoError("attaching the dimension " + dimension + " failed: " + h5::failure_reason());
+  h5::for_other_programs(root, [=](hid_t file) { add_dimension(file, group, dimension); });
 }
 
 TableReader::TableReader(hid_t parent, const std::string& group, std::string file)
