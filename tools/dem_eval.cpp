@@ -126,7 +126,7 @@ ExitCode run(cli::Session& session, const Options& o) {
     session.with_file_names(o.dem, judge);
   });
   session.phase("uncertainty", [&](const ProgressCallback&) {
-    if (const auto maps = read_uncertainty(o.dem))
+    if (const auto maps = dem.has_sigmas ? read_uncertainty(o.dem) : std::nullopt)
       evaluation.metrics.uncertainty =
           assess_uncertainty(*maps, evaluation.region, footprint_of(parameters, grid.resolution_m));
     judge_own_requirements(evaluation.metrics, parameters.own_requirements);

@@ -203,6 +203,7 @@ DemInput read_dem(const std::filesystem::path& path, const ProgressCallback& pro
   };
   DemInput dem{
       {.z_est = read("z_est"), .truth = std::nullopt}, layers.crs_wkt(), file.file_id(), file.chain()};
+  dem.has_sigmas = layers.has("z_sigma_abs");
   if (layers.has("count") && maker_of(dem.chain) != "landfall-import")
     dem.layers.count = layers.read_checked<std::int32_t>("count", LayerValues::not_negative);
   if (!layers.has("z_true")) return dem;

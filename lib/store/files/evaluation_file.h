@@ -19,6 +19,7 @@ struct DemInput {
   std::string crs_wkt;
   std::string file_id;
   nlohmann::json chain;
+  bool has_sigmas = false;  ///< whether read_uncertainty() may find layers
 };
 
 /// Reads z_est of a dem.h5 and, if they exist, count and z_true, then also z_corrected if

@@ -18,7 +18,7 @@ struct LayerFile {
   LandfallFileReader file;
   GridLayerReader layers;
 
-  explicit LayerFile(const std::filesystem::path& path) : file(path, {"terrain"}), layers(file) {}
+  explicit LayerFile(LandfallFileReader opened) : file(std::move(opened)), layers(file) {}
 };
 
 using Range = std::array<double, 2>;
@@ -84,12 +84,10 @@ Grid<float> checked_albedo(const LayerFile& source, const GridSpec& window) {
 }  // namespace
 
 std::unique_ptr<const AlbedoMap> open_albedo(const std::filesystem::path& path) {
-  {
-    const LandfallFileReader file(path, {"terrain"});
-    if (!h5::exists(file.root(), "albedo"))
-      file.fail("has no layer /albedo, which /surface/albedo \"terrain\" asks for");
-  }
-  const auto source = std::make_shared<const LayerFile>(path);
+  LandfallFileReader file(path, {"terrain"});
+  if (!h5::exists(file.root(), "albedo"))
+    file.fail("has no layer /albedo, which /surface/albedo \"terrain\" asks for");
+  const auto source = std::make_shared<const LayerFile>(std::move(file));
   return std::make_unique<const AlbedoMap>(
       source->layers.spec(), source->layers.tile(),
       [source](const GridSpec& window) { return checked_albedo(*source, window); });
@@ -97,11 +95,9 @@ std::unique_ptr<const AlbedoMap> open_albedo(const std::filesystem::path& path) 
 
 std::optional<LargeTerrainInput> open_large_terrain(const std::filesystem::path& path, std::int64_t max_nodes,
                                                     const ProgressCallback& progress) {
-  {
-    const LandfallFileReader file(path, {"terrain"});
-    if (!h5::exists(file.root(), "z")) return std::nullopt;
-  }
-  const auto source = std::make_shared<const LayerFile>(path);
+  LandfallFileReader file(path, {"terrain"});
+  if (!h5::exists(file.root(), "z")) return std::nullopt;
+  const auto source = std::make_shared<const LayerFile>(std::move(file));
   const GridSpec& spec = source->layers.spec();
   const bool fits = spec.rows <= max_nodes / spec.cols;
   if (fits || spec.rows < 2 || spec.cols < 2 || !CellOrigin::has_windows(spec)) return std::nullopt;

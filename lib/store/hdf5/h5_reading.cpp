@@ -144,7 +144,7 @@ bool exists(hid_t parent, const std::string& name) {
 
 Handle open_dataset(hid_t parent, const std::string& name) {
   Handle dataset = open_kind(parent, name, H5I_DATASET);
-  if (!dataset) return dataset;
+  if (!dataset || MemoryFile::of(dataset.get()) != nullptr) return dataset;
   const double row = chunk_bytes_of(dataset.get()).row;
   if (row <= kHdf5Cache || row > kLargestCache) return dataset;
   const Handle access(H5Pcreate(H5P_DATASET_ACCESS), H5Pclose);
