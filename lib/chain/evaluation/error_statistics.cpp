@@ -38,11 +38,11 @@ template <class ErrorAt>
 FirstPass first_pass(std::size_t bins, const ErrorAt& error_at) {
   std::vector<BucketCounts> counts((bins + kValuesPerPiece - 1) / kValuesPerPiece);
   const auto sums = by_piece(bins, [&](std::size_t begin, std::size_t end) {
-    BucketCounts piece(ValueBucket::kCount + 1);
+    BucketCounts piece = no_counts(bins);
     CountedSum sum;
     for (std::size_t i = begin; i < end; ++i) {
       const double e = error_at(i);
-      ++piece[ValueBucket::of(e)];
+      count_value(piece, e);
       sum.add(e);
     }
     counts[begin / kValuesPerPiece] = std::move(piece);

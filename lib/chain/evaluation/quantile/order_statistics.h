@@ -30,8 +30,19 @@ struct ValueBucket {
   }
 };
 
-/// The number of values in each bucket, NaN last.
+/// So many values are counted in one bucket: it takes longer to clear and add 2^16 counters than to select.
+inline constexpr std::size_t kFewValues = 4096;
+
+/// The number of values in each bucket, NaN last. Two counters for few values: numbers and NaN.
 using BucketCounts = std::vector<std::uint32_t>;
+
+/// Zero for each bucket of so many values.
+[[nodiscard]] inline BucketCounts no_counts(std::size_t values) {
+  return BucketCounts(values <= kFewValues ? 2 : ValueBucket::kCount + 1);
+}
+inline void count_value(BucketCounts& counts, double value) {
+  ++counts[counts.size() > 2 ? ValueBucket::of(value) : std::size_t{std::isnan(value)}];
+}
 
 /// The counts of the magnitudes: a value and its negative are counted together.
 [[nodiscard]] BucketCounts counts_of_magnitudes(const BucketCounts& counts);
@@ -81,19 +92,19 @@ template <ValueAt F>
 [[nodiscard]] ValueSummary summarize(std::size_t count, const F& value_at, double limit) {
   std::vector<ValueSummary> pieces = by_piece(count, [&](std::size_t begin, std::size_t end) {
     ValueSummary piece;
-    piece.counts.resize(ValueBucket::kCount + 1);
+    piece.counts = no_counts(count);
     for (std::size_t i = begin; i < end; ++i) {
       const double value = value_at(i);
       const double magnitude = std::abs(value);
       piece.sum.add(value);
       piece.largest = magnitude > piece.largest ? magnitude : piece.largest;
       piece.above += magnitude > limit ? 1 : 0;
-      ++piece.counts[ValueBucket::of(magnitude)];
+      count_value(piece.counts, magnitude);
     }
     return piece;
   });
   ValueSummary result;
-  result.counts.resize(ValueBucket::kCount + 1);
+  result.counts = no_counts(count);
   for (const ValueSummary& piece : pieces) {
     result.sum.count += piece.sum.count;
     result.sum.sum += piece.sum.sum;
@@ -106,12 +117,12 @@ template <ValueAt F>
 }
 
 /// One quantile (quantile.h) of the values that count; empty without a value. A selection would copy and
-/// reorder all values; this counts them by bucket and copies only those of one or two buckets.
+/// reorder all values; this counts many by bucket and copies only those of one or two buckets.
 template <ValueAt F>
 [[nodiscard]] std::optional<double> quantile_of(std::size_t count, const F& value_at, double q) {
   const auto counts = by_piece(count, [&](std::size_t begin, std::size_t end) {
-    BucketCounts piece(ValueBucket::kCount + 1);
-    for (std::size_t i = begin; i < end; ++i) ++piece[ValueBucket::of(value_at(i))];
+    BucketCounts piece = no_counts(count);
+    for (std::size_t i = begin; i < end; ++i) count_value(piece, value_at(i));
     return piece;
   });
   const std::optional<BucketRange> range = find_buckets(sum_of_counts(counts), q);

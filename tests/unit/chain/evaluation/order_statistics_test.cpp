@@ -73,9 +73,12 @@ TEST(QuantileOf, TheLastPieceIsFullOrHoldsOneValue) {
 }
 
 TEST(QuantileOf, FewValuesOfAnySize) {
-  const std::vector<double> values{-kInfinity, -1e300, -2, -1e-310, 0, kNan, 1e-310, 1, 1e300, kInfinity};
-  for (int step = 0; step <= 8; ++step)
-    EXPECT_EQ(quantile(values, step / 8.0), by_sorting(values, step / 8.0)) << step;
+  std::vector<double> values{-kInfinity, -1e300, -2, -1e-310, 0, kNan, 1e-310, 1, 1e300, kInfinity};
+  for (const std::size_t size : {values.size(), kFewValues, kFewValues + 1}) {  // in one bucket, and in many
+    values.resize(size, kNan);
+    for (int step = 0; step <= 8; ++step)
+      EXPECT_EQ(quantile(values, step / 8.0), by_sorting(values, step / 8.0)) << size << ", " << step;
+  }
   EXPECT_EQ(quantile({1, 2}, 0.25), 1.25);  // two buckets
   EXPECT_EQ(quantile({7, kNan}, 0.95), 7);
 }
@@ -152,9 +155,7 @@ TEST(ValueSummary, SumOfValuesButLargestAndAboveOfMagnitudes) {
   EXPECT_EQ(summary.sum.sum, 1);
   EXPECT_EQ(summary.largest, 3);
   EXPECT_EQ(summary.above, 1);
-  EXPECT_EQ(summary.counts[ValueBucket::of(3)], 1U);
-  EXPECT_EQ(summary.counts[ValueBucket::of(2)], 2U);
-  EXPECT_EQ(summary.counts[ValueBucket::kCount], 2U);
+  EXPECT_EQ(summary.counts, (BucketCounts{3, 2}));
   EXPECT_EQ(summarize(values.size(), at(values), 1.5).above, 3);
   EXPECT_EQ(summarize(1, at(values), 2).largest, -kInfinity);
 }
