@@ -78,6 +78,11 @@ class File {
   /// The values of a dataset: an array, or the text.
   [[nodiscard]] py::object values(const std::string& path) const { return object_of(file_.values(path)); }
 
+  void load(const std::filesystem::path& path) {
+    const py::gil_scoped_release unlock;
+    file_.load(path);
+  }
+
   void save(const std::filesystem::path& path, bool overwrite) {
     const py::gil_scoped_release unlock;
     save_file(file_, {path, overwrite});
@@ -98,6 +103,7 @@ void bind_files(py::module_& module) {
       .def("members", &File::members)
       .def("attributes", &File::attributes)
       .def("values", &File::values)
+      .def("load", &File::load)
       .def("save", &File::save);
 }
 

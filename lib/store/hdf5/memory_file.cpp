@@ -37,6 +37,14 @@ std::string name_text(hid_t object, ssize_t (*get)(hid_t, char*, std::size_t)) {
   return text;
 }
 
+/// HDF5's driver `core`, which never writes to a disk.
+Handle access_in_memory() {
+  constexpr std::size_t kStep = std::size_t{1} << 16U;
+  Handle access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
+  H5Pset_fapl_core(access.get(), kStep, false);
+  return access;
+}
+
 std::vector<hsize_t> memory_chunk_of(hid_t dataset) {
   const Handle properties(H5Dget_create_plist(dataset), H5Pclose);
   std::vector<hsize_t> chunk(H5S_MAX_RANK, 0);
@@ -199,15 +207,22 @@ MemoryFile* MemoryFile::of(hid_t object) {
 }
 
 Handle MemoryFile::create(hid_t creation_properties) {
-  constexpr std::size_t kStep = std::size_t{1} << 20U;
   arrays_.clear();
   todo_.clear();
   file_.reset();
-  const Handle access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
-  H5Pset_fapl_core(access.get(), kStep, false);
+  const Handle access = access_in_memory();
   file_ = Handle(H5Fcreate(name_.c_str(), H5F_ACC_TRUNC, creation_properties, access.get()), H5Fclose);
   if (!file_) throw IoError(name_ + " cannot be made: " + failure_reason());
   return open();
+}
+
+void MemoryFile::load(const std::filesystem::path& path) {
+  const Handle checked = open_file(path);
+  const Handle access = access_in_memory();
+  arrays_.clear();
+  todo_.clear();
+  file_ = Handle(H5Fopen(path.c_str(), H5F_ACC_RDONLY, access.get()), H5Fclose);
+  if (!file_) throw FormatError(path.string() + ": reading failed: " + reading_failure());
 }
 
 Handle MemoryFile::open() const {

@@ -67,6 +67,9 @@ class MemoryFile {
   [[nodiscard]] const std::string& name() const { return name_; }
   /// Makes the file, empty, and returns an identifier for its writer. Throws IoError.
   Handle create(hid_t creation_properties);
+  /// Takes the content of a file on a disk: HDF5 holds it as it is stored, so that it is checked and read
+  /// from the disk once. Throws as open_file().
+  void load(const std::filesystem::path& path);
   /// Another identifier of the file. Throws FormatError if it was not created.
   [[nodiscard]] Handle open() const;
 

@@ -105,8 +105,12 @@ class Model:
             fixed = tuple((key, value) for key, value in row.items() if key not in drawn and key not in (SEED, DRAW))
             groups.setdefault(fixed, []).append(number)
         for fixed, numbers in groups.items():
-            configs = set_values(copy.deepcopy(self.base), dict(fixed))
-            if self.traced is None and (len(numbers) == 1 or runs.needs_chain(configs["scan"])):
+            is_alone = self.traced is None and len(numbers) == 1
+            configs = set_values(copy.deepcopy(self.base), rows[numbers[0]] if is_alone else dict(fixed))
+            if is_alone:
+                yield _Chain(self, numbers, configs)
+                continue
+            if self.traced is None and runs.needs_chain(configs["scan"]):
                 for number in numbers:
                     yield _Chain(self, [number], set_values(copy.deepcopy(self.base), rows[number]))
                 continue

@@ -32,6 +32,7 @@ STAGES = tuple(stage for stage in TOOLS if stage != "draws")
 REFUSALS = (1, 2)  # exit codes of a tool that refuses its input; any other code, such as that of a killed tool, does not blame the input
 NOT_JUDGED = -1  # in the column `pass` of draws
 _in_memory = itertools.count(1)
+LARGEST_HELD = 2**26  # bytes of a terrain that stays in memory
 PART_DRAWS = 32  # of one run of monte-carlo: what is lost at most where a run is killed
 
 
@@ -173,7 +174,7 @@ class Runner:
         os.makedirs(self.cache, exist_ok=True)
         self.scratch = self._open_scratch()
         self.version = tools.run_tool(tools.find("monte-carlo"), "--version").stdout
-        self._locks, self._lock = {}, threading.Lock()
+        self._locks, self._lock, self._terrain = {}, threading.Lock(), None
 
     def _open_scratch(self):
         """A folder for what exists only during this run; those of killed runs, which hold no lock, are removed."""
@@ -276,13 +277,23 @@ class Runner:
                 found |= results.read_result(folder, "score/s.json")
             return results.with_own_of_score(found)
 
-    def _chain_here(self, terrain, configs, options):
+    def _chain_here(self, path, configs, options):
         """The same with files in memory."""
-        scan, dem, judged = (self.engine.File(f"{next(_in_memory)} {name} of a model.h5") for name in ("scan", "dem", "eval"))
+        terrain, scan, dem = self._held(path), *(self.engine.File(f"{next(_in_memory)} {name} of a model.h5") for name in ("scan", "dem"))
         self.run("scan-sim", "--terrain", terrain, "-o", scan.name, config=configs["scan"])
         self.run("regrid", scan.name, "--terrain", terrain, *options, "-o", dem.name, config=configs["regrid"])
-        self.run("dem-eval", dem.name, "-o", judged.name, "--metrics-only", config=configs["eval"])
-        return results.with_own_of_score(results.flatten(json.loads(judged.values("metrics_json"))))
+        summary = json.loads(self.run("dem-eval", dem.name, "--metrics-only", "--json", config=configs["eval"]))
+        return results.with_own_of_score(results.flatten(summary["metrics"]))
+
+    def _held(self, path):
+        """The name of a terrain: in memory, where the last small one remains, so that it is checked and read from the disk once."""
+        if os.path.getsize(path) > LARGEST_HELD:
+            return path
+        if self._terrain is None or self._terrain[0] != path:
+            file = self.engine.File(f"{next(_in_memory)} {os.path.basename(path)}")
+            file.load(path)
+            self._terrain = path, file
+        return self._terrain[1].name
 
 
 def _engine():

@@ -73,6 +73,11 @@ TEST(MemoryFile, IsReadAsAFileAndSavedAsOne) {
   EXPECT_NEAR(static_cast<double>(std::filesystem::file_size(folder / "saved.h5")),
               static_cast<double>(std::filesystem::file_size(folder / "written.h5")), 4096);
   EXPECT_THROW(save_file(memory, {folder / "saved.h5"}), UsageError);
+  h5::MemoryFile loaded("a loaded map.h5");
+  loaded.load(folder / "saved.h5");
+  std::filesystem::remove(folder / "saved.h5");
+  expect_content(loaded.name());
+  EXPECT_THROW(loaded.load(folder / "saved.h5"), FormatError);
 }
 
 TEST(GrowingBytes, KeepTheirValues) {
