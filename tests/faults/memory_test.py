@@ -21,7 +21,8 @@ CALLS = int(os.environ.get("LANDFALL_FUZZ_CALLS", "400"))
 # Errors of the package, and those by which Python refuses a wrong call.
 REFUSALS = (landfall.Error, TypeError, ValueError, OverflowError, KeyError, MemoryError)
 INTERRUPTED = """
-import os, sys
+import os, signal, sys
+signal.signal(signal.SIGINT, signal.default_int_handler)  # a shell makes background processes ignore it
 sys.path.insert(0, os.path.join(os.environ["LANDFALL_ROOT"], "python"))
 import landfall
 terrain = landfall.Terrain("preset:paper")
@@ -29,7 +30,7 @@ def progress(phase, fraction):
     if phase == "trace" and fraction > 0:
         print("traces", flush=True)
 try:
-    landfall.scan("preset:paper", terrain, progress=progress)
+    landfall.scan(["preset:paper", {"laser": {"scan_time_s": 200}, "trajectory": {"velocity_mps": [0, 0, 0]}}], terrain, progress=progress)
 except KeyboardInterrupt:
     print("interrupted", flush=True)
 print(len(landfall.scan(["preset:paper", {"laser": {"scan_time_s": 0.01}}], terrain)))
