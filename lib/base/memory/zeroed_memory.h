@@ -8,9 +8,9 @@
 
 namespace landfall {
 
-/// Large zeroed memory that costs nothing until it is touched, in huge pages where the system has them. With
-/// small pages, first reading and then writing each page causes two page faults and, with several threads, an
-/// interrupt on every core. Throws std::bad_alloc.
+/// Zeroed memory. A large block costs nothing until it is touched, in huge pages where the system has them.
+/// With small pages, first reading and then writing each page causes two page faults and, with several
+/// threads, an interrupt on every core. Throws std::bad_alloc.
 class ZeroedMemory {
  public:
   explicit ZeroedMemory(std::size_t byte_count);
@@ -18,11 +18,11 @@ class ZeroedMemory {
   [[nodiscard]] void* data() const { return data_; }
 
  private:
-  struct Unmap {
-    std::size_t byte_count;
+  struct Release {
+    std::size_t mapped;  ///< 0: from the heap
     void operator()(void* memory) const;
   };
-  std::unique_ptr<void, Unmap> memory_;
+  std::unique_ptr<void, Release> memory_;
   void* data_;
 };
 

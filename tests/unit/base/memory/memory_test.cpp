@@ -13,6 +13,7 @@
 #include "base/core/error.h"
 #include "base/memory/available_memory.h"
 #include "base/memory/large_memory.h"
+#include "base/memory/zeroed_memory.h"
 #include "refusal.h"
 
 namespace landfall {
@@ -55,6 +56,15 @@ TEST(LargeMemory, IsAlignedAndUsableToTheLastByte) {
   block[kBlock - 1] = 2;
   EXPECT_EQ(block[0] + block[kBlock - 1], 3);
   give_large_block_back(block, kBlock);
+}
+
+TEST(ZeroedMemory, IsZeroFromTheHeapAndFromTheSystem) {
+  for (const std::size_t size : {std::size_t{0}, std::size_t{100}, kLargeBlock - 1, kLargeBlock, kBlock})
+    for (int turn = 0; turn < 2; ++turn) {
+      ZeroedArray<unsigned char> bytes(size);
+      EXPECT_TRUE(std::ranges::all_of(bytes.values(), [](unsigned char byte) { return byte == 0; })) << size;
+      std::ranges::fill(bytes.values(), 1);
+    }
 }
 
 TEST(LargeMemory, ABlockIsGivenToOneAtATimeAndUsedAgain) {
