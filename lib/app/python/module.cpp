@@ -24,6 +24,12 @@ bool ask_python(const py::object& progress, const std::string& phase, double fra
   return false;
 }
 
+/// Python delivers Ctrl-C to its main thread only.
+bool is_asked(const py::object& progress) {
+  const py::module_ threading = py::module_::import("threading");
+  return !progress.is_none() || threading.attr("current_thread")().is(threading.attr("main_thread")());
+}
+
 void translate(std::exception_ptr thrown) {
   const auto raise = [](const char* kind, const std::exception& error) {
     const py::object type = py::module_::import("landfall.errors").attr(kind);
@@ -50,12 +56,14 @@ void bind_tools(py::module_& module, std::map<std::string, ToolProgram> tools) {
                                  const py::object& progress) {
         bool interrupted = false;
         ToolResult result;
+        WaitingFunction waiting;
+        if (is_asked(progress))
+          waiting = [&](const std::string& phase, double fraction) {
+            return interrupted || ask_python(progress, phase, fraction, interrupted);
+          };
         {
           const py::gil_scoped_release unlock;
-          result = run_tool(tools.at(words.at(0)), {words, standard_input},
-                            [&](const std::string& phase, double fraction) {
-                              return interrupted || ask_python(progress, phase, fraction, interrupted);
-                            });
+          result = run_tool(tools.at(words.at(0)), {words, standard_input}, waiting);
         }
         if (interrupted) throw py::error_already_set();
         return std::tuple(result.code, result.message, result.warnings, result.printed);

@@ -76,6 +76,10 @@ ToolResult run_tool(const ToolProgram& tool, const ToolCommand& command, const W
   using namespace std::chrono_literals;
   Shared shared;
   ToolResult result;
+  if (!waiting) {
+    run(tool, command, shared, result);
+    return result;
+  }
   const JoinedRun running(std::thread([&] { run(tool, command, shared, result); }), shared);
   std::unique_lock lock(shared.lock);
   while (!shared.ended.wait_for(lock, 20ms, [&] { return shared.is_over; })) {

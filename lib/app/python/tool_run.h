@@ -32,9 +32,9 @@ struct ToolCommand {
   std::string standard_input{};
 };
 
-/// Runs a tool on a thread of its own, while this one waits. Runs of several threads go side by side; each
-/// file has one writer, and no reader before that has ended. Exceptions of `waiting` end the run and are
-/// passed on.
+/// Runs a tool on a thread of its own, while this one waits; on this one if `waiting` is empty. Runs of
+/// several threads go side by side; each file has one writer, and no reader before that has ended. Exceptions
+/// of `waiting` end the run and are passed on.
 [[nodiscard]] ToolResult run_tool(const ToolProgram& tool, const ToolCommand& command,
                                   const WaitingFunction& waiting);
 
