@@ -1,6 +1,6 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The lander of examples/lander: it lands where its map and its errors say, upright, on a safe place."""
+"""The lander of examples/lander.py: it lands where its map and its errors say, upright, on a safe place."""
 import importlib.util
 import os
 import sys
@@ -14,7 +14,7 @@ sys.path.insert(0, os.path.join(ROOT, "python"))
 
 
 def example():
-    path = os.path.join(ROOT, "examples", "lander", "lander.py")
+    path = os.path.join(ROOT, "examples", "lander.py")
     spec = importlib.util.spec_from_file_location("lander", path)
     module = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(module)

@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """A lander with four legs lands on the Moon by the map of its lidar: DART moves it; landfall scans, maps and judges in memory.
 
-    examples/lander/lander.py --seed 1 --picture landing.png     # needs python3-dartpy and python3-matplotlib
+    examples/lander.py --seed 1 --picture landing.png     # needs python3-dartpy and python3-matplotlib
 
 It descends by an estimate of its state that is wrong, scans the terrain from the true state, takes the best landing site of its map, flies there,
 and stands on its legs. With several seeds, each has its own terrain; the last line counts the landings on truly safe places.
