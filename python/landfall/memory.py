@@ -67,7 +67,7 @@ class Table:
         self.columns = tuple(name for name, is_group in file.members(group) if not is_group)
 
     def __getitem__(self, name: str) -> Array:
-        if name not in self.columns:
+        if not isinstance(name, str) or name not in self.columns:
             raise KeyError(f"no column {name!r}; columns: {', '.join(self.columns)}")
         return self._file.values(f"/{self._group}/{name}")
 
@@ -146,7 +146,7 @@ class Grid(Result):
         return xarray.Variable(dimensions, values, attributes, encoding)
 
     def __getitem__(self, name: str) -> typing.Any:
-        if name not in (*self._names, "x", "y", "crs"):
+        if not isinstance(name, str) or name not in (*self._names, "x", "y", "crs"):
             raise KeyError(f"no layer {name!r}; layers: {', '.join(self._names)}")
         return self.layers[name]
 
@@ -268,8 +268,7 @@ class Lidar:
             raise UsageError(f"terrain is a Terrain or a function, not of type {type(terrain).__name__}")
         self._terrain = terrain
         resolved = _print_config("scan-sim", config)
-        self._lidar = engine.Lidar(resolved, terrain.surface if isinstance(terrain, Terrain) else lambda origins, directions: _array(
-            terrain(origins, directions), "terrain's ranges", 1))
+        self._lidar = engine.Lidar(resolved, terrain.surface if isinstance(terrain, Terrain) else _ranges_of(terrain))
         self.pulse_rate_hz, self.pixel_count, self.pulse_limit = (
             self._lidar.pulse_rate_hz, self._lidar.pixel_count, self._lidar.pulse_limit)
 
@@ -278,11 +277,14 @@ class Lidar:
         """The pixels of pulse `k`, a structured array: pixel, status, range_true_m, range_measured_m, true_m, estimated_m. `attitude`: the quaternion
         D <- B (w, x, y, z). `estimate` and `nominal`: (position_m, attitude) that the lander estimates, and from which an uncompensated pattern aims;
         without them the configuration's navigation error applies, and the pattern aims from the truth. `t_s`: time since pulse 0."""
-        def one(pose: Pose) -> Pose:
-            return None if pose is None else (_array(pose[0], "position_m", 1)[None], _array(pose[1], "attitude", 1)[None])
+        def one(pose: Pose, name: str) -> Pose:
+            if pose is None:
+                return None
+            position, turn = _pair(pose, name)
+            return _array(position, name, 1)[None], _array(turn, name, 1)[None]
 
         position_m, attitude = _array(position_m, "position_m", 1)[None], _array(attitude, "attitude", 1)[None]
-        return self.pulses([k], position_m, attitude, one(estimate), one(nominal), None if t_s is None else [t_s])[0]
+        return self.pulses([k], position_m, attitude, one(estimate, "estimate"), one(nominal, "nominal"), None if t_s is None else [t_s])[0]
 
     def pulses(self, k: typing.Any, position_m: typing.Any, attitude: typing.Any, estimate: Pose = None, nominal: Pose = None,
                t_s: typing.Any = None) -> Array:
@@ -423,6 +425,10 @@ def _array(values: typing.Any, name: str, dimensions: int | None = None) -> Arra
     return np.ascontiguousarray(values, np.float64).reshape(values.shape)
 
 
+def _ranges_of(terrain: typing.Callable[[Array, Array], typing.Any]) -> typing.Callable[[Array, Array], Array]:
+    return lambda origins, directions: _array(terrain(origins, directions), "terrain's ranges", 1)
+
+
 def _resolution(value: typing.Any) -> float:
     try:
         return float(value)
@@ -455,11 +461,16 @@ def _vectors(values: typing.Any, name: str, width: int = 3) -> Array:
     return values
 
 
-def _poses(pose: typing.Any, name: str, count: int) -> Array:
+def _pair(pose: typing.Any, name: str) -> tuple[typing.Any, typing.Any]:
     try:
         position_m, attitude = pose
     except (TypeError, ValueError) as error:
         raise UsageError(f"{name}: a pair of position and attitude is expected") from error
+    return position_m, attitude
+
+
+def _poses(pose: typing.Any, name: str, count: int) -> Array:
+    position_m, attitude = _pair(pose, name)
     position_m, attitude = _vectors(position_m, name), _vectors(attitude, name, 4)
     if not len(position_m) == len(attitude) == count:
         raise UsageError(f"{name}: {len(position_m)} positions and {len(attitude)} attitudes of {count} pulses")

@@ -229,6 +229,7 @@ class InMemory(unittest.TestCase):
                 "resolution_m is missing": lambda: landfall.hazards(np.zeros((9, 9))),
                 "not in [0, 4096]": lambda: landfall.Terrain(TERRAIN, threads=-1),
                 "terrain's ranges: real numbers": lambda: landfall.Lidar(SCAN, lambda o, d: ["a"] * len(o)).pulse(0, [0, 0, 50], [1, 0, 0, 0]),
+                "estimate: a pair": lambda: landfall.Lidar(SCAN, landfall.Terrain(TERRAIN)).pulse(0, [0, 0, 50], [1, 0, 0, 0], estimate=[]),
                 "returned 1 ranges of 64": lambda: landfall.Lidar(SCAN, lambda o, d: [1.0]).pulse(
                     0, [0, 0, 50], [1, 0, 0, 0]),
         }.items():
