@@ -230,8 +230,7 @@ class InMemory(unittest.TestCase):
                 "not in [0, 4096]": lambda: landfall.Terrain(TERRAIN, threads=-1),
                 "terrain's ranges: real numbers": lambda: landfall.Lidar(SCAN, lambda o, d: ["a"] * len(o)).pulse(0, [0, 0, 50], [1, 0, 0, 0]),
                 "estimate: a pair": lambda: landfall.Lidar(SCAN, landfall.Terrain(TERRAIN)).pulse(0, [0, 0, 50], [1, 0, 0, 0], estimate=[]),
-                "returned 1 ranges of 64": lambda: landfall.Lidar(SCAN, lambda o, d: [1.0]).pulse(
-                    0, [0, 0, 50], [1, 0, 0, 0]),
+                "returned 1 ranges of 64": lambda: landfall.Lidar(SCAN, lambda o, d: [1.0]).pulse(0, [0, 0, 50], [1, 0, 0, 0]),
         }.items():
             with self.subTest(text), self.assertRaises(landfall.UsageError) as caught:
                 call()
