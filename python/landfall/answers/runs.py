@@ -279,21 +279,23 @@ class Runner:
 
     def _chain_here(self, path, configs, options):
         """The same with files in memory."""
-        terrain, scan, dem = self._held(path), *(self.engine.File(f"{next(_in_memory)} {name} of a model.h5") for name in ("scan", "dem"))
+        held, scan, dem = self._held(path), *(self.engine.File(f"{next(_in_memory)} {name} of a model.h5") for name in ("scan", "dem"))
+        terrain = held.name if held else path
         self.run("scan-sim", "--terrain", terrain, "-o", scan.name, config=configs["scan"])
         self.run("regrid", scan.name, "--terrain", terrain, *options, "-o", dem.name, config=configs["regrid"])
         summary = json.loads(self.run("dem-eval", dem.name, "--metrics-only", "--json", config=configs["eval"]))
         return results.with_own_of_score(results.flatten(summary["metrics"]))
 
     def _held(self, path):
-        """The name of a terrain: in memory, where the last small one remains, so that it is checked and read from the disk once."""
+        """A small terrain in memory, where the last one remains, so that it is checked and read from the disk once; None if it is large."""
         if os.path.getsize(path) > LARGEST_HELD:
-            return path
-        if self._terrain is None or self._terrain[0] != path:
+            return None
+        held = self._terrain  # another thread may replace it
+        if held is None or held[0] != path:
             file = self.engine.File(f"{next(_in_memory)} {os.path.basename(path)}")
             file.load(path)
-            self._terrain = path, file
-        return self._terrain[1].name
+            held = self._terrain = path, file
+        return held[1]
 
 
 def _engine():
