@@ -162,10 +162,11 @@ def figure_of(problem, answer):
             axes.bar(places + shift, value, 0.36, color=colors, edgecolor=color, yerr=error, capsize=2, error_kw={"linewidth": 0.8})
         axes.set_title(problem.outputs[name], fontsize=10, loc="left")
         axes.set_ylabel("share of\nvariance")
-        axes.set_ylim(min(-0.05, axes.get_ylim()[0]), max(1.05, axes.get_ylim()[1]))
         axes.axhline(0, color="black", linewidth=0.6)
         axes.grid(axis="y", alpha=0.3)
         axes.set_axisbelow(True)
+    bounds = [row[kind][part] for rows in shown.values() for row in rows for kind in ("first", "total") for part in PARTS]
+    panels[-1].set_ylim(min([-0.05, *bounds]) - 0.05, max([1, *bounds]) + 0.05)
     panels[-1].set_xticks(places, problem.groups, rotation=25, ha="right", rotation_mode="anchor")
     if shown:
         panels[0].legend(handles=[Patch(color=maps.BLUE, label="first order: the group alone"),
