@@ -11,7 +11,6 @@ made also with 2 mrad of mount error about an axis across the beam, which the es
 import argparse
 import json
 import os
-import subprocess
 import sys
 import tempfile
 
@@ -30,22 +29,14 @@ MOUNT_ERROR_RAD = 0.002
 RASTER_M = 0.25
 
 
-def tool(name, *arguments):
-    path = os.path.join(os.environ.get("LANDFALL_BIN", os.path.join(ROOT, "build", "release", "bin")), name)
-    done = subprocess.run([path, *arguments], capture_output=True, text=True)
-    if done.returncode != 0:
-        raise SystemExit(done.stderr)
-    return done.stdout
-
-
 def statistics(folder, time, clouds):
     """{name of a simulation: statistics of it and the real scan} of {name: points (n, 3)}, of which "real" is the scan."""
     for name, points in clouds.items():
         path = os.path.join(folder, name.replace(" ", "_"))
         np.savetxt(path + ".csv", np.column_stack([time, points]), delimiter=",", header="t,x,y,z", comments="", fmt="%.9f")
-        tool("landfall-import", path + ".csv", "-o", path + ".h5", "-O", "--center", "0,0,0")
-    compare = lambda name: json.loads(tool("landfall-info", "--compare", os.path.join(folder, "real.h5"),
-                                           os.path.join(folder, name.replace(" ", "_") + ".h5"), "--json"))
+        landfall.run("landfall-import", None, path + ".csv", output=path + ".h5", overwrite=True, quiet=True, center=[0, 0, 0])
+    real = os.path.join(folder, "real.h5")
+    compare = lambda name: json.loads(landfall.run("landfall-info", None, real, os.path.join(folder, name.replace(" ", "_") + ".h5"), compare=True, json=True))
     return {name: compare(name)["likeness"] for name in clouds if name != "real"}
 
 
