@@ -97,6 +97,9 @@ class Model:
         whole = runs.TracedDraws(self.runner, self.base, self.traced)
         return {key for key, value in row.items() if key not in (SEED, DRAW) and whole.varies(key, value)}
 
+    def _configs(self, values):
+        return set_values(copy.deepcopy(self.base), values)
+
     def _tasks(self, rows):
         """Rows, by their number, that differ in drawn keys only share a run of draws, in parts of consecutive draws: over one traced scan, unless each
         draw traces its own rays. Rows that cannot go through the chain."""
@@ -106,13 +109,10 @@ class Model:
             groups.setdefault(fixed, []).append(number)
         for fixed, numbers in groups.items():
             is_alone = self.traced is None and len(numbers) == 1
-            configs = set_values(copy.deepcopy(self.base), rows[numbers[0]] if is_alone else dict(fixed))
-            if is_alone:
-                yield _Chain(self, numbers, configs)
-                continue
-            if self.traced is None and runs.needs_chain(configs["scan"]):
+            configs = None if is_alone else self._configs(dict(fixed))
+            if is_alone or (self.traced is None and runs.needs_chain(configs["scan"])):
                 for number in numbers:
-                    yield _Chain(self, [number], set_values(copy.deepcopy(self.base), rows[number]))
+                    yield _Chain(self, [number], self._configs(rows[number]))
                 continue
             parts = list(_parts(numbers, [tuple(rows[number].get(key, configs["scan"][key.split(".")[1]]) for key in (SEED, DRAW)) for number in numbers]))
             draws = runs.Scan(self.runner, configs, len(parts)) if self.traced is None else runs.TracedDraws(self.runner, configs, self.traced)
