@@ -32,6 +32,11 @@ def all_of(verdicts):
     return False if False in verdicts.values() else None if None in verdicts.values() else True
 
 
+def is_decided_by_worst(requirement, limits):
+    """Whether the worst value and its limit give the verdict: that of a share of the footprints is the 95th percentile."""
+    return not requirement.at_least or limits[requirement.limit] == 0.95
+
+
 def margins_of(numbers, evaluation):
     """{requirement: {"worst", "limit", "margin_frac"}} of the numbers and the configuration of dem-eval. The worst value is the one that is compared
     with a limit, of the absolute horizontal error the 95th percentile; None where it is not judged. It has no margin where another share than 95 % of
@@ -41,7 +46,7 @@ def margins_of(numbers, evaluation):
         worst = [numbers[metric] for metric in requirement.worst]
         is_known = None not in worst and verdicts[name] is not None
         found[name] = _margin(max(worst) if is_known else None, evaluation["limits"][requirement.worst_limit])
-        if requirement.at_least and evaluation["limits"][requirement.limit] != 0.95:
+        if not is_decided_by_worst(requirement, evaluation["limits"]):
             found[name]["margin_frac"] = None
     own = {one["name"]: one for one in evaluation.get("requirements", [])}
     for name, path in dictionary.own_paths(numbers).items():

@@ -15,6 +15,7 @@ import statistics
 from landfall import dictionary, schema
 from landfall.answers import model, runs
 from landfall.errors import ToolError, UsageError, printable
+from landfall.requirements import is_decided_by_worst
 
 ALL_REQUIREMENTS = "all six"
 CHOSEN_PLACE_SAFE = "chosen place safe"
@@ -187,8 +188,11 @@ class Problem:
         for requirement in dictionary.requirements().values() if self.requirement in (ALL_REQUIREMENTS, ALL_AND_OWN) else ():
             values = [row[number] for number in requirement.worst]
             limit = limits[requirement.worst_limit]
-            found[requirement.words] = NO_NUMBER if None in values else max(model.margin(value, limit) for value in values)
-            if requirement.at_least and limits[requirement.limit] != 0.95 and None not in values:  # the worst is a 95th percentile
+            if None in values:
+                found[requirement.words] = NO_NUMBER
+            elif is_decided_by_worst(requirement, limits):
+                found[requirement.words] = max(model.margin(value, limit) for value in values)
+            else:
                 found[requirement.words] = model.margin(limits[requirement.limit], row[requirement.value])
         for path, own in self._counted_own().items():
             value = row[path + ".value"]
