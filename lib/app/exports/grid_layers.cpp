@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "base/core/error.h"
+#include "base/dictionary/layers.h"
 #include "base/text/joined.h"
 
 namespace landfall {
@@ -20,15 +21,6 @@ LandfallFileReader require_grid(LandfallFileReader file) {
   file.fail("has no layers (it was made with dem-eval --metrics-only)");
 }
 
-std::vector<const char*> main_layers(const std::string& kind) {
-  if (kind == "terrain") return {"z"};
-  if (kind == "dem") return {"z_est"};
-  if (kind == "plan") return {"count"};
-  if (kind == "hazards") return {"safe"};
-  if (kind == "draws") return {"p_fail_rel_z"};
-  return {"rel_z", "distance_to_valid"};
-}
-
 }  // namespace
 
 GridSource::GridSource(const std::filesystem::path& path)
@@ -41,9 +33,9 @@ GridSource::GridSource(const std::filesystem::path& path)
 }
 
 const ContentInfo& GridSource::main_layer() const {
-  for (const char* const name : main_layers(kind_))
+  for (const dictionary::Layer& words : dictionary::kLayers)
     for (const ContentInfo& layer : layers_)
-      if (layer.name == name) return layer;
+      if (words.main && words.file == kind_ && words.name == layer.name) return layer;
   return layers_.front();
 }
 

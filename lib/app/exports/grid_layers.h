@@ -37,8 +37,7 @@ class GridSource {
   [[nodiscard]] const std::string& crs_wkt() const { return reader_.crs_wkt(); }
   [[nodiscard]] const std::vector<ContentInfo>& layers() const { return layers_; }
 
-  /// The main layer of a file of this kind: z of a terrain, z_est of a DEM, rel_z of an evaluation (without
-  /// truth: distance_to_valid), count of a plan, safe of a hazard map; else the first.
+  /// The first layer that is `main` in schemas/dictionary/layers.json; else the first.
   [[nodiscard]] const ContentInfo& main_layer() const;
   /// The layers of these names, in their order; without names: the main layer; for the one name `all`: every
   /// layer. Throws UsageError, listing the existing ones, for an unknown name or one that is given twice.

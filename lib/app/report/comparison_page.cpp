@@ -2,9 +2,7 @@
 #include "app/report/comparison_page.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <string_view>
 #include <utility>
 
 #include "app/report/escape.h"
@@ -15,12 +13,6 @@ namespace landfall::html_report {
 namespace {
 
 using Json = nlohmann::ordered_json;
-
-/// The layers that the page shows if a file has them, besides all probabilities.
-constexpr std::array<std::string_view, 15> kShown = {"z",     "z_est", "count",     "e_z",   "rel_z",
-                                                     "rel_x", "rel_y", "abs_x",     "abs_y", "fail",
-                                                     "safe",  "slope", "roughness", "cost",  "frames"};
-constexpr std::string_view kProbability = "p_";
 
 /// The bits of a layer of flags, or 2^value of one of classes; 0 where there is no class.
 Grid<std::int32_t> class_bits(const Grid<double>& values, bool are_classes) {
@@ -98,9 +90,7 @@ std::string side_html(const char* name, const Json& side) {
 void ComparisonReport::take(const std::string& kind, const ContentInfo& layer, const Grid<double>& a,
                             const Grid<double>& b) {
   const dictionary::Layer* const words = dictionary::find_layer(kind, layer.name);
-  const bool is_shown =
-      layer.name.starts_with(kProbability) || std::ranges::find(kShown, layer.name) != kShown.end();
-  if (words == nullptr || *words->style == '\0' || !is_shown) return;
+  if (words == nullptr || !words->compared) return;
   grid_ = a.spec();
   const std::int64_t factor = reduction_factor(a.spec(), kMaxCells);
   const ReportLayer empty = described(kind.c_str(), layer.name);
