@@ -60,10 +60,10 @@ void bind(CLI::App& app, Options& o) {
       ->check(CLI::IsMember({"bilinear_nearest", "bilinear4", "mean", "min", "max", "median"}));
   cli::bind_meeting_options(app, o.sources.rules, "--other-terrain");
   app.add_flag("--corrected", o.layers.corrected,
-               "Also write z_corrected: z_est moved along the local slope to the bin centre");
-  app.add_flag(
-      "--uncertainty", o.layers.uncertainty,
-      "Also write the 1-sigma map: z_sigma_abs, z_sigma_rel, xy_sigma and, with --terrain, z_true_map");
+               "Also write the elevation moved along the local slope to the bin centre");
+  app.add_flag("--uncertainty", o.layers.uncertainty,
+               "Also write the 1-sigma map: sigmas of z and of x and y and, with --terrain, the truth at the "
+               "bin centre");
   app.add_option(
          "--range-sigma", o.range_sigma_m,
          "Standard deviation of the range noise for --uncertainty, metres; default: that of the scans")

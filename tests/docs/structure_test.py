@@ -24,9 +24,9 @@ CITED = re.compile(r"(?<![\w./-])(?:bench|cmake|examples|lib|packaging|python|sc
 RECORDS = {"docs/quality/tests.md"}
 # Paths below an installation prefix, or made by a build.
 ELSEWHERE = re.compile(r"lib/(landfall|cmake|python3)(/|$)|bench/bench_(eval|grid|hazards|rays)$")
-# Layers whose names are also words, columns of scans or sites, or keys of metrics.json and plans.
-NAMES_OF_OTHERS = {"albedo", "cost", "count", "e_x", "e_y", "e_z", "fail", "frames", "in_region", "invalid", "outcome", "roughness", "safe",
-                   "slope", "x_true", "y_true", "z", "z_corrected", "z_est", "z_true"}
+# Layers whose names are also words, columns of scans or sites, or keys of configurations, metrics.json and plans.
+NAMES_OF_OTHERS = {"albedo", "cost", "count", "e_x", "e_y", "e_z", "fail", "frames", "in_region", "invalid", "outcome", "p_safe", "p_touchdown",
+                   "roughness", "safe", "slope", "x_true", "y_true", "z", "z_est", "z_true"}
 LANGUAGES = {"sh", "python", "json", "csv", "text", "cpp", "cmake", ""}
 
 
@@ -166,18 +166,15 @@ class Structure(unittest.TestCase):
         properties = json.loads(read("schemas/scan.schema.json"))["properties"]
         names = {"requirements": [row["name"] for row in requirements if "_" in row["name"]],  # a single word is also one of the language
                  "limits": {row["worst_limit"] for row in requirements} | {"absolute_horizontal_frac"},
+                 "layers": {row["name"] for row in json.loads(read("schemas/dictionary/layers.json"))["layers"]} - NAMES_OF_OTHERS,
                  "errors": [key for section in ("noise", "pointing_error") for key in properties[section]["properties"]
                             if f'"{key}"' not in read("schemas/regrid.schema.json")]}  # regrid has keys of these names
         worst = {kind: max(sum(name in text for text in code) for name in some) for kind, some in names.items()}
-        self.assertEqual(worst, {"requirements": 6, "limits": 8, "errors": 5})
-        # Members and functions of the same name do not change with a file; literals do.
+        self.assertEqual(worst, {"requirements": 6, "limits": 8, "layers": 5, "errors": 5})
         schema = json.loads(read("schemas/scan.schema.json"))["definitions"]
         types = {row["properties"]["type"]["const"] for row in schema.values() if "const" in row.get("properties", {}).get("type", {})}
-        literals = {"layers": {row["name"] for row in json.loads(read("schemas/dictionary/layers.json"))["layers"]} - NAMES_OF_OTHERS,
-                    "scanners and patterns": types - {"table", "polygon"}}
-        worst = {kind: max(len([text for text in code if re.search(rf"""["']{name}["']""", text)]) for name in some)
-                 for kind, some in literals.items()}
-        self.assertEqual(worst, {"layers": 5, "scanners and patterns": 4})
+        scanners = [len([text for text in code if re.search(rf"""["']{name}["']""", text)]) for name in types - {"table", "polygon"}]
+        self.assertEqual(max(scanners), 4)
 
     def test_decisions_are_in_order_below_their_subjects(self):
         order = {subject: [int(number[1:]) for number in numbers] for subject, _, numbers in self.decisions()}

@@ -138,7 +138,7 @@ class FigureTest(unittest.TestCase):
         _, error, _ = self.draw("--from", "-10,98", "--to", "10,98", "--limit-m", "0.2")
         self.assertEqual([line.get_ydata()[0] for line in error.lines[2:]], [20, -20])
         np.testing.assert_allclose(error.get_ylim(), [-23, 23])
-        self.assertIn("limit ±20 cm of rel_z", [text.get_text() for text in error.get_legend().get_texts()])
+        self.assertIn("limit ±20 cm of the relative error", [text.get_text() for text in error.get_legend().get_texts()])
         self.assertIn("0 bins beyond", error.get_title())
 
     def test_bins_without_a_return_are_gaps_and_what_is_alone_is_a_dot(self):

@@ -110,7 +110,7 @@ class ScaleTest(unittest.TestCase):
         self.assertEqual(scale.extend, "max")
         below = np.append(np.full(1000, 0.02), -0.01)
         self.assertEqual(scales.magnitude_scale(below, below, 0.05).clipping_text(), "colours begin at 0")
-        self.assertEqual(scale.limit_text(" of rel_z"), "▸ limit 5 cm of rel_z")
+        self.assertEqual(scale.limit_text(" of the relative error"), "▸ limit 5 cm of the relative error")
 
     def test_a_limit_far_away_and_data_only_leave_the_scale_to_the_data(self):
         for divisor, data_only in ((100, False), (50, True)):

@@ -377,7 +377,7 @@ class FigureTest(ScriptTest):
         self.assertEqual(bar_of(error).get_ylabel(), "true - estimated (cm)")
         np.testing.assert_allclose(bar_of(error).get_ylim(), [-3.3, 3.3])
         np.testing.assert_allclose(error.images[0].get_clim(), [-0.033, 0.033])
-        self.assertEqual(notes_of(error), "-9.92 to 9.92 mm; ▸ limit ±3 cm of rel_z; magenta: bins without a return")
+        self.assertEqual(notes_of(error), "-9.92 to 9.92 mm; ▸ limit ±3 cm of the relative error; magenta: bins without a return")
 
     def test_the_limit_of_a_dem_is_an_option(self):
         error = map_named(self.dem_figure("--limit-m", "0.008"), "error")

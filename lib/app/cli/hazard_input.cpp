@@ -61,7 +61,7 @@ HazardInput complete_hazard_input(Session& session, const HazardInputFiles& file
   if (!files.terrain.empty() && !source.z_true)
     session.warn("--terrain is ignored: " + files.map + " has no true elevations (z_true)");
   HazardInput input = fill_map({std::move(source.z), std::move(source.z_true), std::move(source.z_sigma),
-                                std::move(source.z_sigma_noise), std::move(source.centroids)},
+                                std::move(source.noise_sigma), std::move(source.centroids)},
                                parameters, [&](Grid<double>& z_true, const std::vector<FillableBin>& holes) {
                                  if (files.terrain.empty()) return fill_truth(z_true, holes);
                                  fill_from_terrain(session, files, source, holes, z_true, provenance);

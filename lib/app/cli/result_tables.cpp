@@ -118,8 +118,8 @@ std::string site_lines(const HazardMap& map) {
                   static_cast<double>(site.cost),
                   map.p_safe ? print("%.4f", static_cast<double>(site.p_touchdown)).c_str() : "-",
                   site.slope_deg, site.roughness_m);
-    text += site.distance_to_hazard_m ? print(" %10.2f", static_cast<double>(*site.distance_to_hazard_m))
-                                      : print(" %10s", "-");
+    text += site.hazard_distance_m ? print(" %10.2f", static_cast<double>(*site.hazard_distance_m))
+                                   : print(" %10s", "-");
     text += map.truth ? print("  %s\n", truth_text(site.truth)) : "\n";
     if (is_touchdown_capped(site)) capped.push_back(std::to_string(rank));
   }

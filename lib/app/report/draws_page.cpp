@@ -37,7 +37,7 @@ class DrawsLayers {
       : draws_(draws), maps_(*draws.maps), factor_(factor), packer_(packer) {}
 
   [[nodiscard]] Json all() {
-    if (draws_.z_true_map) add("z_true_map", *draws_.z_true_map);
+    if (draws_.map_truth) add("z_true_map", *draws_.map_truth);
     add("in_region", *draws_.region);
     add("p_invalid", share_of_draws(maps_.invalid, maps_.draws, nullptr));
     const auto [x, y, z, absolute] = failure_maps(maps_);
@@ -48,7 +48,7 @@ class DrawsLayers {
     add("e_z_mean", mean_of(maps_.e_z));
     add("e_z_std", std_of(maps_.e_z));
     if (maps_.e_map) add("e_map_std", std_of(*maps_.e_map));
-    if (draws_.z_sigma_abs) add_predicted(*draws_.z_sigma_abs);
+    if (draws_.predicted_sigma) add_predicted(*draws_.predicted_sigma);
     return std::move(list_);
   }
 

@@ -105,7 +105,7 @@ class Layers {
     ReportLayer cost = described("hazards", "cost");
     cost.steps = kCostSteps;
     add(std::move(cost), map.cost);
-    add(described("hazards", "distance_to_hazard"), map.distance_to_hazard);
+    add(described("hazards", "distance_to_hazard"), map.hazard_distance);
   }
 
   void add_measure(const std::string& name, double limit, const Grid<double>& values) {

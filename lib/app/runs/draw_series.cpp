@@ -223,7 +223,7 @@ void DrawSeries::prepare(const TerrainSurface* terrain, const std::optional<Open
   if (!config_.predicted()) return;
   const Simulation first =
       terrain_of(config_.stages(), 0, terrains_.front()).simulate(setup_of(config_.stages(), 0).scan);
-  z_sigma_abs_ = predicted_sigma(*scene_, first, *config_.predicted()).z_abs;
+  predicted_sigma_ = predicted_sigma(*scene_, first, *config_.predicted()).z_abs;
 }
 
 std::optional<BinMask> DrawSeries::hazard_region(Provenance& provenance) const {
@@ -256,14 +256,14 @@ Draws DrawSeries::empty(std::int64_t first) const {
   if (config_.has_layers()) {
     draws.maps.emplace(regrid_.grid);
     draws.region = scene_->region;
-    if (const auto& z_true_map = scene_->z_true_map) {
-      draws.z_true_map.emplace(regrid_.grid);
-      std::ranges::transform(z_true_map->values(), draws.z_true_map->values().begin(),
+    if (const auto& map_truth = scene_->map_truth) {
+      draws.map_truth.emplace(regrid_.grid);
+      std::ranges::transform(map_truth->values(), draws.map_truth->values().begin(),
                              [](double z_m) { return static_cast<float>(z_m); });
     } else {
       draws.maps->e_map.reset();
     }
-    draws.z_sigma_abs = z_sigma_abs_;
+    draws.predicted_sigma = predicted_sigma_;
     if (config_.has_hazards()) draws.maps->safety.emplace(regrid_.grid);
   }
   return draws;
@@ -349,7 +349,7 @@ void DrawSeries::make(std::int64_t draw, Lane& lane) const {
 
 void DrawSeries::add_to_maps(std::int64_t draw, const Lane& lane, DrawMaps& maps) const {
   naming_draw(config_, draw,
-              [&] { maps.add(lane.layers, scene_->z_true_map ? &*scene_->z_true_map : nullptr); });
+              [&] { maps.add(lane.layers, scene_->map_truth ? &*scene_->map_truth : nullptr); });
 }
 
 void DrawSeries::add(std::int64_t draw, const Lane& lane, Draws& draws) {

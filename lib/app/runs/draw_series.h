@@ -126,7 +126,7 @@ class DrawSeries {
   DrawLanes shape_;
   bool is_shaped_ = false;
   std::deque<Lane> lanes_;
-  std::optional<Grid<float>> z_sigma_abs_;
+  std::optional<Grid<float>> predicted_sigma_;
   std::vector<std::int64_t> on_device_;  ///< draws that the maps do not have yet
 };
 

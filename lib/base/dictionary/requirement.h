@@ -89,7 +89,22 @@ requires kIsNumber<T> std::optional<double> number_of(const std::optional<T>& va
 }
 std::optional<double> number_of(const auto& /*no number*/) { return std::nullopt; }
 
+/// A visit that makes every optional struct.
+struct Filling {
+  static bool has(const std::string& /*path*/) { return true; }
+  void operator()(const std::string& /*path*/, auto& /*value*/) const {}
+};
+
 }  // namespace requirement
+
+/// A T with every optional struct.
+template <class T>
+[[nodiscard]] T complete() {
+  T result;
+  FieldWalk walk{requirement::Filling()};
+  T::fields(walk, result);
+  return result;
+}
 
 /// The fields of a struct (base/core/fields.h) in their order.
 template <class T>

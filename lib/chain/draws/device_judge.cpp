@@ -26,11 +26,11 @@ std::vector<std::int64_t> half_widths_of(const Footprint& footprint) {
 }
 
 TileVerdict footprints_of(const DeviceVerdict& verdict) {
-  const auto& [rel_x, rel_y, rel_z, absolute, in_x, in_y, in_z, in_both] = verdict.counts;
+  const auto& [x, y, z, absolute, in_x, in_y, in_z, in_both] = verdict.counts;
   TileVerdict footprints;
-  footprints.x = {.footprints = in_x, .violations = rel_x};
-  footprints.y = {.footprints = in_y, .violations = rel_y};
-  footprints.z = {.footprints = in_z, .violations = rel_z};
+  footprints.x = {.footprints = in_x, .violations = x};
+  footprints.y = {.footprints = in_y, .violations = y};
+  footprints.z = {.footprints = in_z, .violations = z};
   footprints.horizontal = {.footprints = in_both, .violations = absolute};
   return footprints;
 }
@@ -38,11 +38,11 @@ TileVerdict footprints_of(const DeviceVerdict& verdict) {
 }  // namespace
 
 DeviceJudge::DeviceJudge(DeviceGridder& gridder, const TriangulatedGrid& terrain, const BinMask& region,
-                         const Grid<double>* z_true_map)
+                         const Grid<double>* map_truth)
     : gridder_(gridder),
       terrain_(terrain),
       region_(region),
-      z_true_map_(z_true_map),
+      map_truth_(map_truth),
       valid_(BinMask::unset(region.spec())) {}
 
 std::optional<DecisiveMetrics> DeviceJudge::judge(const Simulation& simulation, Method method,
@@ -70,14 +70,14 @@ DeviceJudged DeviceJudge::judged() const {
                       .cols = nodes.cols},
           .nodes = terrain_.nodes().values(),
           .region = region_.values(),
-          .z_true_map = z_true_map_ == nullptr ? std::span<const double>() : z_true_map_->values()};
+          .map_truth = map_truth_ == nullptr ? std::span<const double>() : map_truth_->values()};
 }
 
 bool DeviceJudge::take_maps(std::int64_t draws, DrawMaps& maps) {
   DrawMaps part(maps.spec());
   part.draws = draws;
-  const DeviceSums sums{.counts = {part.invalid.values(), part.fail_rel_x.values(), part.fail_rel_y.values(),
-                                   part.fail_rel_z.values(), part.fail_absolute.values(),
+  const DeviceSums sums{.counts = {part.invalid.values(), part.failing[0].values(), part.failing[1].values(),
+                                   part.failing[2].values(), part.failing[3].values(),
                                    part.e_z.count.values(), part.e_map->count.values()},
                         .sums = {part.count.values(), part.e_z.sum.values(), part.e_map->sum.values()},
                         .squares = {part.e_z.squares.values(), part.e_map->squares.values()}};

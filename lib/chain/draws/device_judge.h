@@ -18,10 +18,10 @@ namespace landfall {
 /// bytes per node of the terrain and 67 per bin, with maps 159.
 class DeviceJudge {
  public:
-  /// `gridder`, `terrain`, `region` and `z_true_map` must outlive this object; without maps `z_true_map` is
-  /// null (DrawRunner::z_true_map()).
+  /// `gridder`, `terrain`, `region` and `map_truth` must outlive this object; without maps `map_truth` is
+  /// null (DrawRunner::map_truth()).
   DeviceJudge(DeviceGridder& gridder, const TriangulatedGrid& terrain, const BinMask& region,
-              const Grid<double>* z_true_map);
+              const Grid<double>* map_truth);
 
   /// Makes and judges a draw, and adds it to the maps. Returns nothing, having added nothing, where the CPU
   /// is to make or to judge it: footprints of more than 257 bins on a side, errors that are infinite or
@@ -41,7 +41,7 @@ class DeviceJudge {
   DeviceGridder& gridder_;
   const TriangulatedGrid& terrain_;
   const BinMask& region_;
-  const Grid<double>* z_true_map_;
+  const Grid<double>* map_truth_;
   BinMask valid_;  ///< of the last draw
   bool is_prepared_ = false;
 };

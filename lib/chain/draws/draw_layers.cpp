@@ -2,8 +2,8 @@
 #include "chain/draws/draw_layers.h"
 
 #include <limits>
+#include <utility>
 
-#include "chain/evaluation/fail_flag.h"
 #include "chain/evaluation/piecewise.h"
 
 namespace landfall {
@@ -20,10 +20,15 @@ Grid<float> layer_of(const GridSpec& spec, const auto& value) {
 }  // namespace
 
 std::array<FailureMap, 4> failure_maps(const DrawMaps& maps) {
-  return {{{"p_fail_rel_x", requirement_of(fail_relative_x), maps.fail_rel_x},
-           {"p_fail_rel_y", requirement_of(fail_relative_y), maps.fail_rel_y},
-           {"p_fail_rel_z", requirement_of(fail_relative_z), maps.fail_rel_z},
-           {"p_fail_absolute", requirement_of(fail_absolute_horizontal), maps.fail_absolute}}};
+  constexpr std::array<std::pair<const char*, const char*>, kCountedFlags.size()> kWords = {
+      {{"p_fail_rel_x", "the relative error of x"},
+       {"p_fail_rel_y", "the relative error of y"},
+       {"p_fail_rel_z", "the relative error of z"},
+       {"p_fail_absolute", "the absolute horizontal error"}}};
+  const auto map = [&](std::size_t k) {
+    return FailureMap{kWords[k].first, kWords[k].second, requirement_of(kCountedFlags[k]), maps.failing[k]};
+  };
+  return {map(0), map(1), map(2), map(3)};
 }
 
 Grid<float> share_of_draws(const Grid<std::int32_t>& count, std::int64_t draws, const BinMask* region) {

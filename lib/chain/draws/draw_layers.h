@@ -10,13 +10,14 @@ namespace landfall {
 
 /// The layers that follow from the sums of a run of draws, as draws.h5 stores and its report shows them.
 
-/// One kind of failing footprints: its layer and the requirement that the footprints miss.
+/// One kind of failing footprints: its layer, the error above its limit and the requirement that they miss.
 struct FailureMap {
   const char* layer;
+  const char* error;
   const char* requirement;
   const Grid<std::int32_t>& count;  ///< draws
 };
-/// The maps of relative x, y and z, and the absolute one.
+/// By kCountedFlags.
 [[nodiscard]] std::array<FailureMap, 4> failure_maps(const DrawMaps& maps);
 
 /// `count` / `draws`. NaN outside `region`, unless that is null, and everywhere without a draw.

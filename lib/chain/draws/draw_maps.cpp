@@ -8,7 +8,6 @@
 #include <utility>
 
 #include "base/core/error.h"
-#include "chain/evaluation/fail_flag.h"
 #include "chain/evaluation/piecewise.h"
 #include "chain/hazards/safety.h"
 
@@ -85,21 +84,19 @@ void SafetyCounts::merge(const SafetyCounts& other) {
 
 DrawMaps::DrawMaps(const GridSpec& grid)
     : invalid(grid),
-      fail_rel_x(grid),
-      fail_rel_y(grid),
-      fail_rel_z(grid),
-      fail_absolute(grid),
+      failing{Grid<std::int32_t>(grid), Grid<std::int32_t>(grid), Grid<std::int32_t>(grid),
+              Grid<std::int32_t>(grid)},
       count(grid),
       e_z(grid),
       e_map(std::in_place, grid) {}
 
-void DrawMaps::add(const DrawnLayers& draw, const Grid<double>* z_true_map) {
-  add_dem(draw.dem, z_true_map);
+void DrawMaps::add(const DrawnLayers& draw, const Grid<double>* map_truth) {
+  add_dem(draw.dem, map_truth);
   add_verdicts(draw.fail);
   if (draw.outcome) safety->add(*draw.outcome);
 }
 
-void DrawMaps::add_dem(const DrawnDem& dem, const Grid<double>* z_true_map) {
+void DrawMaps::add_dem(const DrawnDem& dem, const Grid<double>* map_truth) {
   const auto z_est = dem.layers.z_est.values();
   const auto z_true = dem.layers.truth->z.values();
   for_each_index(z_est.size(), [&](std::size_t i) {
@@ -109,7 +106,7 @@ void DrawMaps::add_dem(const DrawnDem& dem, const Grid<double>* z_true_map) {
       return;
     }
     e_z.add(i, z_true[i] - z_est[i]);
-    if (e_map) e_map->add(i, z_true_map->values()[i] - z_est[i]);
+    if (e_map) e_map->add(i, map_truth->values()[i] - z_est[i]);
   });
   ++draws;
 }
@@ -118,20 +115,18 @@ void DrawMaps::add_verdicts(const Grid<std::int8_t>& fail) {
   for_each_index(fail.values().size(), [&](std::size_t i) {
     const int flags = fail.values()[i];
     if (flags == 0) return;
-    fail_rel_x.values()[i] += (flags & fail_relative_x) != 0 ? 1 : 0;
-    fail_rel_y.values()[i] += (flags & fail_relative_y) != 0 ? 1 : 0;
-    fail_rel_z.values()[i] += (flags & fail_relative_z) != 0 ? 1 : 0;
-    fail_absolute.values()[i] += (flags & fail_absolute_horizontal) != 0 ? 1 : 0;
+    for (std::size_t k = 0; k < failing.size(); ++k)
+      failing[k].values()[i] += (flags & kCountedFlags[k]) != 0 ? 1 : 0;
   });
 }
 
 void DrawMaps::merge(const DrawMaps& other) {
   draws += other.draws;
-  for (const auto member : {&DrawMaps::invalid, &DrawMaps::fail_rel_x, &DrawMaps::fail_rel_y,
-                            &DrawMaps::fail_rel_z, &DrawMaps::fail_absolute})
-    for_each_index(spec().size(),
-                   [&](std::size_t i) { (this->*member).values()[i] += (other.*member).values()[i]; });
-  for_each_index(spec().size(), [&](std::size_t i) { count.values()[i] += other.count.values()[i]; });
+  for_each_index(spec().size(), [&](std::size_t i) {
+    invalid.values()[i] += other.invalid.values()[i];
+    for (std::size_t k = 0; k < failing.size(); ++k) failing[k].values()[i] += other.failing[k].values()[i];
+    count.values()[i] += other.count.values()[i];
+  });
   e_z.merge(other.e_z);
   if (e_map) e_map->merge(*other.e_map);
   if (safety) safety->merge(*other.safety);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <optional>
 #include <vector>
@@ -9,6 +10,7 @@
 #include "base/raster/grid.h"
 #include "base/raster/region.h"
 #include "chain/draws/draw_gridder.h"
+#include "chain/evaluation/fail_flag.h"
 
 namespace landfall {
 
@@ -48,15 +50,17 @@ struct DrawnLayers {
   std::optional<Grid<std::int8_t>> outcome = std::nullopt;  ///< of hazards.h5; of a draw that judges hazards
 };
 
+/// The flags whose footprints are counted, in the order of DrawMaps::failing.
+inline constexpr std::array kCountedFlags = {fail_relative_x, fail_relative_y, fail_relative_z,
+                                             fail_absolute_horizontal};
+
 /// The sums from which the maps of a run of draws are made: counts and integer sums over its draws, per bin
 /// of the DEM. 84 bytes per bin, 96 with hazards.
 struct DrawMaps {
   std::int64_t draws = 0;
-  Grid<std::int32_t> invalid;     ///< draws in which the bin has no elevation
-  Grid<std::int32_t> fail_rel_x;  ///< draws in which the footprint centred on the bin exceeds the limit
-  Grid<std::int32_t> fail_rel_y;
-  Grid<std::int32_t> fail_rel_z;
-  Grid<std::int32_t> fail_absolute;
+  Grid<std::int32_t> invalid;  ///< draws in which the bin has no elevation
+  /// Draws in which the footprint centred on the bin has the flag.
+  std::array<Grid<std::int32_t>, kCountedFlags.size()> failing;
   Grid<std::int64_t> count;  ///< returns
   ErrorSums e_z;             ///< z_true - z_est
   /// H(X, Y) - z_est, (X, Y) the bin's centre; none where the terrain varies.
@@ -67,9 +71,9 @@ struct DrawMaps {
   [[nodiscard]] const GridSpec& spec() const { return invalid.spec(); }
 
   /// Adds one draw: add_dem(), add_verdicts() and its outcome.
-  void add(const DrawnLayers& draw, const Grid<double>* z_true_map);
-  /// Adds the DEM of one draw. `z_true_map` is H(X, Y), NaN off the terrain; null only without e_map.
-  void add_dem(const DrawnDem& dem, const Grid<double>* z_true_map);
+  void add(const DrawnLayers& draw, const Grid<double>* map_truth);
+  /// Adds the DEM of one draw. `map_truth` is H(X, Y), NaN off the terrain; null only without e_map.
+  void add_dem(const DrawnDem& dem, const Grid<double>* map_truth);
   /// Adds the verdicts on the footprints of the same draw: FailFlag bits (evaluate.h), 0 outside the region.
   void add_verdicts(const Grid<std::int8_t>& fail);
   /// Adds the draws of another part. Both lie on one grid.

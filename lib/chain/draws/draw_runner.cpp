@@ -33,7 +33,7 @@ UncertaintyMetrics assess(SigmaLayers sigma, const DrawnDem& dem, const TerrainS
                           const EvaluationParameters& parameters, const BinMask& region) {
   const GridSpec& grid = region.spec();
   Grid<double> error = bin_elevations(terrain, grid);
-  for (std::size_t i = 0; i < grid.size(); ++i)  // z_true_map has single precision in the file
+  for (std::size_t i = 0; i < grid.size(); ++i)  // single precision in the file
     error.values()[i] = static_cast<float>(error.values()[i]) - dem.layers.z_est.values()[i];
   return assess_uncertainty({std::move(error), std::move(sigma.z_abs), std::move(sigma.z_rel), dem.count},
                             region, footprint_of(parameters, grid.resolution_m));
@@ -43,7 +43,7 @@ UncertaintyMetrics assess(SigmaLayers sigma, const DrawnDem& dem, const TerrainS
 
 DrawsScene with_maps(DrawsScene scene) {
   scene.has_maps = true;
-  if (scene.terrain != nullptr) scene.z_true_map = bin_elevations(*scene.terrain, scene.grid);
+  if (scene.terrain != nullptr) scene.map_truth = bin_elevations(*scene.terrain, scene.grid);
   return scene;
 }
 
@@ -52,7 +52,7 @@ DrawRunner::DrawRunner(const DrawsScene& scene, const std::optional<OpenClOption
   const auto* const terrain = dynamic_cast<const TriangulatedGrid*>(scene_.terrain);
   if (gridder_.device() != nullptr && terrain != nullptr)
     judge_ = std::make_unique<DeviceJudge>(*gridder_.device(), *terrain, scene_.region,
-                                           scene_.z_true_map ? &*scene_.z_true_map : nullptr);
+                                           scene_.map_truth ? &*scene_.map_truth : nullptr);
 }
 
 void DrawRunner::check_device(DrawSetup setup) const {
@@ -71,7 +71,7 @@ DrawHazards DrawRunner::judge_hazards(const DemLayers& dem, const SigmaLayers* s
   MapLayers map_layers{dem.z_est, dem.truth->z};
   if (sigma != nullptr) {
     map_layers.z_sigma = in_double(sigma->z_rel);
-    map_layers.z_sigma_noise = in_double(sigma->z_noise);
+    map_layers.noise_sigma = in_double(sigma->z_noise);
     map_layers.centroids = sigma->centroids;
   }
   HazardInput input = fill_map(std::move(map_layers), parameters, complete);

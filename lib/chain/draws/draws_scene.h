@@ -20,7 +20,7 @@ struct DrawsScene {
   std::optional<BinMask> hazard_region = std::nullopt;  ///< HazardInput::region
   bool has_maps = false;                                ///< the draws are added to DrawMaps
   /// H at the bins' centres, NaN off the terrain; only with maps of one terrain.
-  std::optional<Grid<double>> z_true_map = std::nullopt;
+  std::optional<Grid<double>> map_truth = std::nullopt;
 };
 
 /// The scene of a run with maps.

@@ -14,7 +14,7 @@ struct SigmaLayers {
   Grid<float> z_abs;
   Grid<float> z_rel;
   Grid<float> z_noise;
-  ReturnCentroids centroids;  ///< x_est_mean and y_est_mean
+  ReturnCentroids centroids;
 };
 
 /// The layers of the DEM that the scan gives by the method bilinear_nearest: those of regrid --uncertainty,

@@ -45,17 +45,17 @@ Grid<double> error_of(Axis axis, Grid<double> truth, const Grid<double>& z_est) 
   return truth;
 }
 
-ErrorLayers errors_of(TrueLayers truth, const Grid<double>& z_est, std::optional<Grid<double>> z_corrected) {
-  if (z_corrected)
+ErrorLayers errors_of(TrueLayers truth, const Grid<double>& z_est, std::optional<Grid<double>> corrected) {
+  if (corrected)
     for_each_index(z_est.spec().size(), [&](std::size_t i) {
-      double& value = z_corrected->values()[i];
+      double& value = corrected->values()[i];
       value = truth.z.values()[i] - value;
     });
   // Grids without bins remain so.
   return {.x = error_of(Axis::x, std::move(truth.x), z_est),
           .y = error_of(Axis::y, std::move(truth.y), z_est),
           .z = error_of(Axis::z, std::move(truth.z), z_est),
-          .z_corrected = std::move(z_corrected)};
+          .corrected = std::move(corrected)};
 }
 
 FootprintRule footprint_rule(const EvaluationParameters& parameters, double resolution_m) {

@@ -17,10 +17,10 @@ enum class Axis { x, y, z };
 /// The errors of a DEM, each on its grid.
 struct ErrorLayers {
   Grid<double> x, y, z;
-  std::optional<Grid<double>> z_corrected;  ///< z_true - z_corrected
+  std::optional<Grid<double>> corrected;  ///< z_true less the corrected elevation
 };
 [[nodiscard]] ErrorLayers errors_of(TrueLayers truth, const Grid<double>& z_est,
-                                    std::optional<Grid<double>> z_corrected = std::nullopt);
+                                    std::optional<Grid<double>> corrected = std::nullopt);
 
 /// Eqs. 11 and 12 of one axis for the footprints centred on the region's bins; NaN elsewhere and where a
 /// footprint has no valid bin.

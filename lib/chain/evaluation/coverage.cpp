@@ -36,7 +36,7 @@ HoleSizeHistogram histogram(const std::vector<Hole>& holes) {
 std::int64_t measure_distances(Coverage& coverage, double limit_bins) {
   std::int64_t beyond = 0;
   for (std::size_t i = 0; i < coverage.invalid.spec().size(); ++i) {
-    const std::int32_t id = coverage.hole_id.values()[i];
+    const std::int32_t id = coverage.hole_numbers.values()[i];
     if (id == 0) continue;
     const double distance = bins_apart(coverage.squared_distance.values()[i]);
     Hole& hole = coverage.holes[static_cast<std::size_t>(id - 1)];
@@ -59,7 +59,7 @@ Coverage assess_coverage(const BinMask& valid, const BinMask& region, const Eval
   Coverage result;
   result.invalid = inside_but_not(region, valid);
   HoleLabels labels = label_holes(result.invalid);
-  result.hole_id = std::move(labels.id);
+  result.hole_numbers = std::move(labels.id);
   result.holes = std::move(labels.holes);
   result.squared_distance = squared_distance(valid);
   const std::int64_t beyond = measure_distances(result, limits.hole_depth);
@@ -92,7 +92,7 @@ std::int8_t coverage_flags(const Hole& hole, double bin_distance, const Evaluati
 
 void flag_coverage(const Coverage& coverage, const EvaluationLimits& limits, Grid<std::int8_t>& fail) {
   for (std::size_t i = 0; i < fail.spec().size(); ++i) {
-    const std::int32_t id = coverage.hole_id.values()[i];
+    const std::int32_t id = coverage.hole_numbers.values()[i];
     if (id != 0)
       fail.values()[i] |= coverage_flags(coverage.holes[static_cast<std::size_t>(id - 1)],
                                          bins_apart(coverage.squared_distance.values()[i]), limits);

@@ -11,8 +11,8 @@ namespace landfall {
 
 /// Coverage of the region by valid bins: the first three rows of Table 1.
 struct Coverage {
-  BinMask invalid;             ///< 1 where the region has no valid bin
-  Grid<std::int32_t> hole_id;  ///< 8-connected components of `invalid`; 0 outside them
+  BinMask invalid;                  ///< 1 where the region has no valid bin
+  Grid<std::int32_t> hole_numbers;  ///< 8-connected components of `invalid`; 0 outside them
   /// Euclidean distance of every bin of the DEM, inside the region or not, to the nearest valid bin of the
   /// whole DEM, in bins squared (distance_transform.h).
   Grid<std::int64_t> squared_distance;

@@ -19,7 +19,7 @@ void check_layer(const char* name, const Grid<double>& layer, const GridSpec& sp
 void check_layers(const DemLayers& dem) {
   const GridSpec& spec = dem.z_est.spec();
   check_layer("z_est", dem.z_est, spec);
-  if (dem.z_corrected) check_layer("z_corrected", *dem.z_corrected, spec);
+  if (dem.corrected) check_layer("z_corrected", *dem.corrected, spec);
   if (dem.count && dem.count->spec() != spec) throw FormatError("count: its grid differs from that of z_est");
   if (!dem.truth) return;
   if (dem.truth->has_positions()) {

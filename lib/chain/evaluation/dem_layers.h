@@ -24,7 +24,7 @@ struct DemLayers {
   Grid<double> z_est;
   std::optional<TrueLayers> truth;
   /// Another estimate of the elevation, corrected by the local slope: measured like z_est, never judged.
-  std::optional<Grid<double>> z_corrected = std::nullopt;
+  std::optional<Grid<double>> corrected = std::nullopt;
   /// Which bins are judged, for RegionShape::mask and polygon.
   std::optional<BinMask> region_mask = std::nullopt;
   std::optional<Grid<std::int32_t>> count = std::nullopt;  ///< returns of each bin

@@ -70,9 +70,9 @@ class AccuracyPass {
   void run(ErrorLayers errors, const ProgressCallback& progress) const {
     metrics_.footprint_bins = rule_.footprint.edge_bins();
     metrics_.quantile = parameters_.quantile;
-    const double share = 0.99 / (errors.z_corrected ? 4 : 3);  // the last hundredth is for the summary
-    if (errors.z_corrected) measure_corrected(*errors.z_corrected, part(progress, 0, share));
-    errors.z_corrected.reset();
+    const double share = 0.99 / (errors.corrected ? 4 : 3);  // the last hundredth is for the summary
+    if (errors.corrected) measure_corrected(*errors.corrected, part(progress, 0, share));
+    errors.corrected.reset();
     statistics_.z = error_statistics(errors.z, region_);
     AccuracyMetrics::Absolute& absolute = metrics_.absolute;
     AccuracyMetrics::Relative& relative = metrics_.relative;
@@ -153,8 +153,8 @@ void record(CoverageMetrics metrics, std::vector<Hole> holes, Evaluation& result
 void pass_on(Coverage coverage, const EvaluationLimits& limits, const Sinks& sinks, Evaluation& result) {
   flag_coverage(coverage, limits, result.fail);
   record(std::move(coverage.metrics), std::move(coverage.holes), result);
-  CoverageLayers layers{std::move(result.region), std::move(coverage.invalid), std::move(coverage.hole_id),
-                        distance_layer(coverage.squared_distance)};
+  CoverageLayers layers{std::move(result.region), std::move(coverage.invalid),
+                        std::move(coverage.hole_numbers), distance_layer(coverage.squared_distance)};
   coverage.squared_distance = {};
   for (LayerSink* const sink : sinks) sink->take(layers);
   result.region = std::move(layers.in_region);
@@ -190,7 +190,7 @@ Evaluation evaluate(DemLayers dem, const EvaluationParameters& parameters, const
       },
       [&] {
         if (!accuracy) return;
-        errors = errors_of(std::move(*dem.truth), dem.z_est, std::move(dem.z_corrected));
+        errors = errors_of(std::move(*dem.truth), dem.z_est, std::move(dem.corrected));
         if (!has_positions) return;
         metrics.statistics.x = error_statistics(errors.x, result.region);
         metrics.statistics.y = error_statistics(errors.y, result.region);

@@ -15,9 +15,9 @@ namespace landfall {
 
 struct CoverageLayers {
   BinMask in_region;
-  BinMask invalid;                ///< z_est NaN inside the region; 0 outside it
-  Grid<std::int32_t> hole_id;     ///< 0 outside holes
-  Grid<float> distance_to_valid;  ///< bins, in every bin of the DEM; 0 on valid bins; infinite without any
+  BinMask invalid;                  ///< z_est NaN inside the region; 0 outside it
+  Grid<std::int32_t> hole_numbers;  ///< 0 outside holes
+  Grid<float> distance_to_valid;    ///< bins, in every bin of the DEM; 0 on valid bins; infinite without any
 };
 
 /// One axis: x, y or z.

@@ -47,15 +47,6 @@ std::optional<bool> with_own(std::optional<bool> pass, const RequirementVerdicts
   return all_pass(own) ? pass : std::optional(false);
 }
 
-std::vector<ResultField> metrics_fields() {
-  Metrics all;
-  all.assumptions.emplace();
-  AccuracyMetrics& accuracy = all.accuracy.emplace();
-  accuracy.absolute.z_corrected.emplace();
-  accuracy.relative.z_corrected.emplace();
-  all.statistics.z_corrected.emplace();
-  all.uncertainty.emplace();
-  return result_fields(all);
-}
+std::vector<ResultField> metrics_fields() { return result_fields(complete<Metrics>()); }
 
 }  // namespace landfall

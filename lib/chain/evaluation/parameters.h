@@ -20,8 +20,8 @@ struct EvaluationLimits {
   double invalid_share = 0.01;     ///< invalid bins over all bins of the region
   std::int64_t hole_size = 10;     ///< bins of one hole
   double hole_depth = 1;           ///< bins from an invalid bin to the nearest valid one
-  double relative_z_m = 0.05;      ///< rel_z of every footprint
-  double relative_xy_m = 0.05;     ///< rel_x and rel_y of every footprint
+  double relative_z_m = 0.05;      ///< of z in every footprint
+  double relative_xy_m = 0.05;     ///< of x and of y in every footprint
   double horizontal_m = 1;         ///< hypot(abs_x, abs_y) of a footprint
   double horizontal_share = 0.95;  ///< fraction of footprints that must keep it
 

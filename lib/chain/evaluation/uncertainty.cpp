@@ -127,7 +127,7 @@ ScoreMetrics assess(const Grid<double>& error, const Grid<float>& sigma, const U
   return assessment.metrics(layers.count.has_value());
 }
 
-Grid<double> less_footprint_mean(const Grid<double>& error, const Footprint& footprint) {
+Grid<double> deviation_from_mean(const Grid<double>& error, const Footprint& footprint) {
   WindowMeans windows = window_means(error, footprint);
   for_each_index(error.values().size(), [&](std::size_t i) {
     double& value = windows.mean.values()[i];
@@ -144,10 +144,9 @@ UncertaintyMetrics assess_uncertainty(const UncertaintyLayers& layers, const Bin
   const GridSpec& spec = region.spec();
   if (layers.error.spec() != spec || layers.sigma_abs.spec() != spec || layers.sigma_rel.spec() != spec ||
       (layers.count && layers.count->spec() != spec))
-    throw FormatError(
-        "z_true_map, z_sigma_abs, z_sigma_rel and count: their grid differs from that of z_est");
+    throw FormatError("the layers of the 1-sigma map and count: their grid differs from that of z_est");
   return {.absolute = assess(layers.error, layers.sigma_abs, layers, region),
-          .relative = assess(less_footprint_mean(layers.error, footprint), layers.sigma_rel, layers, region)};
+          .relative = assess(deviation_from_mean(layers.error, footprint), layers.sigma_rel, layers, region)};
 }
 
 }  // namespace landfall

@@ -25,7 +25,7 @@ struct BinValues {
   double x_offset;  ///< x_true - x_est, rounded once
   double y_offset;
   double t;
-  double z_spread;  ///< standard deviation of z_est over the bin's returns, divided by the sum of weights
+  double spread;  ///< standard deviation of z_est over the bin's returns, divided by the sum of weights
 };
 
 [[nodiscard]] BinValues empty_bin();

@@ -17,7 +17,7 @@ namespace landfall {
 namespace {
 
 /// The values of a bin of `count` (> 0) returns without weights, one of which was chosen.
-BinValues chosen_values(const ChosenReturn& chosen, std::int32_t count, double z_spread) {
+BinValues chosen_values(const ChosenReturn& chosen, std::int32_t count, double spread) {
   return {.count = count,
           .weight_sum = static_cast<double>(count),
           .z_est = chosen.z,
@@ -28,7 +28,7 @@ BinValues chosen_values(const ChosenReturn& chosen, std::int32_t count, double z
           .x_offset = chosen.x_true - chosen.x_est,
           .y_offset = chosen.y_true - chosen.y_est,
           .t = chosen.t,
-          .z_spread = z_spread};
+          .spread = spread};
 }
 
 /// A coordinate relative to the bin centres: the last centre at or before it, and its offset in [0, 1).

@@ -18,8 +18,8 @@ struct ChosenReturn {
 };
 
 /// The lowest or the highest return of each bin (`min`, `max`): all values are those of that single return,
-/// the first of several equal ones; count and z_spread cover all returns of the bin. A return belongs to the
-/// bin whose centre is nearest. 80 bytes per bin; otherwise like WeightedMeanAccumulator.
+/// the first of several equal ones; `count` and `spread` cover all returns of the bin. A return belongs to
+/// the bin whose centre is nearest. 80 bytes per bin; otherwise like WeightedMeanAccumulator.
 class ExtremeAccumulator final : public Accumulator {
  public:
   enum class Which { lowest, highest };
@@ -69,7 +69,7 @@ class BilinearAccumulator final : public Accumulator {
 };
 
 /// The median return of each bin by z_est (`median`), equal ones in order of arrival: all values are those of
-/// that single return or, for an even count, the means of the middle two; count and z_spread cover all
+/// that single return or, for an even count, the means of the middle two; `count` and `spread` cover all
 /// returns of the bin. A return belongs to the bin whose centre is nearest.
 ///
 /// Medians need every return of a bin at once, so this method sees all returns several times: the first pass

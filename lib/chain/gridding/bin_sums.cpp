@@ -8,7 +8,7 @@
 namespace landfall {
 namespace {
 
-double z_spread(const BinSums& sums) {
+double spread_of(const BinSums& sums) {
   const double mean_dz = sums.w_dz / sums.weight;
   // Rounding can give a tiny negative number where all returns are equal.
   return std::sqrt(std::max(0.0, sums.w_dz_dz / sums.weight - mean_dz * mean_dz));
@@ -29,7 +29,7 @@ BinValues values_of(const BinSums& sums) {
           .x_offset = (sums.w_x_true - sums.w_x_est) / w,
           .y_offset = (sums.w_y_true - sums.w_y_est) / w,
           .t = sums.w_t / w,
-          .z_spread = z_spread(sums)};
+          .spread = spread_of(sums)};
 }
 
 void add_return(const GridPoints& points, std::size_t i, double weight, BinSums& bin) {

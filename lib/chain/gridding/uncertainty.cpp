@@ -247,8 +247,8 @@ BinSigmas UncertaintyMap::sigmas(BinIndex bin) const {
   return {.z_abs = std::sqrt(local + v.quant + v.navigation),
           .z_rel = std::sqrt(local + v.quant),
           .z_noise = std::sqrt(v.range + (v.misfit > 0 ? 0 : v.quant)),
-          .z_corrected_abs = std::sqrt(local + v.navigation),
-          .z_corrected_rel = std::sqrt(local),
+          .corrected_abs = std::sqrt(local + v.navigation),
+          .corrected_rel = std::sqrt(local),
           .xy = std::sqrt(horizontal_variance(bin, seen))};
 }
 

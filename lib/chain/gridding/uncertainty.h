@@ -49,8 +49,8 @@ struct BinSigmas {
   /// because there quant measures the relief.
   double z_noise = kUnknown;
   /// z_abs and z_rel of the corrected elevation (slope.h): without quant.
-  double z_corrected_abs = kUnknown;
-  double z_corrected_rel = kUnknown;
+  double corrected_abs = kUnknown;
+  double corrected_rel = kUnknown;
   /// The sigma of the horizontal error x_true - X along one axis: the root of the mean of the variances in x
   /// and in y, each s^2 k(N) / N + sigma_r^2 n_x^2 sum w_k^2 + navigation with J = (1, 0, 0).
   double xy = kUnknown;

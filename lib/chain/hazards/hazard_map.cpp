@@ -42,7 +42,7 @@ void complete_sigma(HazardInput& input, const Grid<std::int8_t>& is_measured,
     }
     if (std::isnan(sigma) && z_sigma_m) {
       sigma = *z_sigma_m;
-      if (input.z_sigma_noise) input.z_sigma_noise->values()[i] = *z_sigma_m;
+      if (input.noise_sigma) input.noise_sigma->values()[i] = *z_sigma_m;
     }
     ++(std::isnan(sigma) ? input.bins_without_sigma : known);
   }
@@ -59,13 +59,13 @@ BinMask measured_bins(const Grid<double>& z) {
 /// Takes the sigmas out of the input.
 SigmaParts take_sigma(HazardInput& input, const LanderStencil& lander) {
   const Grid<double> sigma = std::move(*std::exchange(input.z_sigma, std::nullopt));
-  if (!input.z_sigma_noise) return split_sigma(sigma, Footprint::square(lander.body.half_bins()));
-  return split_sigma(sigma, *std::exchange(input.z_sigma_noise, std::nullopt));
+  if (!input.noise_sigma) return split_sigma(sigma, Footprint::square(lander.body.half_bins()));
+  return split_sigma(sigma, *std::exchange(input.noise_sigma, std::nullopt));
 }
 
 void add_probability(HazardMap& map, HazardInput& input, const HazardParameters& parameters,
                      const MapJudge& judge) {
-  const bool knows_noise = input.z_sigma_noise.has_value();
+  const bool knows_noise = input.noise_sigma.has_value();
   const bool knows_centroids = input.centroids.has_value();
   const auto measure = [&](const Grid<double>& z, const BinMask& places) { return judge.measure(z, places); };
   SafeProbability found =
@@ -102,8 +102,8 @@ std::vector<LandingSite> describe(const std::vector<BinIndex>& bins, const Hazar
     }
     site.slope_deg = map.measures.slope_deg.at(bin);
     site.roughness_m = map.measures.roughness_m.at(bin);
-    const float distance = map.distance_to_hazard.at(bin);
-    if (!std::isnan(distance)) site.distance_to_hazard_m = distance;
+    const float distance = map.hazard_distance.at(bin);
+    if (!std::isnan(distance)) site.hazard_distance_m = distance;
     if (map.truth) site.truth = static_cast<Safety>(map.truth->safe.at(bin));
     sites.push_back(site);
   }
@@ -149,7 +149,7 @@ HazardInput fill_map(MapLayers layers, const HazardParameters& parameters, const
   const BinMask measured = layers.z_sigma ? measured_bins(layers.z) : BinMask();
   fill_holes(layers.z, holes);
   HazardInput input{std::move(layers.z), std::move(layers.z_true), std::move(filled_truth),
-                    std::move(layers.z_sigma), std::move(layers.z_sigma_noise)};
+                    std::move(layers.z_sigma), std::move(layers.noise_sigma)};
   if (input.z_sigma) complete_sigma(input, measured, parameters.z_sigma_m);
   if (input.z_sigma) input.centroids = std::move(layers.centroids);
   return input;
@@ -215,7 +215,7 @@ HazardMap map_hazards(HazardInput& input, const HazardParameters& parameters, co
     map.p_touchdown =
         touchdown_probability(counted_probability(map), parameters.touchdown_sigma_m, map.region);
     map.cost = landing_cost(map.p_touchdown, parameters.sites);
-    map.distance_to_hazard = distance_to_hazard(map.safe, map.region);
+    map.hazard_distance = hazard_distance(map.safe, map.region);
     map.sites = describe(choose_sites(map.cost, map.safe, parameters.sites), map, input.z);
   });
   return map;

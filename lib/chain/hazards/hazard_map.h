@@ -43,7 +43,7 @@ struct HazardInput {
   /// 1 sigma of each measured bin, NaN elsewhere, also in filled holes; with it the map has p_safe.
   std::optional<Grid<double>> z_sigma;
   /// Its part that is noise, independent of other bins.
-  std::optional<Grid<double>> z_sigma_noise = std::nullopt;
+  std::optional<Grid<double>> noise_sigma = std::nullopt;
   /// Bins with a measured elevation and without a sigma: p_safe does not use their elevations.
   std::int64_t bins_without_sigma = 0;
   std::optional<BinMask> region = std::nullopt;  ///< the places, if the region's shape is mask or polygon
@@ -79,8 +79,8 @@ struct MapLayers {
   Grid<double> z;
   std::optional<Grid<double>> z_true = std::nullopt;
   std::optional<Grid<double>> z_sigma = std::nullopt;
-  std::optional<Grid<double>> z_sigma_noise = std::nullopt;  ///< only with z_sigma
-  std::optional<ReturnCentroids> centroids = std::nullopt;   ///< only with z_sigma
+  std::optional<Grid<double>> noise_sigma = std::nullopt;   ///< only with z_sigma
+  std::optional<ReturnCentroids> centroids = std::nullopt;  ///< only with z_sigma
 };
 
 /// The map with its small holes filled, its truth completed by `fill`, and z_sigma_m for the measured bins
@@ -100,7 +100,7 @@ struct LandingSite {
   std::optional<float> p_safe;
   bool p_capped = false;  ///< p_safe is as large as the evidence allows: the probability is at least p_safe
   double slope_deg = 0, roughness_m = 0;
-  std::optional<float> distance_to_hazard_m;  ///< none without a place that is not safe
+  std::optional<float> hazard_distance_m;  ///< none without a place that is not safe
   Safety truth = Safety::unknown;
   MapPosition map = {};  ///< set by the caller, who has the CRS of the file
 };
@@ -124,7 +124,7 @@ struct HazardMap {
   std::string no_probability = kNoProbability;
   Grid<float> p_touchdown;
   Grid<float> cost;
-  Grid<float> distance_to_hazard;
+  Grid<float> hazard_distance;
 
   struct Truth {
     PlaceMeasures measures;

@@ -17,12 +17,12 @@ float root(double variance) { return static_cast<float>(std::sqrt(std::max(varia
 
 }  // namespace
 
-SigmaParts split_sigma(const Grid<double>& z_sigma, const Grid<double>& z_sigma_noise) {
+SigmaParts split_sigma(const Grid<double>& z_sigma, const Grid<double>& noise_sigma) {
   const GridSpec& spec = z_sigma.spec();
   SigmaParts parts{Grid<float>::unset(spec), Grid<float>::unset(spec)};
   for (std::size_t i = 0; i < spec.size(); ++i) {
     const double sigma = z_sigma.values()[i];
-    const double noise = z_sigma_noise.values()[i];
+    const double noise = noise_sigma.values()[i];
     const bool is_known = std::isfinite(sigma) && std::isfinite(noise);
     constexpr float kUnknown = std::numeric_limits<float>::quiet_NaN();
     parts.noise_m.values()[i] = is_known ? static_cast<float>(std::min(sigma, noise)) : kUnknown;

@@ -14,7 +14,7 @@ struct SigmaParts {
 };
 
 /// With known noise: relief^2 = max(sigma^2 - noise^2, 0).
-[[nodiscard]] SigmaParts split_sigma(const Grid<double>& z_sigma, const Grid<double>& z_sigma_noise);
+[[nodiscard]] SigmaParts split_sigma(const Grid<double>& z_sigma, const Grid<double>& noise_sigma);
 
 /// Without: noise is much the same all over a window, and relief is in few of its bins. With 1/m the
 /// mean of 1/sigma^2 in the window about a bin, noise^2 = min(sigma^2, 1.3 m), since the number of returns

@@ -118,7 +118,7 @@ std::vector<FoundSite> find_sites(const JudgedPlaces& places, const SiteParamete
   return found;
 }
 
-std::optional<float> distance_to_hazard_at(const JudgedPlaces& places, BinIndex bin) {
+std::optional<float> hazard_distance_at(const JudgedPlaces& places, BinIndex bin) {
   const GridSpec& spec = places.safe.spec();
   std::int64_t minimum = kNoValidBin;
   const auto try_bin = [&](BinIndex at, std::int64_t squared) {

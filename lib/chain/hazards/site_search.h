@@ -28,7 +28,7 @@ struct JudgedPlaces {
 [[nodiscard]] std::vector<FoundSite> find_sites(const JudgedPlaces& places, const SiteParameters& parameters,
                                                 std::int64_t tile_bins);
 
-/// The value of distance_to_hazard() at one bin of the region; nothing where it is NaN.
-[[nodiscard]] std::optional<float> distance_to_hazard_at(const JudgedPlaces& places, BinIndex bin);
+/// The value of hazard_distance() at one bin of the region; nothing where it is NaN.
+[[nodiscard]] std::optional<float> hazard_distance_at(const JudgedPlaces& places, BinIndex bin);
 
 }  // namespace landfall

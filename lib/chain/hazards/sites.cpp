@@ -105,7 +105,7 @@ Grid<float> landing_cost(const Grid<float>& p_touchdown, const SiteParameters& p
   return cost;
 }
 
-Grid<float> distance_to_hazard(const Grid<std::int8_t>& safe, const BinMask& region) {
+Grid<float> hazard_distance(const Grid<std::int8_t>& safe, const BinMask& region) {
   const GridSpec& spec = safe.spec();
   BinMask hazards(spec);
   for (std::size_t i = 0; i < spec.size(); ++i)

@@ -37,7 +37,7 @@ struct SiteParameters {
 
 /// The distance in metres to the nearest bin of the region that is not safe; NaN without such a bin, and
 /// outside the region.
-[[nodiscard]] Grid<float> distance_to_hazard(const Grid<std::int8_t>& safe, const BinMask& region);
+[[nodiscard]] Grid<float> hazard_distance(const Grid<std::int8_t>& safe, const BinMask& region);
 
 struct SitePlace {
   BinIndex bin;

@@ -124,7 +124,7 @@ HazardMap map_strips(const StripSource& source, const HazardParameters& paramete
     const JudgedPlaces places{map.safe, map.region, parameters.touchdown_sigma_m};
     for (const FoundSite& found : find_sites(places, parameters.sites, kSiteTile)) {
       LandingSite& site = map.sites.emplace_back(described(found, map, judge));
-      if (counts.safe < counts.all()) site.distance_to_hazard_m = distance_to_hazard_at(places, found.bin);
+      if (counts.safe < counts.all()) site.hazard_distance_m = hazard_distance_at(places, found.bin);
     }
   });
   return map;

@@ -21,7 +21,7 @@ ClVerdict::ClVerdict(const ClWork& work, std::size_t rows, std::size_t cols, con
       rows_(rows),
       bins_(rows * cols),
       tiles_(tiles_across(rows) * tiles_across(cols)),
-      has_maps_(!judged.z_true_map.empty()),
+      has_maps_(!judged.map_truth.empty()),
       program_(work.program(KernelFile::verdict)),
       compare_(program_, "compare"),
       bound_(program_, "bound"),
@@ -37,7 +37,7 @@ ClVerdict::ClVerdict(const ClWork& work, std::size_t rows, std::size_t cols, con
       surface_(work.copied(std::span(&judged.surface, 1))),
       nodes_(work.copied(judged.nodes)),
       region_(work.copied(judged.region)),
-      z_true_map_(work.copied(judged.z_true_map)),
+      map_truth_(work.copied(judged.map_truth)),
       rule_(work.buffer(sizeof(DeviceRule))),
       half_widths_(work.buffer(sizeof(std::int64_t) * kMaxHalfWidths)),
       errors_(work.buffer(sizeof(double) * kAxes * bins_)),
@@ -67,7 +67,7 @@ bool ClVerdict::judge(const Bins& bins, DeviceRule rule, std::span<const std::in
   work_.write(rule_, std::span<const DeviceRule>(&rule, 1));
   work_.write(half_widths_, half_widths);
   work_.write(unusual_, std::span<const cl_uint>(&unusual, 1));
-  work_.launch(compare_, bins_, bins.scene, surface_, rule_, nodes_, bins.layers, bins.counts, z_true_map_,
+  work_.launch(compare_, bins_, bins.scene, surface_, rule_, nodes_, bins.layers, bins.counts, map_truth_,
                errors_, valid_, flags_, unusual_, bin_count);
   work_.launch(bound_, kAxes * tiles_, bins.scene, errors_, bounds_, tiles, cl_uint{0}, cl_uint{kAxes});
   work_.launch(reach_, kAxes * tiles_, bins.scene, rule_, bounds_, reached_, tiles, cl_uint{0},
@@ -79,7 +79,7 @@ bool ClVerdict::judge(const Bins& bins, DeviceRule rule, std::span<const std::in
   work_.read(unusual_, std::span(&unusual, 1));
   if (unusual != 0) return false;
   if (has_maps_)
-    work_.launch(add_to_maps_, bins_, bins.layers, bins.counts, errors_, z_true_map_, valid_, flags_, counts_,
+    work_.launch(add_to_maps_, bins_, bins.layers, bins.counts, errors_, map_truth_, valid_, flags_, counts_,
                  sums_, squares_, bin_count);
   std::vector<cl_uint> tallies(kFlags * rows_);
   work_.read(tallies_, std::span(tallies));

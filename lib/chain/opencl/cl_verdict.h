@@ -36,7 +36,7 @@ class ClVerdict {
   cl::Program program_;
   cl::Kernel compare_, bound_, reach_, add_up_, row_sums_, average_, judge_, judge_horizontal_, tally_;
   cl::Kernel add_to_maps_, clear_maps_;
-  cl::Buffer surface_, nodes_, region_, z_true_map_, rule_, half_widths_;
+  cl::Buffer surface_, nodes_, region_, map_truth_, rule_, half_widths_;
   cl::Buffer errors_, valid_, flags_, tallies_, unusual_;
   cl::Buffer bounds_, reached_, mean_ranges_;  ///< of tiles
   cl::Buffer means_, square_rows_, packed_;

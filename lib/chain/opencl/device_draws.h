@@ -75,7 +75,7 @@ struct DeviceJudged {
   DeviceSurface surface;
   std::span<const double> nodes;  ///< elevations, of the surface
   std::span<const std::int8_t> region;
-  std::span<const double> z_true_map;  ///< DrawRunner::z_true_map(); empty in a run of draws without maps
+  std::span<const double> map_truth;  ///< DrawRunner::map_truth(); empty in a run of draws without maps
 };
 
 /// A verdict, read back from the device.
@@ -88,7 +88,7 @@ struct DeviceVerdict {
 
 /// DrawMaps of the draws that a device has judged, to be filled.
 struct DeviceSums {
-  std::array<std::span<std::int32_t>, 7> counts;  ///< invalid, fail_rel_x .. fail_absolute, e_z, e_map
+  std::array<std::span<std::int32_t>, 7> counts;  ///< invalid, DrawMaps::failing, e_z, e_map
   std::array<std::span<std::int64_t>, 3> sums;    ///< count, e_z, e_map
   std::array<std::span<WideSum>, 2> squares;      ///< e_z, e_map
 };

@@ -69,7 +69,7 @@ bool is_unusual(double error) { return fabs(error) > LARGEST_M; }  // not NAN
 
 // z_true and error_of(): `errors` has a layer each for x, y and z, NAN where there is no value.
 kernel void compare(constant Scene* s, constant Surface* terrain, constant Rule* rule, global const double* nodes,
-                    global const double* layers, global const int* counts, global const double* z_true_map, global double* errors,
+                    global const double* layers, global const int* counts, global const double* map_truth, global double* errors,
                     global char* valid, global uchar* flags, global uint* unusual, const uint bins) {
   const size_t bin = get_global_id(0);
   if (bin >= bins) return;
@@ -94,7 +94,7 @@ kernel void compare(constant Scene* s, constant Surface* terrain, constant Rule*
   errors[bin + 2 * layer] = is_empty ? NAN : e_z;
   valid[bin] = is_empty || isnan(z_est) ? 0 : 1;
   if (is_empty) return;
-  const bool has_far_map = rule->has_maps && is_unusual(z_true_map[bin] - z_est);
+  const bool has_far_map = rule->has_maps && is_unusual(map_truth[bin] - z_est);
   if (has_far_map || is_unusual(e_x) || is_unusual(e_y) || is_unusual(e_z) || isinf(x_true) || isinf(y_true) || isinf(z_est))
     atomic_or(unusual, 1);
 }
@@ -174,7 +174,7 @@ Tile tile_of(constant Scene* s, global const Bound* reached, uint tiles, size_t 
 }
 
 // A bound of the magnitudes of their means, which are rounded at each of up to 514 additions and at a division.
-double largest_mean(const Tile* t, int axis) {
+double max_mean(const Tile* t, int axis) {
   const Bound b = t->reached[axis * t->tiles + t->tile];
   return b.valid == 0 ? 0 : fmax(-b.lowest, b.highest) * (1 + 0x1p-42) + 1e-300;
 }
@@ -187,7 +187,7 @@ bool cannot_exceed(const Tile* t, constant Rule* rule, int axis) {
 }
 
 bool is_within(const Tile* t, constant Rule* rule) {
-  return horizontal(largest_mean(t, 0), largest_mean(t, 1), rule->horizontal_m) == WITHIN;
+  return horizontal(max_mean(t, 0), max_mean(t, 1), rule->horizontal_m) == WITHIN;
 }
 
 // A footprint about a bin.
@@ -404,7 +404,7 @@ void add_error(double error, global int* count, global long* sum, global WideSum
 
 // DrawMaps: `counts_of` has layers for invalid, the four FailFlags, and the errors in e_z and e_map; `sums` for returns, e_z and e_map.
 kernel void add_to_maps(global const double* layers, global const int* counts, global const double* errors,
-                        global const double* z_true_map, global const char* valid, global const uchar* flags, global int* counts_of,
+                        global const double* map_truth, global const char* valid, global const uchar* flags, global int* counts_of,
                         global long* sums, global WideSum* squares, const uint bins) {
   const size_t bin = get_global_id(0);
   if (bin >= bins) return;
@@ -416,7 +416,7 @@ kernel void add_to_maps(global const double* layers, global const int* counts, g
     return;
   }
   add_error(errors[2 * layer + bin], counts_of + 5 * layer + bin, sums + layer + bin, squares + bin);
-  add_error(z_true_map[bin] - layers[bin], counts_of + 6 * layer + bin, sums + 2 * layer + bin, squares + layer + bin);
+  add_error(map_truth[bin] - layers[bin], counts_of + 6 * layer + bin, sums + 2 * layer + bin, squares + layer + bin);
 }
 
 kernel void clear_maps(global int* counts_of, global long* sums, global WideSum* squares, const uint bins) {

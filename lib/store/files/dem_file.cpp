@@ -133,14 +133,14 @@ std::vector<Layer> all_layers(const DemRequest& request) {
           simple<float>("x_est_mean", &BinValues::x_est),
           simple<float>("y_est_mean", &BinValues::y_est),
           simple<double>("t_mean", &BinValues::t, times_missing),
-          simple<float>("z_spread", &BinValues::z_spread),
+          simple<float>("z_spread", &BinValues::spread),
           of_filled_bins("z_corrected", correction_missing, corrected),
           of_filled_bins("z_true_map", map_truth_missing, true_elevation_of_map),
           sigma("z_sigma_abs", &BinSigmas::z_abs, uncertainty_missing),
           sigma("z_sigma_rel", &BinSigmas::z_rel, uncertainty_missing),
           sigma("z_sigma_noise", &BinSigmas::z_noise, uncertainty_missing),
-          sigma("z_corrected_sigma_abs", &BinSigmas::z_corrected_abs, corrected_sigma_missing),
-          sigma("z_corrected_sigma_rel", &BinSigmas::z_corrected_rel, corrected_sigma_missing),
+          sigma("z_corrected_sigma_abs", &BinSigmas::corrected_abs, corrected_sigma_missing),
+          sigma("z_corrected_sigma_rel", &BinSigmas::corrected_rel, corrected_sigma_missing),
           sigma("xy_sigma", &BinSigmas::xy, uncertainty_missing)};
 }
 

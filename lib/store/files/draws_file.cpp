@@ -31,6 +31,9 @@ using Json = nlohmann::ordered_json;
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 constexpr const char* kFirstDraw = "first_draw";
 
+/// The column of /state: p_NAME is the share of NAME.
+std::string column_of(const FailureMap& map) { return map.layer + 2; }
+
 void write_layers(LandfallFileWriter& file, const Draws& draws, const std::string& crs_wkt) {
   const DrawMaps& maps = *draws.maps;
   GridLayerWriter layers(file, maps.spec(), crs_wkt);
@@ -45,11 +48,11 @@ void write_layers(LandfallFileWriter& file, const Draws& draws, const std::strin
   layers.write("e_z_mean", mean_of(maps.e_z));
   layers.write("e_z_std", std_of(maps.e_z));
   if (maps.e_map) layers.write("e_map_std", std_of(*maps.e_map));
-  if (draws.z_sigma_abs) {
-    layers.write("z_sigma_abs", *draws.z_sigma_abs);
-    layers.write("e_map_std_over_sigma", std_over_sigma(*maps.e_map, *draws.z_sigma_abs));
+  if (draws.predicted_sigma) {
+    layers.write("z_sigma_abs", *draws.predicted_sigma);
+    layers.write("e_map_std_over_sigma", std_over_sigma(*maps.e_map, *draws.predicted_sigma));
   }
-  if (draws.z_true_map) layers.write("z_true_map", *draws.z_true_map);
+  if (draws.map_truth) layers.write("z_true_map", *draws.map_truth);
   layers.write("count_mean", mean_count(maps));
   layers.write("in_region", *draws.region);
 }
@@ -66,10 +69,8 @@ class StateTable {
   explicit StateTable(const DrawMaps& maps) : maps_(maps) {
     const std::string footprint = "draws in which the footprint exceeds the limit of ";
     add("invalid", maps.invalid, "1", "draws in which the bin has no elevation");
-    add("fail_rel_x", maps.fail_rel_x, "1", footprint + "the relative error of x");
-    add("fail_rel_y", maps.fail_rel_y, "1", footprint + "the relative error of y");
-    add("fail_rel_z", maps.fail_rel_z, "1", footprint + "the relative error of z");
-    add("fail_absolute", maps.fail_absolute, "1", footprint + "the absolute horizontal error");
+    for (const FailureMap& map : failure_maps(maps))
+      add(column_of(map), map.count, "1", footprint + map.error);
     add("count", maps.count, "1", "returns");
     add("e_z", maps.e_z);
     if (maps.e_map) add("e_map", *maps.e_map);
@@ -237,10 +238,8 @@ void check_state(const LandfallFileReader& file, const DrawMaps& maps) {
   constexpr std::int64_t kMaxError = std::int64_t{1} << 46;    // 65,536 m in 2^-30 m
   constexpr std::int64_t kMaxReturns = std::int64_t{1} << 52;  // in all draws of a run, below 2^63
   require_at_most(file, "invalid", maps.invalid, 0, maps.draws);
-  require_at_most(file, "fail_rel_x", maps.fail_rel_x, 0, maps.draws);
-  require_at_most(file, "fail_rel_y", maps.fail_rel_y, 0, maps.draws);
-  require_at_most(file, "fail_rel_z", maps.fail_rel_z, 0, maps.draws);
-  require_at_most(file, "fail_absolute", maps.fail_absolute, 0, maps.draws);
+  for (const FailureMap& map : failure_maps(maps))
+    require_at_most(file, column_of(map), map.count, 0, maps.draws);
   require_at_most(file, "count", maps.count, 0, kMaxReturns);
   if (maps.safety) {
     require_at_most(file, "safety_known", maps.safety->known, 0, maps.draws);
@@ -268,10 +267,8 @@ DrawMaps read_state(const LandfallFileReader& file, const GridSpec& spec, std::i
   DrawMaps maps(spec);
   maps.draws = draws;
   read_into(table, "invalid", maps.invalid.values());
-  read_into(table, "fail_rel_x", maps.fail_rel_x.values());
-  read_into(table, "fail_rel_y", maps.fail_rel_y.values());
-  read_into(table, "fail_rel_z", maps.fail_rel_z.values());
-  read_into(table, "fail_absolute", maps.fail_absolute.values());
+  for (std::size_t k = 0; k < maps.failing.size(); ++k)
+    read_into(table, column_of(failure_maps(maps)[k]), maps.failing[k].values());
   read_into(table, "count", maps.count.values());
   if (table.has("safety_known")) {
     SafetyCounts& safety = maps.safety.emplace(spec);
@@ -480,11 +477,11 @@ DrawsInput read_draws(const std::filesystem::path& path) {
   input.crs_wkt = layers.crs_wkt();
   input.draws.region = layers.read<std::int8_t>("in_region");
   if (layers.has("z_true_map"))
-    input.draws.z_true_map = layers.read_checked<float>("z_true_map", LayerValues::finite);
+    input.draws.map_truth = layers.read_checked<float>("z_true_map", LayerValues::finite);
   if (layers.has("z_sigma_abs"))
-    input.draws.z_sigma_abs = layers.read_checked<float>("z_sigma_abs", LayerValues::not_negative);
+    input.draws.predicted_sigma = layers.read_checked<float>("z_sigma_abs", LayerValues::not_negative);
   input.draws.maps = read_state(file, layers.spec(), input.draws.table.size());
-  if (input.draws.maps->e_map.has_value() != input.draws.z_true_map.has_value())
+  if (input.draws.maps->e_map.has_value() != input.draws.map_truth.has_value())
     file.fail("z_true_map and /state/e_map_count belong together, and one of them is missing");
   return input;
 }

@@ -23,9 +23,9 @@ struct Draws {
   std::optional<std::int64_t> footprint_bins;
   std::optional<DrawMaps> maps;
   // With maps:
-  std::optional<BinMask> region;           ///< the judged bins
-  std::optional<Grid<float>> z_true_map;   ///< H(X, Y), NaN off the terrain; none where the terrain varies
-  std::optional<Grid<float>> z_sigma_abs;  ///< predicted, if it is requested
+  std::optional<BinMask> region;         ///< the judged bins
+  std::optional<Grid<float>> map_truth;  ///< H(X, Y), NaN off the terrain; none where the terrain varies
+  std::optional<Grid<float>> predicted_sigma;  ///< if it is requested
 };
 
 /// A number of a draw by its dotted path in metrics.json.

@@ -213,7 +213,7 @@ DemInput read_dem(const std::filesystem::path& path, const ProgressCallback& pro
     dem.layers.truth->x = read("x_true");
     dem.layers.truth->y = read("y_true");
   }
-  if (layers.has("z_corrected")) dem.layers.z_corrected = read("z_corrected");
+  if (layers.has("z_corrected")) dem.layers.corrected = read("z_corrected");
   return dem;
 }
 
@@ -247,7 +247,7 @@ GridLayerWriter& EvaluationWriter::grid() {
 void EvaluationWriter::take(const CoverageLayers& layers) {
   grid().write("in_region", layers.in_region);
   grid().write("invalid", layers.invalid);
-  grid().write("hole_id", layers.hole_id);
+  grid().write("hole_id", layers.hole_numbers);
   if (std::ranges::none_of(layers.distance_to_valid.values(), is_infinite<float>)) {
     grid().write("distance_to_valid", layers.distance_to_valid);
     return;

@@ -22,7 +22,7 @@ struct DemInput {
   bool has_sigmas = false;  ///< whether read_uncertainty() may find layers
 };
 
-/// Reads z_est of a dem.h5 and, if they exist, count and z_true, then also z_corrected if
+/// Reads z_est of a dem.h5 and, if they exist, count and z_true, then also the corrected elevation if
 /// it exists, and x_true and y_true if both do. The layer `count` of a DEM that landfall-import made says
 /// nothing about returns and is left out. Throws FormatError.
 [[nodiscard]] DemInput read_dem(const std::filesystem::path& path, const ProgressCallback& progress = {});
@@ -64,7 +64,7 @@ struct RegionMask {
 [[nodiscard]] RegionMask read_region_mask(const std::filesystem::path& path, const std::string& layer,
                                           const MaskedMap& map);
 
-/// z_true_map - z_est, z_sigma_abs, z_sigma_rel and, if it exists, count of a dem.h5; nothing if one of the
+/// The error of the map, its sigmas and, if it exists, count of a dem.h5; nothing if one of the
 /// first three is missing. Throws FormatError.
 [[nodiscard]] std::optional<UncertaintyLayers> read_uncertainty(const std::filesystem::path& path);
 

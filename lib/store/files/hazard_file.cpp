@@ -92,7 +92,7 @@ HazardSource read_hazard_source(const std::filesystem::path& path, bool with_tru
   if (kind == "dem" && layers.has("z_sigma_rel"))
     source.z_sigma = layers.read_checked<double>("z_sigma_rel", LayerValues::not_negative);
   if (source.z_sigma && layers.has("z_sigma_noise"))
-    source.z_sigma_noise = layers.read_checked<double>("z_sigma_noise", LayerValues::not_negative);
+    source.noise_sigma = layers.read_checked<double>("z_sigma_noise", LayerValues::not_negative);
   if (source.z_sigma && layers.has("x_est_mean") && layers.has("y_est_mean"))
     source.centroids = {layers.read_checked<float>("x_est_mean", LayerValues::finite),
                         layers.read_checked<float>("y_est_mean", LayerValues::finite)};
@@ -125,8 +125,7 @@ void write_sites(const LandfallFileWriter& file, const HazardMap& map) {
       site_column(sites, [](const LandingSite& s) { return static_cast<std::int8_t>(s.p_capped ? 1 : 0); });
   const auto slope = site_column(sites, [](const LandingSite& s) { return s.slope_deg; });
   const auto roughness = site_column(sites, [](const LandingSite& s) { return s.roughness_m; });
-  const auto distance =
-      site_column(sites, [](const LandingSite& s) { return or_nan(s.distance_to_hazard_m); });
+  const auto distance = site_column(sites, [](const LandingSite& s) { return or_nan(s.hazard_distance_m); });
   const auto truth =
       site_column(sites, [](const LandingSite& s) { return static_cast<std::int8_t>(s.truth); });
   using enum h5::Type;
@@ -180,7 +179,7 @@ void write_hazards(LandfallFileWriter& file, const HazardMap& map, const std::st
   if (map.p_safe) layers.write("p_safe", *map.p_safe, {.comment = map.p_safe_origin});
   layers.write("p_touchdown", map.p_touchdown);
   layers.write("cost", map.cost);
-  layers.write("distance_to_hazard", map.distance_to_hazard);
+  layers.write("distance_to_hazard", map.hazard_distance);
   if (map.truth) {
     write_measures(layers, map.truth->measures, "_true");
     layers.write("safe_true", map.truth->safe);
@@ -208,7 +207,7 @@ Json site_json(const LandingSite& site) {
                    {"p_safe", or_null(site.p_safe)},
                    {"slope_deg", site.slope_deg},
                    {"roughness_m", site.roughness_m},
-                   {"distance_to_hazard_m", or_null(site.distance_to_hazard_m)},
+                   {"distance_to_hazard_m", or_null(site.hazard_distance_m)},
                    {"true_safe", true_safe(site.truth)},
                    {"p_capped", site.p_safe ? Json(site.p_capped) : Json()}});
   return json;

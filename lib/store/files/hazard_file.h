@@ -16,12 +16,12 @@ namespace landfall {
 struct HazardSource {
   std::string kind;  ///< "dem" or "terrain"
   Grid<double> z;
-  std::optional<Grid<double>> z_true;         ///< of a DEM that has it
-  std::optional<Grid<double>> z_sigma;        ///< z_sigma_rel of a DEM that has it
-  std::optional<Grid<double>> z_sigma_noise;  ///< of a DEM that has both
-  std::optional<ReturnCentroids> centroids;   ///< x_est_mean and y_est_mean of a DEM that has z_sigma too
-  std::optional<double> truth_spacing_m;      ///< DemLayers::truth_spacing_m
-  bool is_imported = false;                   ///< is_imported()
+  std::optional<Grid<double>> z_true;        ///< of a DEM that has it
+  std::optional<Grid<double>> z_sigma;       ///< of a DEM that has it: without navigation errors
+  std::optional<Grid<double>> noise_sigma;   ///< of a DEM that has both
+  std::optional<ReturnCentroids> centroids;  ///< of a DEM that has z_sigma too
+  std::optional<double> truth_spacing_m;     ///< DemLayers::truth_spacing_m
+  bool is_imported = false;                  ///< is_imported()
   std::string crs_wkt;
   std::string file_id;
   nlohmann::json chain;

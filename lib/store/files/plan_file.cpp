@@ -54,7 +54,7 @@ PlanMetrics plan_metrics(const ScanPlan& plan, const CoverageMetrics& coverage, 
 
 PlanSummary summarize_plan(const ScanPlan& plan, const PlanRequest& request, double pulse_rate_hz) {
   Coverage coverage = coverage_of(plan);
-  return {plan_metrics(plan, coverage.metrics, request, pulse_rate_hz), std::move(coverage.hole_id)};
+  return {plan_metrics(plan, coverage.metrics, request, pulse_rate_hz), std::move(coverage.hole_numbers)};
 }
 
 void write_plan(LandfallFileWriter& file, const ScanPlan& plan, const PlanSummary& summary) {
@@ -63,7 +63,7 @@ void write_plan(LandfallFileWriter& file, const ScanPlan& plan, const PlanSummar
   layers.write("frames", plan.frames());
   layers.write("first_seen", plan.first_seen_s());
   layers.write("in_region", plan.region());
-  layers.write("hole_id", summary.hole_id);
+  layers.write("hole_id", summary.hole_numbers);
   h5::write_text(file.root(), {"plan_json", "the plan in numbers"}, fields_json(summary.metrics).dump(2));
   file.commit();
 }

@@ -73,7 +73,7 @@ struct PlanMetrics {
 /// The results of a plan for its region.
 struct PlanSummary {
   PlanMetrics metrics;
-  Grid<std::int32_t> hole_id;  ///< of the bins without a return (Coverage)
+  Grid<std::int32_t> hole_numbers;  ///< of the bins without a return (Coverage)
 };
 
 struct PlanRequest {
@@ -84,8 +84,8 @@ struct PlanRequest {
 [[nodiscard]] PlanSummary summarize_plan(const ScanPlan& plan, const PlanRequest& request,
                                          double pulse_rate_hz);
 
-/// Writes the layers count, frames, first_seen, in_region and hole_id, and the metrics as /plan_json;
-/// commits.
+/// Writes the layers count, frames, first_seen, in_region and the numbers of holes, and the metrics as
+/// /plan_json; commits.
 void write_plan(LandfallFileWriter& file, const ScanPlan& plan, const PlanSummary& summary);
 
 }  // namespace landfall

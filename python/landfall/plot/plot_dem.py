@@ -10,7 +10,7 @@ from landfall.plot import captions, maps, plot_command, reduction, scales
 
 ZOOM_WIDTH_M = 8.0
 SIGN = "true - estimated"
-LIMIT_OF = " of rel_z"
+LIMIT_OF = " of the relative error"
 
 
 def add_options(parser):

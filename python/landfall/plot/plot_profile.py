@@ -102,7 +102,7 @@ def draw_error(ax, bins, error, limit_m):
     draw_curve(ax, bins.at_m, error * factor, color="black", linewidth=1.1)
     for place, limit in enumerate((limit_m, -limit_m)):
         ax.axhline(limit * factor, color=LIMIT, linestyle="--", linewidth=1.5,
-                   label=None if place else f"limit ±{captions.metres(limit_m)} of rel_z")
+                   label=None if place else f"limit ±{captions.metres(limit_m)} of the relative error")
     ax.set(ylabel=f"{plot_dem.SIGN} ({unit})", xlim=(0, bins.length_m), ylim=(-end * factor, end * factor),
            title=f"error e_z: {error_text(known, limit_m)}")
     ax.grid(True, color="#e0e0e0", linewidth=0.6)

@@ -175,8 +175,8 @@ void make_draws(const fs::path& path) {
     for (ErrorSums* const sums : {&draws.maps->e_z, &*draws.maps->e_map})
       for (const double error_m : {0.01, -0.02}) sums->add(bin, error_m);
   draws.region.emplace(spec);
-  draws.z_true_map.emplace(spec);
-  draws.z_sigma_abs.emplace(spec, 0.05F);
+  draws.map_truth.emplace(spec);
+  draws.predicted_sigma.emplace(spec, 0.05F);
   draws.table = {0, {1, 1}, {0, 1}, {{"scan.noise.range_sigma_m", {0.01, 0.02}}}, {}, {0, 1}};
   for (const dictionary::Requirement& info : dictionary::kRequirements)
     draws.table.metrics.push_back({std::string("requirements.") + info.name + ".pass", {0, 1}});

@@ -96,10 +96,9 @@ function mapFigure(raster, options, elevations) {
 function statisticsTable({statistics}) {
   const keys = [["mean", "mean_m"], ["standard deviation", "std_m"], ["root mean square", "rmse_m"],
                 ["median", "median_m"], ["NMAD", "nmad_m"], ["LE90", "le90_m"], ["95 % within", "p95_m"]];
-  const columns = [["x", "x (cm)"], ["y", "y (cm)"], ["z", "z (cm)"], ["z_corrected", "z, slope-corrected (cm)"]].filter(
-      ([name]) => statistics[name]);
-  const rows = keys.map(([text, key]) => [[text], ...columns.map(([name]) => centimetres(statistics[name][key]))]);
-  return tableElement("statistics", [["of the bins", false], ...columns.map(([, text]) => [text, true])], rows);
+  const names = Object.keys(statistics).filter((name) => statistics[name]?.mean_m !== undefined);
+  const rows = keys.map(([text, key]) => [[text], ...names.map((name) => centimetres(statistics[name][key]))]);
+  return tableElement("statistics", [["of the bins", false], ...names.map((name) => [`${name} (cm)`, true])], rows);
 }
 
 function fillErrors(section) {

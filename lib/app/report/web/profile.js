@@ -138,7 +138,7 @@ export class ProfileView {
     this.curve(x, y, scaled, {color: "var(--ink)", width: 1.2});
     if (limit > 0) {
       this.svg.append(svgElement("text", {x: x.pixels[1] - 4, y: y.at(limit * factor) + 13, "text-anchor": "end", class: "haloed"},
-                                 `limit of rel_z \u00b1${metresAs(limit, ...lengthUnit(limit))}`));
+                                 `limit of the relative error \u00b1${metresAs(limit, ...lengthUnit(limit))}`));
     }
   }
 

@@ -67,11 +67,7 @@ JudgedFootprints judged_footprints(const TileVerdict& verdict, bool judges_relat
 
 }  // namespace
 
-std::vector<ResultField> decisive_fields() {
-  DecisiveMetrics all;
-  all.accuracy.emplace();
-  return result_fields(all);
-}
+std::vector<ResultField> decisive_fields() { return result_fields(complete<DecisiveMetrics>()); }
 
 DecisiveMetrics decisive_metrics(const std::optional<TileVerdict>& footprints, const BinMask& valid,
                                  const BinMask& region, const EvaluationParameters& parameters,

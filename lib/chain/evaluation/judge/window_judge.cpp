@@ -163,7 +163,7 @@ std::int64_t WindowJudge::decide_by_counts(const Rectangle& windows, const View<
 void WindowJudge::judge_quarters(const Rectangle& windows, std::int64_t undecided) {
   const bool is_tile = windows.rows == tile_.rows && windows.cols == tile_.cols;
   if (is_tile && undecided * kManyUndecided >= tile_.rows * tile_.cols) {
-    find_exact_means(windows);
+    find_window_means(windows);
     has_all_exact_ = true;
   }
   const std::int64_t rows = split_edge(windows.rows);
@@ -191,25 +191,25 @@ void WindowJudge::list_uncertain(const Rectangle& windows) {
 }
 
 /// Computes the exact means of these windows, unless those of the whole tile are known.
-void WindowJudge::find_exact_means(const Rectangle& windows) {
+void WindowJudge::find_window_means(const Rectangle& windows) {
   if (has_all_exact_) return;
   const View<const double> errors = reach(windows);
   auto grid = Grid<double>::unset({1, 0, 0, errors.rows, errors.cols});
   for (std::int64_t row = 0; row < errors.rows; ++row)
     std::copy_n(errors.row(row), errors.cols, grid.row(row).begin());
-  exact_means_ = window_means(grid, rule_.footprint).mean;
+  window_means_ = window_means(grid, rule_.footprint).mean;
   exact_first_ = {windows.row - errors_->half_rows(), windows.col - errors_->half_cols()};
 }
 
 void WindowJudge::judge_by_list(const Rectangle& windows, const View<std::uint64_t>& counts) {
   list_uncertain(windows);
-  find_exact_means(windows);
+  find_window_means(windows);
   for (std::int64_t row = 0; row < windows.rows; ++row) {
     for (std::int64_t col = 0; col < windows.cols; ++col) {
       const Place window{windows.row + row, windows.col + col};
       if (!is_pending(window)) continue;
       ++outcome_.by_list;
-      const double mean = exact_means_.at({window.row - exact_first_.row, window.col - exact_first_.col});
+      const double mean = window_means_.at({window.row - exact_first_.row, window.col - exact_first_.col});
       decide(window, exceeds(window, mean, PackedCounts{counts.at(row, col)}));
     }
   }

@@ -83,7 +83,7 @@ class WindowJudge {
   void drop(const Rectangle& windows);
   [[nodiscard]] std::int64_t decide_by_counts(const Rectangle& windows, const View<std::uint64_t>& counts);
   void judge_quarters(const Rectangle& windows, std::int64_t undecided);
-  void find_exact_means(const Rectangle& windows);
+  void find_window_means(const Rectangle& windows);
   void list_uncertain(const Rectangle& windows);
   void judge_by_list(const Rectangle& windows, const View<std::uint64_t>& counts);
   [[nodiscard]] bool exceeds(Place window, double mean, const PackedCounts& counts);
@@ -106,7 +106,7 @@ class WindowJudge {
   double mean_error_ = 0;             ///< at most, of means_
   std::vector<std::int8_t> pending_;  ///< by window of the tile
   std::vector<double> means_;         ///< one for each window of the tile
-  Grid<double> exact_means_;          ///< of windows from exact_first_ on
+  Grid<double> window_means_;         ///< of windows from exact_first_ on
   Place exact_first_{};
   bool has_all_exact_ = false;  ///< of the whole tile
   bool is_full_ = false;

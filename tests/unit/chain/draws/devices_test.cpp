@@ -156,7 +156,7 @@ class DeviceJudging : public ::testing::Test {
   DrawResult run(DrawRunner& runner, const Draw& draw, std::optional<DrawMaps>& maps) {
     DrawnLayers layers;
     DrawResult result = runner.run(draw.setup(), {terrain_}, MetricsKind::verdict, layers);
-    if (maps && !result.is_on_device) maps->add(layers, &*scene_.z_true_map);
+    if (maps && !result.is_on_device) maps->add(layers, &*scene_.map_truth);
     return result;
   }
 
@@ -164,9 +164,9 @@ class DeviceJudging : public ::testing::Test {
     EXPECT_TRUE(device_->take_from_device(kept_, *found_));
     kept_ = 0;
     EXPECT_EQ(found_->draws, expected_->draws);
-    for (const auto layer : {&DrawMaps::invalid, &DrawMaps::fail_rel_x, &DrawMaps::fail_rel_y,
-                             &DrawMaps::fail_rel_z, &DrawMaps::fail_absolute})
-      EXPECT_TRUE(std::ranges::equal(((*found_).*layer).values(), ((*expected_).*layer).values()));
+    EXPECT_TRUE(std::ranges::equal(found_->invalid.values(), expected_->invalid.values()));
+    for (std::size_t k = 0; k < kCountedFlags.size(); ++k)
+      EXPECT_TRUE(std::ranges::equal(found_->failing[k].values(), expected_->failing[k].values()));
     EXPECT_TRUE(std::ranges::equal(found_->count.values(), expected_->count.values()));
     for (const auto& [a, b] :
          {std::pair{&expected_->e_z, &found_->e_z}, std::pair{&*expected_->e_map, &*found_->e_map}}) {

@@ -202,10 +202,10 @@ TEST(DrawMaps, CountsDrawsAndErrors) {
   EXPECT_EQ(maps.spec(), kSpec);
   EXPECT_EQ(values_of(maps.invalid), (std::vector<std::int32_t>{0, 3, 0, 1}));
   EXPECT_EQ(values_of(maps.count), (std::vector<std::int64_t>{6, 0, 6, 9}));
-  EXPECT_EQ(values_of(maps.fail_rel_x), (std::vector<std::int32_t>{3, 0, 0, 1}));
-  EXPECT_EQ(values_of(maps.fail_rel_y), (std::vector<std::int32_t>{0, 3, 0, 1}));
-  EXPECT_EQ(values_of(maps.fail_rel_z), (std::vector<std::int32_t>{0, 0, 1, 1}));
-  EXPECT_EQ(values_of(maps.fail_absolute), (std::vector<std::int32_t>{0, 0, 1, 1}));
+  EXPECT_EQ(values_of(maps.failing[0]), (std::vector<std::int32_t>{3, 0, 0, 1}));
+  EXPECT_EQ(values_of(maps.failing[1]), (std::vector<std::int32_t>{0, 3, 0, 1}));
+  EXPECT_EQ(values_of(maps.failing[2]), (std::vector<std::int32_t>{0, 0, 1, 1}));
+  EXPECT_EQ(values_of(maps.failing[3]), (std::vector<std::int32_t>{0, 0, 1, 1}));
   expect_same(mean_of(maps.e_z), {0, kNan, 2, kNan});      // truth - z
   expect_same(mean_of(*maps.e_map), {9, kNan, kNan, 35});  // H - z
   EXPECT_EQ(values_of(maps.e_z.count), (std::vector<std::int32_t>{3, 0, 3, 0}));
@@ -214,7 +214,7 @@ TEST(DrawMaps, CountsDrawsAndErrors) {
   expect_same(share_of_draws(maps.invalid, 3, nullptr), {0, 1, 0, 1.0 / 3});
   const BinMask region = grid_of<std::int8_t>({1, 0, 1, 1});
   expect_same(share_of_draws(maps.invalid, 3, &region), {0, kNan, 0, 1.0 / 3});
-  expect_same(share_of_draws(maps.fail_rel_x, 0, nullptr), {kNan, kNan, kNan, kNan});
+  expect_same(share_of_draws(maps.failing[0], 0, nullptr), {kNan, kNan, kNan, kNan});
   std::string layers;
   for (const FailureMap& map : failure_maps(maps))
     layers += std::string(map.layer) + " " + map.requirement + " ";
@@ -229,9 +229,9 @@ TEST(DrawMaps, DoNotDependOnTheParts) {
   DrawMaps merged = some_maps(0, 1);
   merged.merge(some_maps(1, 3));
   EXPECT_EQ(merged.draws, all.draws);
-  for (const auto member : {&DrawMaps::invalid, &DrawMaps::fail_rel_x, &DrawMaps::fail_rel_y,
-                            &DrawMaps::fail_rel_z, &DrawMaps::fail_absolute})
-    EXPECT_EQ(values_of(merged.*member), values_of(all.*member));
+  EXPECT_EQ(values_of(merged.invalid), values_of(all.invalid));
+  for (std::size_t k = 0; k < all.failing.size(); ++k)
+    EXPECT_EQ(values_of(merged.failing[k]), values_of(all.failing[k]));
   EXPECT_EQ(values_of(merged.count), values_of(all.count));
   EXPECT_EQ(values_of(merged.e_z.sum), values_of(all.e_z.sum));
   EXPECT_EQ(values_of(merged.e_map->squares), values_of(all.e_map->squares));

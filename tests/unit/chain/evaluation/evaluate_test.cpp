@@ -157,7 +157,7 @@ TEST(Evaluate, HolesAndDistancesAreFlagged) {
   const Layers& layers = evaluation.layers;
   EXPECT_EQ(layers.fail.at({3, 3}), fail_hole_size);
   EXPECT_EQ(layers.fail.at({5, 5}), fail_hole_size | fail_hole_distance);
-  EXPECT_EQ(layers.coverage.hole_id.at({5, 5}), 1);
+  EXPECT_EQ(layers.coverage.hole_numbers.at({5, 5}), 1);
   EXPECT_EQ(layers.coverage.distance_to_valid.at({5, 5}), 3);
   EXPECT_EQ(layers.coverage.distance_to_valid.at({2, 5}), 0);
   ASSERT_EQ(evaluation.holes.size(), 1U);
@@ -179,7 +179,7 @@ TEST(Evaluate, LayersOutsideTheRegion) {
   EXPECT_EQ(layers.coverage.in_region.at({0, 0}), 0);
   EXPECT_EQ(layers.coverage.in_region.at({5, 5}), 1);
   EXPECT_EQ(layers.coverage.invalid.at({0, 0}), 0);
-  EXPECT_EQ(layers.coverage.hole_id.at({0, 0}), 0);
+  EXPECT_EQ(layers.coverage.hole_numbers.at({0, 0}), 0);
   EXPECT_EQ(layers.coverage.distance_to_valid.at({0, 0}), 1);
   EXPECT_TRUE(std::isnan(layers.x->absolute.at({0, 1})));
   EXPECT_TRUE(std::isnan(layers.x->relative.at({0, 1})));
@@ -217,8 +217,8 @@ TEST(Evaluate, StatisticsAreOfTheRegionsBins) {
 
 TEST(Evaluate, CorrectedElevationIsMeasuredAndNotJudged) {
   DemLayers dem = perfect_dem(5);
-  dem.z_corrected = dem.z_est;
-  dem.z_corrected->at({5, 5}) -= 2.5;
+  dem.corrected = dem.z_est;
+  dem.corrected->at({5, 5}) -= 2.5;
   const Evaluation evaluation = evaluate(dem, small());
   const Evaluation without = evaluate(perfect_dem(5), small());
   EXPECT_EQ(evaluation.metrics.requirements, without.metrics.requirements);
@@ -227,7 +227,7 @@ TEST(Evaluate, CorrectedElevationIsMeasuredAndNotJudged) {
   EXPECT_NEAR(evaluation.metrics.accuracy->absolute.z_corrected->max_m.value(), 0.1, 1e-14);
   EXPECT_NEAR(evaluation.metrics.accuracy->relative.z_corrected->max_m.value(), 1.848, 1e-14);
   EXPECT_EQ(evaluation.metrics.accuracy->relative.z_corrected->violation_count, 25);
-  dem.z_corrected->at({1, 1}) = std::numeric_limits<double>::infinity();
+  dem.corrected->at({1, 1}) = std::numeric_limits<double>::infinity();
   EXPECT_THROW(static_cast<void>(evaluate(dem, small())), FormatError);
 }
 
@@ -302,7 +302,7 @@ TEST(Evaluate, WithTrueElevationsOnlyNothingHorizontalIsJudged) {
 
 TEST(Evaluate, RelativeErrorsOfFewBinsAreNotJudged) {
   DemLayers dem = noisy(20);
-  dem.z_corrected = dem.z_est;
+  dem.corrected = dem.z_est;
   EvaluationParameters parameters = small();
   parameters.limits.invalid_share = 1;
   parameters.limits.hole_size = 1000;
@@ -405,7 +405,7 @@ TEST(Evaluate, SameAtAnyThreadCountAndWithoutLayers) {
   EXPECT_EQ(one.holes, two.holes);
   EXPECT_EQ(one.holes, without_layers.holes);
   EXPECT_TRUE(same_bits(one.layers.fail, two.layers.fail));
-  EXPECT_TRUE(same_bits(one.layers.coverage.hole_id, two.layers.coverage.hole_id));
+  EXPECT_TRUE(same_bits(one.layers.coverage.hole_numbers, two.layers.coverage.hole_numbers));
   EXPECT_TRUE(same_bits(one.layers.coverage.distance_to_valid, two.layers.coverage.distance_to_valid));
   EXPECT_TRUE(same_bits(*one.layers.x, *two.layers.x));
   EXPECT_TRUE(same_bits(*one.layers.y, *two.layers.y));
@@ -433,7 +433,7 @@ TEST(Evaluate, ProgressIsSharedOutEvenly) {
   EXPECT_THAT(ends(perfect_dem(5)), testing::ElementsAre(testing::DoubleEq(0.33), testing::DoubleEq(0.66),
                                                          testing::DoubleEq(0.99), 1.0));
   DemLayers corrected = perfect_dem(5);
-  corrected.z_corrected = corrected.z_est;
+  corrected.corrected = corrected.z_est;
   EXPECT_THAT(ends(corrected), testing::ElementsAre(testing::DoubleEq(0.2475), testing::DoubleEq(0.495),
                                                     testing::DoubleEq(0.7425), testing::DoubleEq(0.99), 1.0));
 }
@@ -497,8 +497,8 @@ TEST(Evaluate, RefusesInfiniteValues) {
   dem.truth->x.at({10, 10}) = dem.truth->x.at({10, 9}) = std::numeric_limits<double>::infinity();
   EXPECT_EQ(evaluate_refusal(dem), "x_true: the value in row 10, column 9 is infinite");
   dem = perfect_dem(5);
-  dem.z_corrected = dem.z_est;
-  dem.z_corrected->at({0, 0}) = std::numeric_limits<double>::infinity();
+  dem.corrected = dem.z_est;
+  dem.corrected->at({0, 0}) = std::numeric_limits<double>::infinity();
   EXPECT_EQ(evaluate_refusal(dem), "z_corrected: the value in row 0, column 0 is infinite");
 }
 

@@ -180,7 +180,7 @@ TEST(Errors, OfAllLayers) {
   const Grid<double> z_est = row_of({1, kNan, 3});
   const TrueLayers truth{row_of({5, 6, 7}), row_of({1, 2, 3}), row_of({10, 20, 31})};
   const ErrorLayers plain = errors_of(truth, z_est);
-  EXPECT_FALSE(plain.z_corrected);
+  EXPECT_FALSE(plain.corrected);
   const ErrorLayers errors = errors_of(truth, z_est, row_of({9, 18, kNan}));
   for (const ErrorLayers* const e : {&plain, &errors}) {
     EXPECT_EQ(e->x.at({0, 1}), error_of(Axis::x, truth.x, z_est).at({0, 1}));
@@ -189,9 +189,9 @@ TEST(Errors, OfAllLayers) {
     EXPECT_TRUE(std::isnan(e->z.at({0, 1})));
     EXPECT_EQ(e->z.at({0, 2}), 28);
   }
-  EXPECT_EQ(errors.z_corrected->at({0, 0}), 1);
-  EXPECT_EQ(errors.z_corrected->at({0, 1}), 2);
-  EXPECT_TRUE(std::isnan(errors.z_corrected->at({0, 2})));
+  EXPECT_EQ(errors.corrected->at({0, 0}), 1);
+  EXPECT_EQ(errors.corrected->at({0, 1}), 2);
+  EXPECT_TRUE(std::isnan(errors.corrected->at({0, 2})));
 }
 
 TEST(FootprintStatistics, TheQuantileIsThatOfThePaper) {

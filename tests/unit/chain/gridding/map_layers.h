@@ -52,7 +52,7 @@ inline Grid<float> t_mean_layer(const Accumulator& map) {
   return layer_of<float>(map, [](const BinValues& v) { return v.t; });
 }
 inline Grid<float> z_spread_layer(const Accumulator& map) {
-  return layer_of<float>(map, [](const BinValues& v) { return v.z_spread; });
+  return layer_of<float>(map, [](const BinValues& v) { return v.spread; });
 }
 inline Grid<double> z_true_layer(const Accumulator& map, const ElevationFunction& elevation,
                                  TruthAt truth_at) {

@@ -63,7 +63,7 @@ void expect_values(const BinValues& found, const std::vector<Member>& all, Metho
   EXPECT_NEAR(found.t, expected([](const ReturnPoint& p) { return p.t; }), 1e-11);
   const double z = mean(all, [](const ReturnPoint& p) { return p.z_est; });
   const double variance = mean(all, [=](const ReturnPoint& p) { return (p.z_est - z) * (p.z_est - z); });
-  EXPECT_NEAR(found.z_spread, std::sqrt(variance), 1e-6);
+  EXPECT_NEAR(found.spread, std::sqrt(variance), 1e-6);
 }
 
 class Methods : public testing::TestWithParam<Method> {};
@@ -81,7 +81,7 @@ TEST_P(Methods, AgreesWithTheSlowOne) {
     const BinValues& value = values[spec.index({row, col})];
     if (found == members.end()) {
       EXPECT_EQ(value.count, 0);
-      EXPECT_TRUE(std::isnan(value.z_est) && std::isnan(value.weight_sum) && std::isnan(value.z_spread));
+      EXPECT_TRUE(std::isnan(value.z_est) && std::isnan(value.weight_sum) && std::isnan(value.spread));
     } else {
       expect_values(value, found->second, GetParam());
     }
@@ -123,7 +123,7 @@ TEST_P(Methods, SpreadSurvivesALargeOffset) {
   const ReturnColumns columns(
       {{.z_est = 1e6}, {.z_est = 1e6 + 0x1p-9}, {.z_est = 1e6}, {.z_est = 1e6 + 0x1p-9}});
   const auto map = gathered(make_accumulator(GetParam(), GridSpec::centered(1, 1)), columns.view(), 3);
-  EXPECT_EQ(all_values(*map)[4].z_spread, 0x1p-10);
+  EXPECT_EQ(all_values(*map)[4].spread, 0x1p-10);
 }
 
 // In steps of a quarter of a bin, over the border: a return is inside where some bin sees it.

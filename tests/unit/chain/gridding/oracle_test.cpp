@@ -28,7 +28,7 @@ TEST(WeightedMeanAccumulator, AgreesWithTheSlowOne) {
   const auto x_mean = x_est_mean_layer(bins);
   const auto y_mean = y_est_mean_layer(bins);
   const auto t_mean = t_mean_layer(bins);
-  const auto z_spread = z_spread_layer(bins);
+  const auto spread = z_spread_layer(bins);
   ASSERT_LT(expected.size(), spec.size());  // some bins are empty
   std::int64_t inside = 0;
   for (std::int64_t row = 0; row < spec.rows; ++row)
@@ -50,7 +50,7 @@ TEST(WeightedMeanAccumulator, AgreesWithTheSlowOne) {
       EXPECT_NEAR(y_mean.at(bin), mean(in, [](const auto& p) { return p.y_est; }), 1e-6);
       EXPECT_NEAR(t_mean.at(bin), mean(in, [](const auto& p) { return p.t; }), 1e-6);
       const double variance = mean(in, [&](const auto& p) { return (p.z_est - z) * (p.z_est - z); });
-      EXPECT_NEAR(z_spread.at(bin), std::sqrt(variance), 1e-7);
+      EXPECT_NEAR(spread.at(bin), std::sqrt(variance), 1e-7);
       double weights = 0;
       for (const Member& w : in) weights += w.weight;
       EXPECT_NEAR(weight_sum.at(bin), weights, 1e-12);

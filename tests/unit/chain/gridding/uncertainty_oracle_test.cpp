@@ -221,8 +221,8 @@ TEST_F(UncertaintyOracle, EveryBinAsItIsDefined) {
     const double local = range + roughness_here + misfit_here;
     expect_close(sigmas.z_abs, std::sqrt(local + quant + navigation));
     expect_close(sigmas.z_rel, std::sqrt(local + quant));
-    expect_close(sigmas.z_corrected_abs, std::sqrt(local + navigation));
-    expect_close(sigmas.z_corrected_rel, std::sqrt(local));
+    expect_close(sigmas.corrected_abs, std::sqrt(local + navigation));
+    expect_close(sigmas.corrected_rel, std::sqrt(local));
     expect_close(sigmas.xy, std::sqrt(expected.horizontal()));
   }
   EXPECT_GT(rough, 200U);

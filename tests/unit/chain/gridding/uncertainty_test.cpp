@@ -198,8 +198,8 @@ TEST(Uncertainty, PositionAndVelocityByHand) {
   const BinSigmas sigmas = scene.map->sigmas(kMiddle);
   EXPECT_DOUBLE_EQ(sigmas.z_abs, std::sqrt(v.range + v.quant + v.rough + v.misfit + v.navigation));
   EXPECT_DOUBLE_EQ(sigmas.z_rel, std::sqrt(v.quant + v.misfit));
-  EXPECT_DOUBLE_EQ(sigmas.z_corrected_abs, std::sqrt(v.misfit + v.navigation));
-  EXPECT_LT(sigmas.z_corrected_rel, 1e-8);  // the rounding of the plane's misfit
+  EXPECT_DOUBLE_EQ(sigmas.corrected_abs, std::sqrt(v.misfit + v.navigation));
+  EXPECT_LT(sigmas.corrected_rel, 1e-8);  // the rounding of the plane's misfit
 }
 
 // r = (0.25, 0, z - 101) at the eastern edge, J = (-g_x, -g_y, 1): a = r x J = (r_y - r_z J_y, r_z J_x - r_x,
@@ -362,7 +362,7 @@ TEST(Uncertainty, NanWhereEmptyOrWithoutSlope) {
   const Scene scene({on_plane(0, 0, 3)}, {.range_sigma_m = 0.02});
   for (const BinIndex bin : {kMiddle, BinIndex{0, 0}}) {
     const BinSigmas sigmas = scene.map->sigmas(bin);
-    for (const double value : {sigmas.z_abs, sigmas.z_rel, sigmas.z_corrected_abs, sigmas.z_corrected_rel})
+    for (const double value : {sigmas.z_abs, sigmas.z_rel, sigmas.corrected_abs, sigmas.corrected_rel})
       EXPECT_TRUE(std::isnan(value));
   }
   EXPECT_FALSE(std::isnan(scene.map->sigmas(kMiddle).xy));

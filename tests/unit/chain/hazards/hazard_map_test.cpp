@@ -72,7 +72,7 @@ TEST(MapHazards, LevelGroundIsSafeWhereTheLanderFits) {
   EXPECT_EQ(best.p_touchdown, 1);
   EXPECT_EQ(best.slope_deg, 0);
   EXPECT_EQ(best.roughness_m, 0);
-  EXPECT_FLOAT_EQ(best.distance_to_hazard_m.value(), 0.8F);  // unknown places are not safe
+  EXPECT_FLOAT_EQ(best.hazard_distance_m.value(), 0.8F);  // unknown places are not safe
   EXPECT_EQ(best.truth, Safety::unknown);
   EXPECT_EQ(map.sites.size(), 1U);  // others would be 5 m away
   EXPECT_EQ(map.p_touchdown.at({0, 0}), 0);
@@ -88,7 +88,7 @@ TEST(MapHazards, OnlyTheRegionIsJudged) {
   EXPECT_EQ(map.safe.at({10, 12}), 2);
   EXPECT_TRUE(std::isnan(map.measures.slope_deg.at({10, 12})));
   EXPECT_TRUE(std::isnan(map.p_touchdown.at({10, 12})));
-  EXPECT_FALSE(map.sites.at(0).distance_to_hazard_m);
+  EXPECT_FALSE(map.sites.at(0).hazard_distance_m);
 }
 
 TEST(MapHazards, TruthIsJudgedByTheSameLimits) {
@@ -277,7 +277,7 @@ TEST(MapHazards, ASiteHasTheValuesOfItsPlace) {
     EXPECT_EQ(site.p_safe, map.p_safe->at(site.bin));
     EXPECT_EQ(site.slope_deg, map.measures.slope_deg.at(site.bin));
     EXPECT_EQ(site.roughness_m, map.measures.roughness_m.at(site.bin));
-    EXPECT_EQ(site.distance_to_hazard_m, map.distance_to_hazard.at(site.bin));
+    EXPECT_EQ(site.hazard_distance_m, map.hazard_distance.at(site.bin));
     EXPECT_EQ(site.truth, Safety::safe);
     EXPECT_NE(site.cost, 0);
     EXPECT_NE(site.slope_deg, 0);

@@ -89,17 +89,17 @@ TEST(DistanceToHazard, IsEuclideanAndInTheRegion) {
   const GridSpec spec = GridSpec::centered(5, 0.5);
   Grid<std::int8_t> safe(spec, 1);
   BinMask region(spec, 1);
-  EXPECT_TRUE(std::isnan(distance_to_hazard(safe, region).at({0, 0})));
+  EXPECT_TRUE(std::isnan(hazard_distance(safe, region).at({0, 0})));
   safe.at(spec.bin_of(0, 0)) = 2;
   safe.at(spec.bin_of(3, 4)) = 0;
   region.at(spec.bin_of(3, 4)) = 0;
-  const Grid<float> distance = distance_to_hazard(safe, region);
+  const Grid<float> distance = hazard_distance(safe, region);
   EXPECT_EQ(distance.at(spec.bin_of(0, 0)), 0);
   EXPECT_FLOAT_EQ(distance.at(spec.bin_of(4, 3)), 5);
   EXPECT_FLOAT_EQ(distance.at({0, 0}), std::hypot(5.0F, 5.0F));
   EXPECT_TRUE(std::isnan(distance.at(spec.bin_of(3, 4))));
   safe.at({0, 0}) = 0;
-  EXPECT_EQ(distance_to_hazard(safe, region).at({0, 0}), 0);
+  EXPECT_EQ(hazard_distance(safe, region).at({0, 0}), 0);
 }
 
 TEST(Sites, AreTheBestThatLieApart) {

@@ -91,9 +91,8 @@ void expect_same_sites(const std::vector<LandingSite>& got, const std::vector<La
   for (std::size_t i = 0; i < got.size(); ++i) {
     EXPECT_EQ(got[i].bin, expected[i].bin);
     const auto numbers = [](const LandingSite& s) {
-      return std::vector<double>{
-          s.x_m,         s.y_m,       s.z_m,         s.cost,
-          s.p_touchdown, s.slope_deg, s.roughness_m, s.distance_to_hazard_m.value_or(-1)};
+      return std::vector<double>{s.x_m,         s.y_m,       s.z_m,         s.cost,
+                                 s.p_touchdown, s.slope_deg, s.roughness_m, s.hazard_distance_m.value_or(-1)};
     };
     EXPECT_EQ(numbers(got[i]), numbers(expected[i]));
     EXPECT_FALSE(got[i].p_safe);
@@ -181,7 +180,7 @@ TEST(FindSites, AnyTilesGiveTheSitesOfOnePiece) {
     for (std::size_t i = 0; i < spec.size(); ++i) counted.values()[i] = safe.values()[i] == 1 ? 1.0F : 0.0F;
     const Grid<float> p = touchdown_probability(counted, sigma, region);
     const Grid<float> cost = landing_cost(p, parameters);
-    const Grid<float> distance = distance_to_hazard(safe, region);
+    const Grid<float> distance = hazard_distance(safe, region);
     const std::vector<BinIndex> expected = choose_sites(cost, safe, parameters);
     ASSERT_EQ(expected.size(), 12U);
     const JudgedPlaces places{safe, region, sigma};
@@ -192,7 +191,7 @@ TEST(FindSites, AnyTilesGiveTheSitesOfOnePiece) {
         EXPECT_EQ(found[i].bin, expected[i]) << tile;
         EXPECT_EQ(found[i].cost, cost.at(expected[i]));
         EXPECT_EQ(found[i].p_touchdown, p.at(expected[i]));
-        EXPECT_EQ(distance_to_hazard_at(places, expected[i]), distance.at(expected[i]));
+        EXPECT_EQ(hazard_distance_at(places, expected[i]), distance.at(expected[i]));
       }
     }
   }
@@ -201,7 +200,7 @@ TEST(FindSites, AnyTilesGiveTheSitesOfOnePiece) {
 TEST(FindSites, WithoutAHazardThereIsNoDistance) {
   const GridSpec spec = GridSpec::centered(1, 0.1);
   const Grid<std::int8_t> safe(spec, 1);
-  EXPECT_FALSE(distance_to_hazard_at({safe, BinMask(spec, 1), 0}, {3, 3}));
+  EXPECT_FALSE(hazard_distance_at({safe, BinMask(spec, 1), 0}, {3, 3}));
 }
 
 }  // namespace

@@ -35,7 +35,7 @@ TEST(SitesJson, AMemberForEachNumber) {
   site.roughness_m = -0.5;
   map.sites.push_back(site);
   site.p_safe = 0.125F;
-  site.distance_to_hazard_m = 4.0F;
+  site.hazard_distance_m = 4.0F;
   site.truth = Safety::safe;
   map.sites.push_back(site);
   site.truth = Safety::hazard;

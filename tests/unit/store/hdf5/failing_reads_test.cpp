@@ -115,7 +115,7 @@ TEST(FailingReads, OptionalLayers) {
   write_dem_file(folder / "a.h5");
   const auto tell = [](const auto& path) {
     const DemInput dem = read_dem(path);
-    return std::to_string(dem.layers.truth.has_value()) + std::to_string(dem.layers.z_corrected.has_value());
+    return std::to_string(dem.layers.truth.has_value()) + std::to_string(dem.layers.corrected.has_value());
   };
   EXPECT_GT(refusals(folder / "a.h5", tell), 20);
 }
