@@ -14,8 +14,6 @@ import numpy as np
 from matplotlib.colors import to_rgb
 from matplotlib.image import imread
 
-sys.path.insert(0, os.path.join(os.environ["LANDFALL_ROOT"], "python"))
-
 from harness import REGRID, SCAN, TERRAIN, ChainTest, ToolTest, bins_of_picture, columns, read_bytes, run, with_values
 from landfall.plot import plot_hazards
 from oracle import hazards as oracle

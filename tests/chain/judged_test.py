@@ -3,7 +3,6 @@
 """Verdicts need bins: a lidar with 1 m of range noise passes nowhere, and is not judged where its footprints have fewer than 5 x 5 bins."""
 import json
 import os
-import sys
 import unittest
 
 import h5py
@@ -14,7 +13,6 @@ from harness import SCAN, Chain, ChainTest, columns, read_bytes, run, with_value
 from harness.commands import run_command
 from harness.opencl import no_device
 
-sys.path.insert(0, os.path.join(os.environ["LANDFALL_ROOT"], "python"))
 # pylint: disable=wrong-import-order
 from landfall.plot import plot_draws as draws_figure, plot_eval as eval_figure
 

@@ -4,7 +4,6 @@
 import json
 import os
 import subprocess
-import sys
 import unittest
 
 import h5py
@@ -12,9 +11,7 @@ import numpy as np
 
 from harness import ToolTest, columns, read_bytes
 from harness.commands import run_command
-
-sys.path.insert(0, os.path.join(os.environ["LANDFALL_ROOT"], "python"))
-from landfall.plot import plot_compare  # pylint: disable=wrong-import-position
+from landfall.plot import plot_compare
 
 UTM = "EPSG:32632"
 SHARED = os.path.join(os.environ["LANDFALL_ROOT"], "../shared/data/joints")

@@ -3,15 +3,12 @@
 """Files of version 0.1.0, whose texts have a variable length and which have no seal, stay readable."""
 import json
 import os
-import sys
 import unittest
 
-sys.path.insert(0, os.path.join(os.environ["LANDFALL_ROOT"], "python"))
-# pylint: disable=wrong-import-position
 import h5py
+from harness import ToolTest, columns
 import landfall
 import numpy as np
-from harness import ToolTest, columns
 
 FOLDER = os.path.join(os.environ["LANDFALL_ROOT"], "testdata", "files_of_0.1.0")
 KINDS = {"terrain": "terrain", "mesh": "terrain", "scan": "scan", "plan": "plan", "dem": "dem", "eval": "evaluation"}

@@ -7,9 +7,8 @@ import os
 import re
 import unittest
 
-from harness import ToolTest, read_bytes
+from harness import ROOT, ToolTest, read_bytes
 
-ROOT = os.environ["LANDFALL_ROOT"]
 PAGE = os.path.join(ROOT, "docs", "user", "lidar", "presets.md")
 FLIGHTS = os.path.join(ROOT, "docs", "reference", "flights.md")
 ROW = re.compile(r"^\| (`[\w-]+`(?:, `[\w-]+`)*) \| ([\d,]+) \| ([\d.]+) \| ([\d.]+) m, ([\d.]+) m \| ([\d.]+) \| ([\d.]+) % \|$", re.MULTILINE)

@@ -17,17 +17,15 @@ import netCDF4
 import numpy as np
 
 import raster_readers as readers
-from harness import SANITIZED, ToolTest, read_bytes, tool, without_warnings, write_file
+from harness import ROOT, SANITIZED, ToolTest, read_bytes, tool, without_warnings, write_file
 from raster_readers import Cells, Degrees, Rotated
 
-ROOT = os.environ["LANDFALL_ROOT"]
 TESTDATA = os.path.join(ROOT, "testdata")
 DATA = os.environ.get("LANDFALL_DATA", os.path.join(ROOT, "..", "shared", "data"))
 TABLE = os.path.join(ROOT, "testdata", "terrain-files.md")
 LIMIT_S, LIMIT_MB = (60, 5000) if SANITIZED else (2, 500)
 MESHES = (".obj", ".off", ".ply", ".stl")
 EXACT = ["--interpolation", "nearest", "--datum", "none"]
-
 
 VALUES = np.arange(1, 36, dtype=np.int16).reshape(5, 7)
 

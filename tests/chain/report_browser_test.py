@@ -2,15 +2,11 @@
 """The report of dem-eval in a browser: its numbers and drawings, and that it requests no other file."""
 import json
 import math
-import os
-import sys
 import unittest
 
 import h5py
 import numpy as np
 from matplotlib.image import imread
-
-sys.path.insert(0, os.path.join(os.environ["LANDFALL_ROOT"], "python"))
 
 from harness import EVAL, REGRID, bins_of_picture, browser, read_bytes
 from harness.page import WIDTHS, CommonPage, PageTest

@@ -11,10 +11,9 @@ import re
 import subprocess
 import unittest
 
-from harness import EVAL, HAZARD, REGRID, browser, read_bytes, with_values, write_file
+from harness import EVAL, HAZARD, REGRID, ROOT, browser, read_bytes, with_values, write_file
 from harness.page import CANVAS, IMAGES, WIDTHS, PageTest
 
-ROOT = os.environ["LANDFALL_ROOT"]
 PRINT_WIDTH = 702  # A4 less two margins of 12 mm, pixels of 1/96 inch
 DRAWS_CONFIG = {"draws": 4, "metrics": "full", "regrid": REGRID, "eval": with_values(EVAL, limits__relative_elevation_m=0.12), "hazard": HAZARD,
             "vary": {"scan.noise.range_sigma_m": {"type": "uniform", "low": 0.005, "high": 0.08}}}

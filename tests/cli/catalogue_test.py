@@ -30,9 +30,8 @@ import tempfile
 import unittest
 
 from catalogue_files import make_files
-from harness import SANITIZED, tool
+from harness import ROOT, SANITIZED, tool
 
-ROOT = os.environ["LANDFALL_ROOT"]
 CATALOGUE = os.path.join(ROOT, "tests", "cli", "catalogue.json")
 LIMITS = {"file_bytes": resource.RLIMIT_FSIZE, "memory_bytes": resource.RLIMIT_AS}
 # Identifiers of libraries and of our own code, which mean nothing to a user.

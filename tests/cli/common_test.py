@@ -213,16 +213,14 @@ class Output(ChainTest):
     def test_an_existing_output_is_refused_and_kept(self):
         output = self.path("out.h5")
         for name in TOOLS:
-            with open(output, "w", encoding="utf-8") as file:
-                file.write("precious")
+            self.write("out.h5", "precious")
             self.refuse(2, name, *self.chain.inputs(name), "-o", output, words=[output, "-O"])
             self.assertEqual(read_bytes(output), b"precious")
 
     def test_an_existing_output_is_refused_before_inputs_are_read(self):
         output = self.path("out.h5")
         for name in TOOLS:
-            with open(output, "w", encoding="utf-8") as file:
-                file.write("precious")
+            self.write("out.h5", "precious")
             self.refuse(2, name, *INPUTS[name], "-o", output, words=[output, "-O"])
 
     def test_overwrite_keeps_the_permissions(self):
@@ -237,8 +235,7 @@ class Output(ChainTest):
     def test_overwrite_replaces_an_existing_output(self):
         output = self.path("out.h5")
         for name in TOOLS:
-            with open(output, "w", encoding="utf-8") as file:
-                file.write("precious")
+            self.write("out.h5", "precious")
             self.succeed(name, *self.chain.inputs(name), "-o", output, "-O")
             self.assertEqual(read_bytes(output), read_bytes(self.chain.output(name)), name)
             self.assertEqual(self.entries(), ["out.h5"])

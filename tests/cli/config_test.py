@@ -5,11 +5,8 @@ import json
 import math
 import os
 import subprocess
-import sys
 import unittest
 
-sys.path.insert(0, os.path.join(os.environ["LANDFALL_ROOT"], "python"))
-# pylint: disable=wrong-import-position
 from harness import CONFIGS, INPUTS, TOOLS, ToolTest, tool, with_values
 from landfall.errors import UsageError
 from landfall.schema import read_json

@@ -8,9 +8,8 @@ import shutil
 import subprocess
 import unittest
 
-from harness import PROGRAMS, TOOLS, ToolTest, run, tool
+from harness import PROGRAMS, ROOT, TOOLS, ToolTest, run, tool
 
-ROOT = os.environ["LANDFALL_ROOT"]
 ALL = [name for name in PROGRAMS if name != "landfall"]
 CONFIGURED = {name: PROGRAMS[name]["schema"] for name in TOOLS}
 

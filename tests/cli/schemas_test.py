@@ -7,17 +7,15 @@ import json
 import os
 import random
 import subprocess
-import sys
 import unittest
 
 import jsonschema
 
-sys.path.insert(0, os.path.join(os.environ["LANDFALL_ROOT"], "python"))
-from landfall.schema import read_json  # pylint: disable=wrong-import-position
+from harness import ROOT
+from landfall.schema import read_json
 
 SEED = int(os.environ.get("LANDFALL_TEST_SEED", "20261126"))
 COUNT = 1500  # configurations of each schema
-ROOT = os.environ["LANDFALL_ROOT"]
 SCHEMAS = ("terrain", "scan", "regrid", "eval", "hazard", "draws")
 WRONG = (None, True, False, "", "x", "cone", 0, 1, -1, 1.5, 2.0, -0.0, 2 ** 53, 2 ** 63, -2 ** 63, 1e16, 1e300, [], {}, [0], [1, 2, 3], {"type": "plane"},
          {"x": 1}, [[1]], [{}])

@@ -9,18 +9,14 @@ import os
 import re
 import shutil
 import subprocess
-import sys
 import tempfile
 import unittest
 
 import h5py
 import page as pages
-from harness import attributes
-
-sys.path.insert(0, os.path.join(os.environ["LANDFALL_ROOT"], "python"))
+from harness import BIN, attributes
 from landfall import dictionary
 
-BIN = os.environ["LANDFALL_BIN"]
 SCAN = ["--set", "laser.scan_time_s=0.02", "--set", "noise.range_sigma_m=0.01",
         "--set", 'scanner.pattern={"type":"line_search","rows":20,"columns":20,"half_width_m":4}']
 RECEIVER = ["--set", "receiver.type=peak", "--set", 'link={"reference_pe":1000,"reference_range_m":500}']

@@ -12,9 +12,6 @@ import unittest
 import numpy as np
 
 from harness import REGRID, SCAN, TERRAIN
-
-sys.path.insert(0, os.path.join(os.environ["LANDFALL_ROOT"], "python"))
-# pylint: disable=wrong-import-position
 import landfall
 
 CALLS = int(os.environ.get("LANDFALL_FUZZ_CALLS", "400"))

@@ -23,14 +23,11 @@ import h5py
 import matplotlib
 import numpy as np
 
-from harness import EVAL, HAZARD, REGRID, SCAN, TERRAIN, ChainTest, read_bytes, write_file
+from harness import EVAL, HAZARD, REGRID, ROOT, SCAN, TERRAIN, ChainTest, read_bytes, write_file
 from harness.commands import run_command
+from hdf5_test import metadata_places, seal_begin
 
-ROOT = os.environ["LANDFALL_ROOT"]
-sys.path.insert(0, os.path.join(ROOT, "python"))
-sys.dont_write_bytecode = True
 matplotlib.use("Agg")
-# pylint: disable=wrong-import-position
 import landfall
 from landfall import errors, grids
 from landfall.plot import (plot_compare, plot_dem, plot_draws, plot_eval, plot_hazards, plot_landing, plot_plan, plot_populations, plot_profile,
@@ -54,27 +51,6 @@ LANDINGS = {"draws": 6, "metrics": "verdict", "scan": {**SCAN, "navigation_error
 PLOTS = {"terrain": [plot_terrain], "mesh": [plot_terrain], "populations": [plot_populations], "dem": [plot_dem, plot_profile, plot_compare],
          "evaluation": [plot_eval], "hazards": [plot_hazards], "plan": [plot_plan], "draws": [plot_draws], "landings": [plot_landing],
          "results": [plot_study]}
-
-
-def seal_begin(content):
-    """The size of a file before its seal (lib/store/hdf5/guard/file_seal.h)."""
-    return int.from_bytes(content[-56:-48], "little") if content.endswith(b"landfall seal 1\n") else len(content)
-
-
-def metadata_of(path):
-    """Offsets of all bytes before the seal that are not chunks."""
-    chunks = []
-
-    def add(_, item):
-        if isinstance(item, h5py.Dataset) and item.chunks:
-            found = [item.id.get_chunk_info(i) for i in range(item.id.get_num_chunks())]
-            chunks.extend((chunk.byte_offset, chunk.size) for chunk in found)
-    with h5py.File(path) as file:
-        file.visititems(add)
-    is_chunk = np.zeros(seal_begin(read_bytes(path)), bool)
-    for begin, count in chunks:
-        is_chunk[begin:begin + count] = True
-    return np.flatnonzero(~is_chunk).tolist()
 
 
 def contents(opened):
@@ -192,7 +168,7 @@ class DamagedFiles(EachKind):
         """Flips `count` bits, half of them in metadata, and yields what was tried, kind, reader and outcome."""
         choose, outcomes = random.Random(f"{SEED} {is_sealed}"), collections.Counter()
         intact = {kind: read_bytes(path) for kind, path in self.files.items()}
-        places = {kind: metadata_of(path) for kind, path in self.files.items()}
+        places = {kind: metadata_places(path) for kind, path in self.files.items()}
         for number in range(count):
             kind = list(self.files)[number % len(self.files)]
             content = bytearray(intact[kind][:None if is_sealed else seal_begin(intact[kind])])

@@ -5,6 +5,7 @@ import json
 import os
 import shutil
 import subprocess
+import sys
 import tempfile
 import unittest
 
@@ -12,6 +13,9 @@ import h5py
 import numpy as np
 
 BIN = os.environ["LANDFALL_BIN"]
+ROOT = os.environ["LANDFALL_ROOT"]
+sys.path.insert(0, os.path.join(ROOT, "python"))  # for tests that import landfall after this module
+sys.dont_write_bytecode = True
 SANITIZED = bool(os.environ.get("LANDFALL_SANITIZE"))  # sanitized builds take many times the time and memory
 LONGEST_S = 1200 if SANITIZED else 120
 with open(os.path.join(os.path.dirname(__file__), "../../schemas/dictionary/tools.json"), encoding="utf-8") as _file:

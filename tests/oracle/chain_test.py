@@ -15,12 +15,11 @@ LANDFALL_TEST_SEED sets the seed, LANDFALL_PROOF_CASES the number of configurati
 of the only case to run. `chain_test.py --write` also writes the table of docs/quality/tests.md.
 """
 import os
-import shutil
 import sys
-import tempfile
 import unittest
 
 from faults import page
+from harness import ToolTest
 from oracle import cases, comparison, landing
 from oracle.ledger import Ledger
 
@@ -30,11 +29,7 @@ ONLY = os.environ.get("LANDFALL_PROOF_ONLY")
 WRITE = "--write" in sys.argv
 
 
-class Chain(unittest.TestCase):
-    def setUp(self):
-        self.folder = tempfile.mkdtemp(prefix="landfall-proof-")
-        self.addCleanup(shutil.rmtree, self.folder)
-
+class Chain(ToolTest):
     def test_every_number_of_every_case(self):
         ledger, generator, landers = Ledger(), cases.CaseGenerator(SEED, self.folder), landing.Landers(SEED)
         with comparison.inside(self.folder):

@@ -13,11 +13,10 @@ import h5py
 import numpy as np
 from scipy.interpolate import griddata
 
-from harness import ToolTest
+from harness import ROOT, ToolTest
 from oracle.flight import FACETS, Flight, Lines, angles_of
 from oracle.frames import matrix_of_quaternion, normalised, roll_pitch_yaw, rotated, transposed
 
-ROOT = os.environ["LANDFALL_ROOT"]
 DATA = os.path.join(os.environ.get("LANDFALL_DATA", os.path.join(ROOT, "..", "shared", "data")), "outside")
 FIGURE = sys.argv[sys.argv.index("--figure") + 1] if "--figure" in sys.argv else None
 RATE_HZ = 250000  # a pulse within 2 us of every return: 0.2 mm of the flight

@@ -13,12 +13,11 @@ import h5py
 import numpy as np
 from scipy import sparse
 
-from harness import BIN, ToolTest, returns_of
+from harness import BIN, ROOT, ToolTest, returns_of
 from oracle.flight import angles_of
 from oracle.frames import normalised
 from oracle.riegl import NAME, Pulses, Returns
 
-ROOT = os.environ["LANDFALL_ROOT"]
 DATA = os.path.join(os.environ.get("LANDFALL_DATA", os.path.join(ROOT, "..", "shared", "data")), "outside")
 FIGURE = sys.argv[sys.argv.index("--figure") + 1] if "--figure" in sys.argv else None
 RECEIVER = os.path.join(BIN, "..", "tests", "receive_waveforms")

@@ -10,9 +10,8 @@ import unittest
 
 import yaml
 
-from harness import PROGRAMS
+from harness import PROGRAMS, ROOT
 
-ROOT = os.environ["LANDFALL_ROOT"]
 SCHEMAS = ["chain", "design", "draws", "eval", "hazard", "regrid", "scan", "sensitivity", "study", "terrain"]
 
 

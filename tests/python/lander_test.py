@@ -3,14 +3,12 @@
 """The lander of examples/lander.py: it lands where its map and its errors say, upright, on a safe place."""
 import importlib.util
 import os
-import sys
 import tempfile
 import unittest
 
 import numpy as np
 
-ROOT = os.environ["LANDFALL_ROOT"]
-sys.path.insert(0, os.path.join(ROOT, "python"))
+from harness import ROOT
 
 
 def example():

@@ -19,16 +19,12 @@ from unittest import mock
 import h5py
 import numpy as np
 
-ROOT = os.environ["LANDFALL_ROOT"]
-BIN = os.path.abspath(os.environ["LANDFALL_BIN"])
-sys.path.insert(0, os.path.join(ROOT, "python"))
-sys.dont_write_bytecode = True
-
-# pylint: disable=wrong-import-position
+from harness import ROOT
 import landfall
 from landfall import command, files, tools
 from landfall.study import results
 
+BIN = os.path.abspath(os.environ["LANDFALL_BIN"])
 GRID = {"grid": {"half_width_m": 4, "resolution_m": 0.1}, "features": [{"type": "cone", "x_m": 1, "radius_m": 1, "height_m": 0.5}]}
 SCAN = {"laser": {"scan_time_s": 0.02}, "noise": {"range_sigma_m": 0.01},
         "scanner": {"pattern": {"type": "line_search", "rows": 20, "columns": 20, "half_width_m": 3}}}

@@ -4,19 +4,15 @@
 import json
 import os
 import subprocess
-import sys
 import tempfile
 import unittest
 
 import numpy as np
 
-ROOT = os.environ["LANDFALL_ROOT"]
-SCRIPT = os.path.join(ROOT, "python", "commands", "make_raster.py")
-sys.path.insert(0, os.path.join(ROOT, "python"))
-sys.dont_write_bytecode = True
-
-# pylint: disable=wrong-import-position
+from harness import ROOT
 from landfall import make_raster
+
+SCRIPT = os.path.join(ROOT, "python", "commands", "make_raster.py")
 
 
 def run(*arguments):

@@ -4,7 +4,6 @@
 import gc
 import json
 import os
-import sys
 import tempfile
 import threading
 import unittest
@@ -14,9 +13,6 @@ import numpy as np
 import xarray
 
 from harness import EVAL, HAZARD, REGRID, SCAN, TERRAIN, attributes, run, with_values
-
-sys.path.insert(0, os.path.join(os.environ["LANDFALL_ROOT"], "python"))
-# pylint: disable=wrong-import-position
 import landfall
 
 RECEIVER = with_values(SCAN, receiver={"type": "leading_edge", "threshold_pe": 20, "returns": "all"}, link={"reference_pe": 500, "reference_range_m": 50})
@@ -34,6 +30,15 @@ def datasets(path):
                 found[name] = (item[()], kept | {"scales": [list(scale) for scale in item.dims]})
         file.visititems(visit)
     return found
+
+
+def in_two_threads(work):
+    """Runs work(1) and work(2) at a time."""
+    threads = [threading.Thread(target=work, args=(number,)) for number in (1, 2)]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
 
 
 class Case:
@@ -244,11 +249,7 @@ class InMemory(unittest.TestCase):
         terrain, found = landfall.Terrain(TERRAIN), {}
         def scan(number):
             found[number] = landfall.scan(SCAN, terrain, threads=number)["z_est"]
-        threads = [threading.Thread(target=scan, args=(number,)) for number in (1, 2)]
-        for thread in threads:
-            thread.start()
-        for thread in threads:
-            thread.join()
+        in_two_threads(scan)
         np.testing.assert_array_equal(found[1], found[2])
         self.assertEqual(os.listdir(self.folder), [])
 
@@ -259,11 +260,7 @@ class InMemory(unittest.TestCase):
         def scan(number):
             once = iter([meeting.wait])
             found[number] = landfall.scan(long, terrain, progress=lambda phase, fraction: next(once, int)())["z_est"]
-        threads = [threading.Thread(target=scan, args=(number,)) for number in (1, 2)]
-        for thread in threads:
-            thread.start()
-        for thread in threads:
-            thread.join()
+        in_two_threads(scan)
         np.testing.assert_array_equal(found[1], found[2])
 
     def test_a_saved_file_is_not_replaced(self):

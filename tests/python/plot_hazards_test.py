@@ -4,7 +4,6 @@
 import json
 import os
 import shutil
-import sys
 import unittest
 
 import h5py
@@ -12,11 +11,6 @@ import numpy as np
 
 import harness
 from harness.commands import run_command
-
-PYTHON = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", "python")
-sys.path.insert(0, PYTHON)
-sys.dont_write_bytecode = True
-
 from landfall.errors import DataError
 from landfall.plot import maps, plot_hazards, reduction
 import matplotlib.pyplot as plt

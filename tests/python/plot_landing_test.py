@@ -3,16 +3,11 @@
 """Tests of plot_landing.py, and of plot_draws.py, on draws that trace and land."""
 import json
 import os
-import sys
 import unittest
 
 import numpy as np
 
 import harness
-
-sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", "python"))
-sys.dont_write_bytecode = True
-
 from landfall.errors import DataError
 from landfall.plot import plot_draws, plot_landing
 import matplotlib.pyplot as plt

@@ -4,18 +4,12 @@
 import json
 import os
 import subprocess
-import sys
 import tempfile
 import unittest
 import xml.etree.ElementTree
 
+from harness import BIN
 from harness.commands import run_command
-
-ROOT = os.environ["LANDFALL_ROOT"]
-BIN = os.environ["LANDFALL_BIN"]
-sys.path.insert(0, os.path.join(ROOT, "python"))
-sys.dont_write_bytecode = True
-# pylint: disable=wrong-import-position
 import matplotlib.image
 import numpy as np
 from landfall.plot import plot_features, plot_patterns, plot_receiver

@@ -5,20 +5,14 @@ and the populations of terrain-gen against its laws."""
 import json
 import os
 import subprocess
-import sys
 import tempfile
 import unittest
 
 import h5py
 import numpy as np
 
+from harness import BIN
 from harness.commands import run_command
-
-ROOT = os.environ["LANDFALL_ROOT"]
-BIN = os.environ["LANDFALL_BIN"]
-sys.path.insert(0, os.path.join(ROOT, "python"))
-sys.dont_write_bytecode = True
-# pylint: disable=wrong-import-position
 from landfall import files
 from landfall.plot import plot_populations as populations
 import matplotlib.image

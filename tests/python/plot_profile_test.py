@@ -3,7 +3,6 @@
 """Tests of plot_profile.py on small DEMs that the tests make."""
 import math
 import os
-import sys
 import tempfile
 import unittest
 
@@ -11,11 +10,6 @@ import h5py
 import numpy as np
 
 from harness.commands import run_command
-
-PYTHON = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", "python")
-sys.path.insert(0, PYTHON)
-sys.dont_write_bytecode = True
-
 from landfall import files
 from landfall.errors import UsageError
 from landfall.plot import plot_dem, plot_profile

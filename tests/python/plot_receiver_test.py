@@ -3,18 +3,13 @@
 """Tests of plot_receiver.py, which scans tilted planes with each receiver and draws the errors of the range."""
 import math
 import os
-import sys
 import tempfile
 import types
 import unittest
 
+from harness import BIN
 from harness.commands import run_command
 
-ROOT = os.environ["LANDFALL_ROOT"]
-BIN = os.environ["LANDFALL_BIN"]
-sys.path.insert(0, os.path.join(ROOT, "python"))
-sys.dont_write_bytecode = True
-# pylint: disable=wrong-import-position
 import matplotlib.image
 import numpy as np
 from landfall.plot import plot_receiver

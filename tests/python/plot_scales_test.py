@@ -7,9 +7,7 @@ import unittest
 
 import numpy as np
 
-PYTHON = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", "python")
-sys.path.insert(0, PYTHON)
-sys.dont_write_bytecode = True
+sys.path.insert(0, os.path.join(os.environ["LANDFALL_ROOT"], "python"))
 
 from landfall import files
 from landfall.plot import captions, maps, reduction, relief, scales

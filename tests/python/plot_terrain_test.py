@@ -3,16 +3,11 @@
 """Tests of plot_terrain.py on small files that the tests make."""
 import math
 import os
-import sys
 import tempfile
 import unittest
 
 import h5py
 import numpy as np
-
-PYTHON = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", "python")
-sys.path.insert(0, PYTHON)
-sys.dont_write_bytecode = True
 
 from harness.commands import run_command
 from landfall import files

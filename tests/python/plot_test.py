@@ -3,18 +3,12 @@
 """Tests of plot_dem.py, plot_eval.py and plot_plan.py on small files that the tests make."""
 import json
 import os
-import shutil
-import sys
-import tempfile
 import unittest
 
 import h5py
 import numpy as np
 
-PYTHON = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", "python")
-sys.path.insert(0, PYTHON)
-sys.dont_write_bytecode = True
-
+from harness import ToolTest
 from harness.commands import run_command
 from landfall import dictionary, files
 from landfall.plot import maps, plot_command, plot_compare, plot_dem, plot_eval, plot_plan, scales
@@ -95,14 +89,7 @@ def make_evaluation(path, empty_bins=((22, 25),), truth=True, layers=True):
                 file[f"rel_{axis}"] = np.abs(true - estimated).astype(np.float32)
 
 
-class ScriptTest(unittest.TestCase):
-    def setUp(self):
-        self.folder = tempfile.mkdtemp()
-        self.addCleanup(shutil.rmtree, self.folder)
-
-    def path(self, name):
-        return os.path.join(self.folder, name)
-
+class ScriptTest(ToolTest):
     def call(self, script, *arguments):
         return run_command(script.removesuffix(".py"), *arguments, cwd=self.folder)
 

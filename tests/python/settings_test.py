@@ -6,9 +6,8 @@ import subprocess
 import sys
 import unittest
 
-from harness import ChainTest, read_bytes
+from harness import ROOT, ChainTest, read_bytes
 
-ROOT = os.environ["LANDFALL_ROOT"]
 COMMANDS = os.path.join(ROOT, "python", "commands")
 SETTINGS = {"latex": b"text.usetex: True\ntext.latex.preamble: \\input{/etc/passwd}\n", "effects": b"path.effects: []\n", "not UTF-8": b"font.family: \xff\n",
             "look": b"figure.facecolor: red\nsavefig.facecolor: red\nfont.family: monospace\nfont.size: 30\naxes.grid: True\nimage.cmap: gray\n"

@@ -5,9 +5,9 @@ import csv
 import io
 import json
 import os
+import re
 import shutil
 import subprocess
-import sys
 import tempfile
 import unittest
 
@@ -16,10 +16,7 @@ from harness.commands import run_command
 ROOT = os.environ["LANDFALL_ROOT"]
 BIN = os.path.abspath(os.environ["LANDFALL_BIN"])
 PYTHON = "/usr/bin/python3"
-sys.path.insert(0, os.path.join(ROOT, "python"))
-sys.dont_write_bytecode = True
 
-# pylint: disable=wrong-import-position
 from landfall.study import reader, stages
 
 # 400 pulses of 8 x 8 pixels from 50 m on a 12 m square with a cone.
@@ -51,6 +48,10 @@ def read(path):
 
 class StudyTest(unittest.TestCase):
     """A test with its own folder for studies and their results."""
+
+    def stages_of(self, result):
+        """The stages that make has run."""
+        return sorted(re.findall(r"(?m)^\[\d+ done, .*\] (\w+) ", result.stdout))
 
     def setUp(self):
         self.folder = tempfile.mkdtemp(prefix="landfall-study-")

@@ -194,9 +194,6 @@ class Results(StudyTest):
 class Repeats(StudyTest):
     """The stages that are made again."""
 
-    def stages_of(self, result):
-        return sorted(re.findall(r"(?m)^\[\d+ done, .*\] (\w+) ", result.stdout))
-
     def test_another_value_runs_only_its_draws(self):
         self.write(draws_study(SPREADS))
         self.assertEqual(self.stages_of(self.make("study-results", "-j2")), ["metrics", "terrain", "truth", "verdict", "verdict"])

@@ -207,9 +207,6 @@ class OwnRequirements(StudyTest):
 class Repeats(StudyTest):
     """The stages that are made again."""
 
-    def stages_of(self, result):
-        return sorted(re.findall(r"(?m)^\[\d+ done, .*\] (\w+) ", result.stdout))
-
     def test_another_limit_runs_only_hazard_map(self):
         self.write(hazard_study(SIGMAS, CLEARANCES))
         self.make("study-results", "-j2", "KEEP=dem")

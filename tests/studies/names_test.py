@@ -6,10 +6,7 @@ import os
 import sys
 import unittest
 
-ROOT = os.environ["LANDFALL_ROOT"]
-sys.path.insert(0, os.path.join(ROOT, "python"))
-sys.dont_write_bytecode = True
-
+sys.path.insert(0, os.path.join(os.environ["LANDFALL_ROOT"], "python"))
 # pylint: disable=wrong-import-position
 from landfall.study import model, names
 

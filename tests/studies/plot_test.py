@@ -6,18 +6,12 @@ import dataclasses
 import json
 import math
 import os
-import sys
 import tempfile
 import unittest
 
 import h5py
 import numpy as np
 
-ROOT = os.environ["LANDFALL_ROOT"]
-sys.path.insert(0, os.path.join(ROOT, "python"))
-sys.dont_write_bytecode = True
-
-# pylint: disable=wrong-import-position
 from harness.commands import run_command
 from landfall.study import crossing, figures, table, verdicts
 from landfall.study.results import Table, flatten, write_h5
