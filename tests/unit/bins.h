@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
+#include <initializer_list>
+#include <type_traits>
 
 #include "base/raster/grid.h"
 
@@ -35,6 +38,20 @@ class Bins {
 template <class Shape>
 Bins bins_of(const Shape& shape) {
   return {{0, 0}, {shape.rows, shape.cols}};
+}
+
+/// The grid with these values, row after row.
+template <class T = double>
+Grid<T> grid_with(const GridSpec& spec, std::initializer_list<std::type_identity_t<T>> values) {
+  Grid<T> grid(spec);
+  std::copy(values.begin(), values.end(), grid.values().begin());
+  return grid;
+}
+
+/// One row of bins of 1 m.
+template <class T = double>
+Grid<T> row_with(std::initializer_list<std::type_identity_t<T>> values) {
+  return grid_with<T>({1, 0, 0, 1, static_cast<std::int64_t>(values.size())}, values);
 }
 
 /// A grid of value(x_m, y_m) at the centres of its bins.

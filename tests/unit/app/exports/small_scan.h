@@ -4,6 +4,7 @@
 #include <array>
 #include <filesystem>
 #include <limits>
+#include <string>
 #include <vector>
 
 #include "store/files/landfall_file.h"
@@ -28,28 +29,22 @@ struct SmallScan {
     const std::vector<double> y = scaled(-1, 0);
     const std::vector<double> z = scaled(2, 0);
     const std::vector<double> x_true = scaled(1, 100);
-    using Real = std::span<const double>;
     LandfallFileWriter file({path, true, 1}, "scan", {.tool = "scan-sim", .config = {{"a", 1}}});
-    const auto real = [](const char* name) { return ColumnSpec{name, h5::Type::float64, "m", "place"}; };
-    const std::array<ColumnRows, 8> rows = {Real(x),
-                                            Real(y),
-                                            Real(z),
-                                            Real(x_true),
-                                            Real(y),
-                                            Real(z),
-                                            std::span<const std::int32_t>(pulse),
-                                            std::span<const std::int8_t>(status)};
-    write_table(file.root(), "points",
-                {real("x_est"),
-                 real("y_est"),
-                 real("z_est"),
-                 real("x_true"),
-                 real("y_true"),
-                 real("z_true"),
-                 {"pulse", h5::Type::int32, "1", "pulse"},
-                 {"status", h5::Type::int8, "1", "status"}},
-                rows, 1);
-    const std::array<ColumnRows, 1> times = {Real(t)};
+    std::vector<ColumnSpec> specs;
+    std::vector<ColumnRows> rows;
+    const auto add = [&](const char* name, h5::Type type, const auto& values) {
+      specs.push_back({name, type, type == h5::Type::float64 ? "m" : "1", name});
+      rows.emplace_back(std::span(values));
+    };
+    for (const std::string of : {"_est", "_true"}) {
+      add(("x" + of).c_str(), h5::Type::float64, of == "_est" ? x : x_true);
+      add(("y" + of).c_str(), h5::Type::float64, y);
+      add(("z" + of).c_str(), h5::Type::float64, z);
+    }
+    add("pulse", h5::Type::int32, pulse);
+    add("status", h5::Type::int8, status);
+    write_table(file.root(), "points", specs, rows, 1);
+    const std::array<ColumnRows, 1> times = {std::span(t)};
     write_table(file.root(), "pulses", {{"t", h5::Type::float64, "s", "time"}}, times, 1);
     file.commit();
   }

@@ -21,13 +21,13 @@ using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::Not;
 
-std::string page_of(const DemLayers& dem, const nlohmann::json& steps) {
+std::string page_of(const DemLayers& dem, const nlohmann::json& steps, const std::string& title = "") {
   EvaluationParameters parameters;
   parameters.region_radius_m = 1;
   ReportLayers layers(dem.z_est.spec(), parameters);
   layers.take(dem);
   const Evaluation evaluation = evaluate(dem, parameters, {&layers});
-  return report_page({parameters, evaluation, layers, {}, steps});
+  return report_page({parameters, evaluation, layers, {}, steps, title});
 }
 
 std::string page_of(const DemLayers& dem) {
@@ -67,15 +67,8 @@ TEST(ReportPage, StandsADemWithoutAnyElevation) {
 
 TEST(ReportPage, HasTheTitleOfTheUserOrOfTheSteps) {
   EXPECT_THAT(page_of(dem_without_truth()), HasSubstr("<h1>DEM evaluation</h1>"));
-  const DemLayers dem = dem_without_truth();
-  EvaluationParameters parameters;
-  parameters.region_radius_m = 1;
-  ReportLayers layers(dem.z_est.spec(), parameters);
-  layers.take(dem);
-  const Evaluation evaluation = evaluate(dem, parameters, {&layers});
   const nlohmann::json steps = {{{"tool", "dem-eval"}}};
-  const std::string page =
-      report_page({parameters, evaluation, layers, {}, steps, "Ice & <b>rocks</b> @style@"});
+  const std::string page = page_of(dem_without_truth(), steps, "Ice & <b>rocks</b> @style@");
   for (const char* const tag : {"h1", "title"})
     EXPECT_THAT(page, HasSubstr(std::string("<") + tag + ">Ice &amp; &lt;b&gt;rocks&lt;/b&gt; @style@</" +
                                 tag + ">"));

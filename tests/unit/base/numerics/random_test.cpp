@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <gtest/gtest.h>
-#include <hwy/targets.h>
 
 #include <algorithm>
 #include <bit>
@@ -14,6 +13,7 @@
 #include "base/numerics/box_muller.h"
 #include "base/numerics/poisson.h"
 #include "base/numerics/random.h"
+#include "targets.h"
 
 namespace landfall {
 namespace {
@@ -153,21 +153,16 @@ TEST(BoxMuller, IsWithinTwoAndAHalfUlp) {
 
 TEST(BoxMuller, EveryInstructionSetGivesTheSameBits) {
   const Uniforms in = uniforms(100003);
-  hwy::SetSupportedTargetsForTest(0);
   std::vector<double> expected(in.u.size());
   box_muller(in.u, in.v, expected);
   int targets = 0;
-  for (std::int64_t rest = hwy::SupportedTargets(); rest != 0; rest &= rest - 1) {
-    const std::int64_t target = rest & -rest;
-    hwy::SetSupportedTargetsForTest(target);
+  on_every_target([&] {
     std::vector<double> out(in.u.size());
     box_muller(in.u, in.v, out);
     for (std::size_t i = 0; i < out.size(); ++i)
-      ASSERT_EQ(std::bit_cast<std::uint64_t>(out[i]), std::bit_cast<std::uint64_t>(expected[i]))
-          << hwy::TargetName(target) << ' ' << i;
+      ASSERT_EQ(std::bit_cast<std::uint64_t>(out[i]), std::bit_cast<std::uint64_t>(expected[i])) << i;
     ++targets;
-  }
-  hwy::SetSupportedTargetsForTest(0);
+  });
   EXPECT_GE(targets, 1);
 }
 

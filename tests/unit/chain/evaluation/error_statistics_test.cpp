@@ -18,15 +18,9 @@
 namespace landfall {
 namespace {
 
-Grid<double> metre_row(std::initializer_list<double> values) {
-  Grid<double> grid(GridSpec{1, 0, 0, 1, static_cast<std::int64_t>(values.size())});
-  std::copy(values.begin(), values.end(), grid.values().begin());
-  return grid;
-}
-
 // In the region 1 2 3 6 and a NaN: mean 3, deviations -2 -1 0 3, median 2.5, |e - median| 0.5 0.5 1.5 3.5.
 TEST(ErrorStatistics, ByHand) {
-  const Grid<double> error = metre_row({100, 1, kNan, 6, 2, 3, -100});
+  const Grid<double> error = row_with({100, 1, kNan, 6, 2, 3, -100});
   BinMask region(error.spec(), 1);
   region.values().front() = region.values().back() = 0;
   const ErrorStatistics statistics = error_statistics(error, region);
@@ -42,13 +36,13 @@ TEST(ErrorStatistics, ByHand) {
 
 TEST(ErrorStatistics, QuantilesOfMagnitudesAreNotThoseOfErrors) {
   const ErrorStatistics statistics =
-      error_statistics(metre_row({-10, 0, 1}), BinMask(GridSpec{1, 0, 0, 1, 3}, 1));
+      error_statistics(row_with({-10, 0, 1}), BinMask(GridSpec{1, 0, 0, 1, 3}, 1));
   EXPECT_EQ(statistics.median_m, 0);
   EXPECT_NEAR(statistics.le90_m.value(), 1 + 0.8 * 9, 1e-14);
 }
 
 TEST(ErrorStatistics, WithoutAnErrorOnlyTheCount) {
-  const Grid<double> error = metre_row({kNan, 5});
+  const Grid<double> error = row_with({kNan, 5});
   BinMask region(error.spec());
   region.at({0, 0}) = 1;
   EXPECT_EQ(error_statistics(error, region), ErrorStatistics{.count = 0});
@@ -83,7 +77,7 @@ TEST(ErrorStatistics, NormalErrors) {
 // Squares of the errors themselves would lose what is left beside them.
 TEST(ErrorStatistics, DeviationsBesideALargeMean) {
   const ErrorStatistics statistics =
-      error_statistics(metre_row({1e9 - 1, 1e9, 1e9 + 1}), BinMask(GridSpec{1, 0, 0, 1, 3}, 1));
+      error_statistics(row_with({1e9 - 1, 1e9, 1e9 + 1}), BinMask(GridSpec{1, 0, 0, 1, 3}, 1));
   EXPECT_EQ(statistics.mean_m, 1e9);
   EXPECT_DOUBLE_EQ(statistics.std_m.value(), std::sqrt(2.0 / 3));
 }
@@ -126,16 +120,10 @@ TEST(Reach, ClippedAtTheGridsBorders) {
   expect_tile(reach(spec, tile, 50), {0, 0, 10, 12});
 }
 
-Grid<double> grid_of(const GridSpec& spec, std::initializer_list<double> values) {
-  Grid<double> grid(spec);
-  std::copy(values.begin(), values.end(), grid.values().begin());
-  return grid;
-}
-
 TEST(CollectTails, KeepsWhatIsOutsideTheOpenInterval) {
-  const Grid<double> error = grid_of({1, 0, 0, 3, 4}, {9, 9, 9, 9,     //
-                                                       9, 2, 1.9, -9,  //
-                                                       9, -1, kNan, -9});
+  const Grid<double> error = grid_with({1, 0, 0, 3, 4}, {9, 9, 9, 9,     //
+                                                         9, 2, 1.9, -9,  //
+                                                         9, -1, kNan, -9});
   ErrorTails tails;
   collect_tails(error, {1, 1, 2, 2}, {.upper = 2, .lower = -1}, tails);
   ASSERT_EQ(tails.upper.size(), 1U);

@@ -141,9 +141,7 @@ TEST(Judge, InfiniteDistanceFails) {
 }
 
 Grid<double> row_of(std::initializer_list<double> values) {
-  Grid<double> grid(GridSpec{0.5, 2, -1, 1, static_cast<std::int64_t>(values.size())});
-  std::copy(values.begin(), values.end(), grid.values().begin());
-  return grid;
+  return grid_with({0.5, 2, -1, 1, static_cast<std::int64_t>(values.size())}, values);
 }
 
 // Bins at x = -0.5, 0, 0.5 and y = 1.
@@ -262,26 +260,20 @@ TEST(Coverage, FullDem) {
   EXPECT_EQ(metrics, CoverageMetrics{});
 }
 
-TEST(Coverage, TwoByTwoHoleIsOneBinFromValid) {
-  const Coverage coverage = coverage_of({"....", ".##.", ".##.", "...."});
-  EXPECT_EQ(coverage.metrics.invalid_count, 4);
-  EXPECT_EQ(coverage.metrics.invalid_frac, 0.25);
-  EXPECT_EQ(coverage.metrics.max_distance_bins, 1);
-  EXPECT_EQ(coverage.metrics.distance_over_limit_count, 0);
-}
-
-TEST(Coverage, ThreeByThreeHoleIsTwoBinsAtTheCentre) {
-  const Coverage coverage = coverage_of({".....", ".###.", ".###.", ".###.", "....."});
-  EXPECT_EQ(coverage.metrics.max_distance_bins, 2);
-  EXPECT_EQ(coverage.metrics.distance_over_limit_count, 1);
-  EXPECT_EQ(coverage.squared_distance.at({2, 2}), 4);
-  EXPECT_EQ(coverage.squared_distance.at({1, 1}), 1);
-}
-
-TEST(Coverage, PlusShapedHoleIsRootTwoAtTheCentre) {
-  const Coverage coverage = coverage_of({".....", "..#..", ".###.", "..#..", "....."});
-  EXPECT_EQ(coverage.metrics.max_distance_bins, std::sqrt(2.0));
-  EXPECT_EQ(coverage.metrics.distance_over_limit_count, 1);
+TEST(Coverage, DistancesWithinHolesOfTwoByTwoThreeByThreeAndAPlus) {
+  const Coverage two = coverage_of({"....", ".##.", ".##.", "...."});
+  EXPECT_EQ(two.metrics.invalid_count, 4);
+  EXPECT_EQ(two.metrics.invalid_frac, 0.25);
+  EXPECT_EQ(two.metrics.max_distance_bins, 1);
+  EXPECT_EQ(two.metrics.distance_over_limit_count, 0);
+  const Coverage three = coverage_of({".....", ".###.", ".###.", ".###.", "....."});
+  EXPECT_EQ(three.metrics.max_distance_bins, 2);
+  EXPECT_EQ(three.metrics.distance_over_limit_count, 1);
+  EXPECT_EQ(three.squared_distance.at({2, 2}), 4);
+  EXPECT_EQ(three.squared_distance.at({1, 1}), 1);
+  const Coverage plus = coverage_of({".....", "..#..", ".###.", "..#..", "....."});
+  EXPECT_EQ(plus.metrics.max_distance_bins, std::sqrt(2.0));
+  EXPECT_EQ(plus.metrics.distance_over_limit_count, 1);
 }
 
 // At the DEM's border no valid bin lies beyond: a 3 x 3 hole in the corner is 3 bins deep.
@@ -338,16 +330,10 @@ void expect_equal(const BinMask& valid, const BinMask& region, const EvaluationL
   EXPECT_TRUE(std::ranges::equal(fail.values(), expected.values()));
 }
 
-BinMask all_except(const BinMask& holes) {
-  BinMask valid(holes.spec());
-  for (std::size_t i = 0; i < valid.values().size(); ++i) valid.values()[i] = holes.values()[i] != 0 ? 0 : 1;
-  return valid;
-}
-
 TEST(JudgeCoverage, EqualsTheDenseResult) {
   constexpr GridSpec spec{1, -30, -40, 61, 81};
   for (const double frac : {0.0, 0.001, 0.05, 0.11, 0.2, 0.5, 0.95, 1.0}) {
-    const BinMask valid = all_except(testing_masks::random_mask(spec, frac, 3));
+    const BinMask valid = all_but(testing_masks::random_mask(spec, frac, 3));
     expect_equal(valid, BinMask(spec, 1), {.hole_size = 2, .hole_depth = 0.5});
     expect_equal(valid, circular_region(spec, 25), {.hole_size = 1});
     expect_equal(valid, testing_masks::random_mask(spec, 0.3, 4), {});
@@ -361,7 +347,7 @@ TEST(JudgeCoverage, SmallAndLargeHoles) {
     BinMask hole(spec);
     for (const auto [row, col] : bins_of(spec))
       hole.at({row, col}) = std::max(std::abs(row - 44), std::abs(col - 5)) < half ? 1 : 0;
-    expect_equal(all_except(hole), BinMask(spec, 1), {.hole_depth = 4});
+    expect_equal(all_but(hole), BinMask(spec, 1), {.hole_depth = 4});
   }
 }
 

@@ -11,6 +11,7 @@
 #include "base/core/error.h"
 #include "base/core/parallel.h"
 #include "base/numerics/random.h"
+#include "bins.h"
 #include "constants.h"
 #include "refusal.h"
 
@@ -24,19 +25,12 @@ using testing::ElementsAre;
 
 constexpr float kFloatNan = std::numeric_limits<float>::quiet_NaN();
 
-template <class T>
-Grid<T> unit_row(std::initializer_list<T> values) {
-  Grid<T> grid(GridSpec{1, 0, 0, 1, static_cast<std::int64_t>(values.size())});
-  std::copy(values.begin(), values.end(), grid.values().begin());
-  return grid;
-}
-
 // Scores 1, -2, 3 and, outside the region, 100.
 TEST(Uncertainty, AbsoluteByHand) {
-  const UncertaintyLayers layers{unit_row<double>({0.5, -1, 1.5, 50, kNan, 1, 1, 1}),
-                                 unit_row<float>({0.5, 0.5, 0.5, 0.5, 1, 0, kFloatNan, HUGE_VALF}),
-                                 unit_row<float>({1, 1, 1, 1, 1, 1, 1, 1}),
-                                 unit_row<std::int32_t>({1, 2, 2, 1, 1, 1, 1, 1})};
+  const UncertaintyLayers layers{row_with<double>({0.5, -1, 1.5, 50, kNan, 1, 1, 1}),
+                                 row_with<float>({0.5, 0.5, 0.5, 0.5, 1, 0, kFloatNan, HUGE_VALF}),
+                                 row_with<float>({1, 1, 1, 1, 1, 1, 1, 1}),
+                                 row_with<std::int32_t>({1, 2, 2, 1, 1, 1, 1, 1})};
   BinMask region(layers.error.spec(), 1);
   region.at({0, 3}) = 0;
   const ScoreMetrics scores = assess_uncertainty(layers, region, Footprint::square(0)).absolute;
@@ -61,8 +55,8 @@ TEST(Uncertainty, AbsoluteByHand) {
 
 // Means 3, 4 and 5 of the footprints of 2, 3 and 2 bins; the lone bin behind the gap says nothing.
 TEST(Uncertainty, RelativeIsTheErrorLessItsFootprintsMean) {
-  const Grid<float> ones = unit_row<float>({1, 1, 1, 1, 1, 1});
-  const UncertaintyLayers layers{unit_row<double>({2, 4, 6, kNan, kNan, 9}), ones, ones, std::nullopt};
+  const Grid<float> ones = row_with<float>({1, 1, 1, 1, 1, 1});
+  const UncertaintyLayers layers{row_with<double>({2, 4, 6, kNan, kNan, 9}), ones, ones, std::nullopt};
   const ScoreMetrics scores =
       assess_uncertainty(layers, BinMask(ones.spec(), 1), Footprint::square(1)).relative;
   EXPECT_EQ(scores.count, 3);  // -1, 0, 1
@@ -74,8 +68,8 @@ TEST(Uncertainty, RelativeIsTheErrorLessItsFootprintsMean) {
 }
 
 TEST(Uncertainty, SharesEndAtFourSigma) {
-  const UncertaintyLayers layers{unit_row<double>({4, -3.9, 4.1, 3.75, 0}), unit_row<float>({1, 1, 1, 1, 1}),
-                                 unit_row<float>({1, 1, 1, 1, 1}), std::nullopt};
+  const UncertaintyLayers layers{row_with<double>({4, -3.9, 4.1, 3.75, 0}), row_with<float>({1, 1, 1, 1, 1}),
+                                 row_with<float>({1, 1, 1, 1, 1}), std::nullopt};
   const ScoreMetrics scores =
       assess_uncertainty(layers, BinMask(layers.error.spec(), 1), Footprint::square(0)).absolute;
   const ScoreMetrics::WithinSigmas& within = scores.within_k_sigma;
@@ -85,8 +79,8 @@ TEST(Uncertainty, SharesEndAtFourSigma) {
 }
 
 TEST(Uncertainty, OneScoreOrNone) {
-  const UncertaintyLayers layers{unit_row<double>({0.5, 1, 1}), unit_row<float>({1, 0, -1}),
-                                 unit_row<float>({kFloatNan, 0, 0}), std::nullopt};
+  const UncertaintyLayers layers{row_with<double>({0.5, 1, 1}), row_with<float>({1, 0, -1}),
+                                 row_with<float>({kFloatNan, 0, 0}), std::nullopt};
   const UncertaintyMetrics metrics =
       assess_uncertainty(layers, BinMask(layers.error.spec(), 1), Footprint::square(1));
   EXPECT_EQ(metrics.absolute.count, 1);
@@ -100,9 +94,9 @@ TEST(Uncertainty, OneScoreOrNone) {
 }
 
 TEST(Uncertainty, StepsOfSigmaAscend) {
-  const UncertaintyLayers layers{unit_row<double>({1, 1, 1, 1, 1}),
-                                 unit_row<float>({1, 2, 1.25F, 1.1F, 0.001F}),
-                                 unit_row<float>({1, 1, 1, 1, 1}), std::nullopt};
+  const UncertaintyLayers layers{row_with<double>({1, 1, 1, 1, 1}),
+                                 row_with<float>({1, 2, 1.25F, 1.1F, 0.001F}),
+                                 row_with<float>({1, 1, 1, 1, 1}), std::nullopt};
   const ScoreMetrics scores =
       assess_uncertainty(layers, BinMask(layers.error.spec(), 1), Footprint::square(0)).absolute;
   EXPECT_THAT(scores.reliability.sigma_m, ElementsAre(DoubleNear(0.001, 1e-9), _, 1.25, 2.0));
@@ -135,8 +129,8 @@ TEST(Uncertainty, AnHonestMapAtAnyThreadCount) {
 }
 
 TEST(Uncertainty, RefusesAnotherGrid) {
-  const Grid<float> ones = unit_row<float>({1, 1});
-  const UncertaintyLayers layers{unit_row<double>({1, 1}), ones, unit_row<float>({1}), std::nullopt};
+  const Grid<float> ones = row_with<float>({1, 1});
+  const UncertaintyLayers layers{row_with<double>({1, 1}), ones, row_with<float>({1}), std::nullopt};
   EXPECT_THROW(static_cast<void>(assess_uncertainty(layers, BinMask(ones.spec(), 1), Footprint::square(0))),
                FormatError);
   const auto refused = [](std::size_t error, std::size_t abs, std::size_t rel, std::size_t count) {

@@ -2,7 +2,6 @@
 // Window means (Eq. 11) and quantiles (Eq. 12): by hand, and to the last bit against direct sums and a full
 // sort.
 #include <gtest/gtest.h>
-#include <hwy/targets.h>
 
 #include <algorithm>
 #include <bit>
@@ -18,15 +17,10 @@
 #include "bins.h"
 #include "chain/evaluation/quantile/window_quantile.h"
 #include "constants.h"
+#include "targets.h"
 
 namespace landfall {
 namespace {
-
-Grid<double> window_grid(const GridSpec& spec, std::initializer_list<double> values) {
-  Grid<double> grid(spec);
-  std::copy(values.begin(), values.end(), grid.values().begin());
-  return grid;
-}
 
 Grid<double> noisy_grid(const GridSpec& spec, double nan_frac, std::uint64_t seed) {
   const RandomField values(seed, RandomStream::range_noise);
@@ -108,9 +102,9 @@ double quantile_oracle(std::vector<double> deviations, double mean, double q) {
 }
 
 TEST(WindowMeans, ByHandWithClippingAndNan) {
-  const WindowMeans windows = window_means(window_grid({1, 0, 0, 3, 3}, {1, 2, 3,     //
-                                                                         4, kNan, 6,  //
-                                                                         7, 8, 9}),
+  const WindowMeans windows = window_means(grid_with({1, 0, 0, 3, 3}, {1, 2, 3,     //
+                                                                       4, kNan, 6,  //
+                                                                       7, 8, 9}),
                                            Footprint::square(1));
   EXPECT_EQ(windows.count.at({1, 1}), 8);
   EXPECT_EQ(windows.mean.at({1, 1}), 5);
@@ -122,7 +116,7 @@ TEST(WindowMeans, ByHandWithClippingAndNan) {
 
 TEST(WindowMeans, NoValidBinIsNan) {
   const WindowMeans windows =
-      window_means(window_grid({1, 0, 0, 1, 4}, {kNan, kNan, kNan, 2}), Footprint::square(1));
+      window_means(grid_with({1, 0, 0, 1, 4}, {kNan, kNan, kNan, 2}), Footprint::square(1));
   EXPECT_EQ(windows.count.at({0, 0}), 0);
   EXPECT_TRUE(std::isnan(windows.mean.at({0, 0})));
   EXPECT_EQ(windows.mean.at({0, 2}), 2);
@@ -130,19 +124,17 @@ TEST(WindowMeans, NoValidBinIsNan) {
 
 // 2^53 + 1 rounds to 2^53: left to right the ones are lost, right to left they would make 2.
 TEST(WindowMeans, SumsLeftToRightThenUpwards) {
-  const WindowMeans row = window_means(window_grid({1, 0, 0, 1, 3}, {0x1p53, 1, 1}), Footprint::square(1));
+  const WindowMeans row = window_means(grid_with({1, 0, 0, 1, 3}, {0x1p53, 1, 1}), Footprint::square(1));
   EXPECT_EQ(row.mean.at({0, 1}), 0x1p53 / 3);
-  const WindowMeans column = window_means(window_grid({1, 0, 0, 3, 1}, {0x1p53, 1, 1}), Footprint::square(1));
+  const WindowMeans column = window_means(grid_with({1, 0, 0, 3, 1}, {0x1p53, 1, 1}), Footprint::square(1));
   EXPECT_EQ(column.mean.at({1, 0}), 0x1p53 / 3);
   // The row of ones is summed first.
-  const WindowMeans both =
-      window_means(window_grid({1, 0, 0, 2, 2}, {0x1p53, 0, 1, 1}), Footprint::square(1));
+  const WindowMeans both = window_means(grid_with({1, 0, 0, 2, 2}, {0x1p53, 0, 1, 1}), Footprint::square(1));
   EXPECT_EQ(both.mean.at({0, 0}), (0x1p53 + 2) / 4);
 }
 
 TEST(WindowMeans, WindowLargerThanTheGrid) {
-  const WindowMeans windows =
-      window_means(window_grid({1, 0, 0, 2, 2}, {1, 2, 3, 4}), Footprint::square(100));
+  const WindowMeans windows = window_means(grid_with({1, 0, 0, 2, 2}, {1, 2, 3, 4}), Footprint::square(100));
   for (const double mean : windows.mean.values()) EXPECT_EQ(mean, 2.5);
 }
 
@@ -150,26 +142,22 @@ TEST(Windows, EveryInstructionSetGivesTheSameBits) {
   const Grid<double> error = noisy_grid({1, 0, 0, 90, 153}, 0.1, 5);
   const BinMask everywhere(error.spec(), 1);
   for (const Footprint& footprint : {Footprint::square(6), Footprint::disc(40)}) {
-    hwy::SetSupportedTargetsForTest(0);
     const WindowMeans expected = window_means(error, footprint);
     const WindowQuantileInput input{
         .error = error, .windows = expected, .footprint = footprint, .region = everywhere};
     const Grid<double> expected_quantiles = window_quantile_naive(input);
-    for (std::int64_t rest = hwy::SupportedTargets(); rest != 0; rest &= rest - 1) {
-      const std::int64_t target = rest & -rest;
-      hwy::SetSupportedTargetsForTest(target);
+    on_every_target([&] {
       const WindowMeans found = window_means(error, footprint);
-      EXPECT_TRUE(equal_bits(found.mean, expected.mean)) << hwy::TargetName(target);
+      EXPECT_TRUE(equal_bits(found.mean, expected.mean));
       EXPECT_TRUE(std::ranges::equal(found.count.values(), expected.count.values()));
-      EXPECT_TRUE(equal_bits(window_quantile(input), expected_quantiles)) << hwy::TargetName(target);
-    }
+      EXPECT_TRUE(equal_bits(window_quantile(input), expected_quantiles));
+    });
   }
-  hwy::SetSupportedTargetsForTest(0);
 }
 
 TEST(WindowQuantile, ByHand) {
   // One row of errors 0 0 0 0 10, mean 2: deviations 2 2 2 2 8. Median 2, largest 8, h = 3.8 at 0.95.
-  const Grid<double> error = window_grid({1, 0, 0, 1, 5}, {0, 0, 0, 0, 10});
+  const Grid<double> error = grid_with({1, 0, 0, 1, 5}, {0, 0, 0, 0, 10});
   EXPECT_EQ(quantiles(error, Footprint::square(2), 0.5).at({0, 2}), 2);
   EXPECT_EQ(quantiles(error, Footprint::square(2), 1).at({0, 2}), 8);
   EXPECT_NEAR(quantiles(error, Footprint::square(2), 0.95).at({0, 2}), 2 + 0.8 * 6, 1e-14);
@@ -178,7 +166,7 @@ TEST(WindowQuantile, ByHand) {
 }
 
 TEST(WindowQuantile, NanIsIgnoredAndOneBinHasNoDeviation) {
-  const Grid<double> error = window_grid({1, 0, 0, 1, 4}, {kNan, 3, kNan, kNan});
+  const Grid<double> error = grid_with({1, 0, 0, 1, 4}, {kNan, 3, kNan, kNan});
   const Grid<double> rel = quantiles(error, Footprint::square(1), 0.95);
   EXPECT_EQ(rel.at({0, 0}), 0);
   EXPECT_EQ(rel.at({0, 2}), 0);

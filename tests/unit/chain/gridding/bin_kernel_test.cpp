@@ -2,7 +2,6 @@
 #include "chain/gridding/bin_kernel.h"
 
 #include <gtest/gtest.h>
-#include <hwy/targets.h>
 
 #include <bit>
 #include <cmath>
@@ -14,6 +13,7 @@
 #include "base/core/parallel.h"
 #include "constants.h"
 #include "return_columns.h"
+#include "targets.h"
 
 namespace landfall {
 namespace {
@@ -83,19 +83,6 @@ ReturnColumns points_around(const GridSpec& spec, std::size_t count) {
   return columns;
 }
 
-/// Runs the body with each instruction set that the machine has, the portable one included.
-template <class Body>
-void on_every_target(Body body) {
-  hwy::SetSupportedTargetsForTest(0);
-  for (std::int64_t rest = hwy::SupportedTargets(); rest != 0; rest &= rest - 1) {
-    const std::int64_t target = rest & -rest;
-    hwy::SetSupportedTargetsForTest(target);
-    SCOPED_TRACE(hwy::TargetName(target));
-    body();
-  }
-  hwy::SetSupportedTargetsForTest(0);
-}
-
 void expect_same_bits_as_one_by_one() {
   for (const GridSpec& spec : {GridSpec::centered(1, 0.1), GridSpec{0.3, -5, 4, 9, 17}}) {
     for (const std::size_t count : {0U, 1U, 7U, 8U, 9U, 127U, 128U, 129U, 5000U}) {
@@ -112,17 +99,24 @@ void expect_same_bits_as_one_by_one() {
 
 TEST(BinKernel, SameBitsAsOneByOne) { on_every_target(expect_same_bits_as_one_by_one); }
 
-TEST(BinKernel, AccumulatorHasTheSameBitsWithThreads) {
-  const GridSpec spec = GridSpec::centered(3, 0.1);
-  const ReturnColumns columns = points_around(spec, 150'000);  // several pieces of a partition
-  const Expected expected = one_by_one(columns.view(), spec, BinWeights::bilinear);
-  for (const std::size_t threads : {1U, 2U, 7U}) {
+/// `parts` of `all`, which are added one after another.
+template <class View>
+void expect_same_bits_with_threads(const GridSpec& spec, BinWeights weights, const View& all,
+                                   std::initializer_list<View> parts) {
+  const Expected expected = one_by_one(all, spec, weights);
+  for (const std::size_t threads : {1U, 2U, 3U, 7U}) {
     const ThreadLimit limit(threads);
-    WeightedMeanAccumulator bins(spec);
-    bins.add(columns.view());
+    WeightedMeanAccumulator bins(spec, weights);
+    for (const View& part : parts) bins.add(part);
     expect_same_bits(bins.bins(), expected.bins);
     EXPECT_EQ(static_cast<std::size_t>(bins.outside_count()), expected.outside);
   }
+}
+
+TEST(BinKernel, AccumulatorHasTheSameBitsWithThreads) {
+  const GridSpec spec = GridSpec::centered(3, 0.1);
+  const ReturnColumns columns = points_around(spec, 150'000);  // several pieces of a partition
+  expect_same_bits_with_threads(spec, BinWeights::bilinear, columns.view(), {columns.view()});
 }
 
 // Lines of images of 18 x 18 points, as a scanner makes them: runs long and short, bins seen by several
@@ -136,15 +130,8 @@ TEST(BinKernel, ScansHaveTheSameBitsWithThreads) {
     const double y = 5 - 0.5 * (pulse / 103) + 0.0497 * (i % 324 / 18);
     columns.push_back({x, y, 0.1 * x * y, x + 0.01, y - 0.01, 0.1 * x, 1e-4 * i});
   }
-  const Expected expected = one_by_one(columns.view(), spec, BinWeights::bilinear);
-  for (const std::size_t threads : {1U, 2U, 5U}) {
-    const ThreadLimit limit(threads);
-    WeightedMeanAccumulator bins(spec);
-    bins.add(columns.view().subset(0, 70'001));
-    bins.add(columns.view().subset(70'001, 29'999));
-    expect_same_bits(bins.bins(), expected.bins);
-    EXPECT_EQ(static_cast<std::size_t>(bins.outside_count()), expected.outside);
-  }
+  expect_same_bits_with_threads(spec, BinWeights::bilinear, columns.view(),
+                                {columns.view().subset(0, 70'001), columns.view().subset(70'001, 29'999)});
 }
 
 // A lone return and then a long run in its bin, the rest of its word elsewhere; then words that lack but
@@ -173,14 +160,7 @@ TEST(BinKernel, RunsOfWordsKeepTheirOrder) {
 TEST(BinKernel, ScatteredReturnsHaveTheSameBitsWithThreads) {
   const GridSpec spec = GridSpec::centered(8, 0.1);
   const ReturnColumns columns = points_around(spec, 4000);
-  const Expected expected = one_by_one(columns.view(), spec, BinWeights::equal);
-  for (const std::size_t threads : {1U, 2U, 3U}) {
-    const ThreadLimit limit(threads);
-    WeightedMeanAccumulator bins(spec, BinWeights::equal);
-    bins.add(columns.view());
-    expect_same_bits(bins.bins(), expected.bins);
-    EXPECT_EQ(static_cast<std::size_t>(bins.outside_count()), expected.outside);
-  }
+  expect_same_bits_with_threads(spec, BinWeights::equal, columns.view(), {columns.view()});
 }
 
 // Every bit by the tile of GridSpec::bin_of, several words and the last of them not whole; what lies in no

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <gtest/gtest.h>
-#include <hwy/targets.h>
 
 #include <array>
 #include <bit>
@@ -13,6 +12,7 @@
 #include "chain/ray/packet_walk.h"
 #include "constants.h"
 #include "scenes.h"
+#include "targets.h"
 
 namespace landfall {
 namespace {
@@ -56,13 +56,9 @@ class PacketWalk : public SceneTest {
   /// Fails unless each instruction set answers as PyramidTraversal and decides at least `share` of the rays.
   void expect_descents_answers(const std::vector<Ray>& rays, double share) const {
     const Heightfield field(*terrain_);
-    hwy::SetSupportedTargetsForTest(0);
-    for (std::int64_t rest = hwy::SupportedTargets(); rest != 0; rest &= rest - 1) {
-      const std::int64_t target = rest & -rest;
-      hwy::SetSupportedTargetsForTest(target);
-      SCOPED_TRACE(hwy::TargetName(target));
+    on_every_target([&] {
       EXPECT_GE(static_cast<double>(decided(field, rays)), share * static_cast<double>(rays.size()));
-    }
+    });
   }
 };
 

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <gtest/gtest.h>
-#include <hwy/targets.h>
 
 #include <cmath>
 #include <numbers>
@@ -13,6 +12,7 @@
 #include "chain/lidar/receiver/echo_timing.h"
 #include "chain/lidar/receiver/link_budget.h"
 #include "chain/lidar/receiver/range_timer.h"
+#include "targets.h"
 
 namespace landfall {
 namespace {
@@ -247,11 +247,7 @@ TEST(EchoTiming, NeitherTheNeighboursNorTheInstructionSetMatter) {
     const EchoTiming timing{point, kPulseSigma_m, 30, 0.5};
     const std::vector<Echo> expected = timed(pixels, timing);
     for (std::size_t i = 0; i < pixels.size(); ++i) EXPECT_EQ(timed(pixels[i], timing), expected[i]);
-    for (const std::int64_t target : hwy::SupportedAndGeneratedTargets()) {
-      hwy::SetSupportedTargetsForTest(target);
-      EXPECT_EQ(timed(pixels, timing), expected) << hwy::TargetName(target);
-    }
-    hwy::SetSupportedTargetsForTest(0);
+    on_every_target([&] { EXPECT_EQ(timed(pixels, timing), expected); });
   }
 }
 
