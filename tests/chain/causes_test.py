@@ -221,16 +221,6 @@ class CausesTest(ToolTest):
             self.assertEqual((found["cause"]["name"], found["missing"]), ("unclear", ["--scan"]))
             self.assertTrue(all(rule["value"] is None for rule in found["cause"]["rules"]))
 
-    def test_a_position_error_and_the_end_of_a_scan(self):
-        case = Case("tuned", "misalignment", 0)
-        del case.scan["pointing_error"]
-        case.scan["navigation_error"] = {"position_m": [1.5, -0.5, 0.1]}
-        self.assertEqual(explained(case)["cause"]["name"], "position error")
-        case = Case("tuned", "noise", 0)
-        case.lines(20, 20, half_width_m=0.6)
-        case.scan["noise"] = {"range_sigma_m": 0.001}
-        self.assertEqual(explained(case)["cause"]["name"], "beyond the scan")
-
     def test_the_numbers_are_those_of_the_files(self):
         with tempfile.TemporaryDirectory() as folder:
             case = Case("tuned", "noise", 0)
