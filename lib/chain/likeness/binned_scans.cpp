@@ -70,17 +70,33 @@ struct BinDifference {
   double d = 0;
 };
 
-std::vector<BinDifference> differences(const std::vector<Gradient>& gradients, const ReturnSums& sums) {
+/// d in the bins of side 0 that the mean positions of side 1, moved back by `shift`, lie in.
+std::vector<BinDifference> differences(const BinnedScans& scans, const std::vector<Gradient>& gradients,
+                                       const ReturnSums& sums, const Horizontal& shift) {
   std::vector<BinDifference> result;
   for (std::size_t i = 0; i < gradients.size(); ++i) {
-    const ReturnSum& a = sums[0][i];
     const ReturnSum& b = sums[1][i];
-    if (a.count == 0 || b.count == 0 || std::isnan(gradients[i].x)) continue;
-    result.push_back({i, b.z / b.count - a.z / a.count - gradients[i].x * (b.x / b.count - a.x / a.count) -
-                             gradients[i].y * (b.y / b.count - a.y / a.count)});
+    if (b.count == 0) continue;
+    const double x = b.x / b.count - shift.x, y = b.y / b.count - shift.y;
+    const auto bin = shift == Horizontal{} ? std::optional(i) : scans.number_at(x, y);
+    if (!bin || sums[0][*bin].count == 0 || std::isnan(gradients[*bin].x)) continue;
+    const ReturnSum& a = sums[0][*bin];
+    result.push_back({*bin, b.z / b.count - a.z / a.count - gradients[*bin].x * (x - a.x / a.count) -
+                                gradients[*bin].y * (y - a.y / a.count)});
   }
   return result;
 }
+
+struct MedianAndNmad {
+  double median = 0, nmad = 0;
+  explicit MedianAndNmad(const std::vector<BinDifference>& differences) {
+    std::vector<double> values;
+    for (const BinDifference& each : differences) values.push_back(each.d);
+    median = quantile_in_place(values, 0.5);
+    for (double& value : values) value = std::abs(value - median);
+    nmad = kNmad * quantile_in_place(values, 0.5);
+  }
+};
 
 /// Least squares by normal equations of the columns 1, x, y, -g_x, -g_y, each scaled to one length.
 class ShiftAndTilt {
@@ -90,7 +106,11 @@ class ShiftAndTilt {
     normal_ += row * row.transpose();
     right_ += d * row;
   }
-  void damp_shift(double weight) { normal_.diagonal().tail<2>().array() += weight; }
+  /// As if `shift`, to which the solution's is added, were known to be 0.
+  void damp_shift(double weight, const Horizontal& shift) {
+    normal_.diagonal().tail<2>().array() += weight;
+    right_.tail<2>() -= weight * Eigen::Vector2d(shift.x, shift.y);
+  }
   [[nodiscard]] Row solution() const {
     const Row scale = normal_.diagonal().unaryExpr([](double v) { return v > 0 ? 1 / std::sqrt(v) : 1.0; });
     const Eigen::Matrix<double, 5, 5> scaled = scale.asDiagonal() * normal_ * scale.asDiagonal();
@@ -119,6 +139,11 @@ BinnedScans::BinnedScans(const ComparedScan& a, const ComparedScan& b, double po
     : lattice_{.resolution_m = posting_m} {
   add(a, 0);
   add(b, 1);
+}
+
+std::optional<std::size_t> BinnedScans::number_at(double x, double y) const {
+  const std::uint32_t* const found = find(lattice_.bin_of(x, y));
+  return found == nullptr ? std::nullopt : std::optional<std::size_t>(*found);
 }
 
 const std::uint32_t* BinnedScans::find(const BinIndex& bin) const {
@@ -226,36 +251,53 @@ CoverageDifference coverage_difference(const ReturnSums& sums) {
   return result;
 }
 
-SurfaceDifference surface_difference(const BinnedScans& scans, const std::vector<Gradient>& gradients,
-                                     const ReturnSums& sums) {
-  constexpr std::size_t kMinBins = 10;
-  const std::vector<BinDifference> found = differences(gradients, sums);
-  SurfaceDifference result{.bins = found.size()};
-  if (found.size() < kMinBins) return result;
-  const auto quantile = [&](double q, const auto& value) {
-    std::vector<double> values;
-    for (const BinDifference& each : found) values.push_back(value(each.d));
-    return quantile_in_place(values, q);
-  };
-  result.median_m = quantile(0.5, [](double d) { return d; });
-  result.nmad_m = kNmad * quantile(0.5, [&](double d) { return std::abs(d - result.median_m); });
-  result.p95_m = quantile(0.95, [](double d) { return std::abs(d); });
+namespace {
+
+/// A step of Gauss and Newton from `shift`: the solution of least squares, whose shift is the change of it.
+ShiftAndTilt::Row step_from(const BinnedScans& scans, const std::vector<Gradient>& gradients,
+                            const std::vector<BinDifference>& differences, const Horizontal& shift) {
+  const MedianAndNmad level(differences);
   ShiftAndTilt fit;
-  for (const auto& [bin, d] : found) {
-    if (std::abs(d - result.median_m) > 3 * result.nmad_m) continue;
+  for (const auto& [bin, d] : differences) {
+    if (std::abs(d - level.median) > 3 * level.nmad) continue;
     const BinIndex place = scans.bins()[bin];
     fit.add((ShiftAndTilt::Row() << 1, static_cast<double>(place.col - scans.bins()[0].col),
              static_cast<double>(place.row - scans.bins()[0].row), -gradients[bin].x, -gradients[bin].y)
                 .finished(),
             d);
   }
-  const double relative_noise = result.nmad_m / scans.posting_m();
-  fit.damp_shift(relative_noise * relative_noise);
-  const ShiftAndTilt::Row solved = fit.solution();
-  result.tilt_x_rad = solved[1] / scans.posting_m();
-  result.tilt_y_rad = solved[2] / scans.posting_m();
-  result.shift_x_m = solved[3];
-  result.shift_y_m = solved[4];
+  const double relative_noise = level.nmad / scans.posting_m();
+  fit.damp_shift(relative_noise * relative_noise, shift);
+  return fit.solution();
+}
+
+}  // namespace
+
+SurfaceDifference surface_difference(const BinnedScans& scans, const std::vector<Gradient>& gradients,
+                                     const ReturnSums& sums, int max_steps) {
+  constexpr std::size_t kMinBins = 10;
+  constexpr double kLastStep = 0.01;  // bins
+  Horizontal shift;
+  std::vector<BinDifference> found = differences(scans, gradients, sums, shift);
+  SurfaceDifference result{.bins = found.size()};
+  if (found.size() < kMinBins) return result;
+  const MedianAndNmad level(found);
+  result.median_m = level.median;
+  result.nmad_m = level.nmad;
+  std::vector<double> sizes;
+  for (const BinDifference& each : found) sizes.push_back(std::abs(each.d));
+  result.p95_m = quantile_in_place(sizes, 0.95);
+  for (int step = 0; step < max_steps; ++step) {
+    if (step > 0) found = differences(scans, gradients, sums, shift);
+    if (found.size() < kMinBins) break;
+    const ShiftAndTilt::Row solved = step_from(scans, gradients, found, shift);
+    shift = {shift.x + solved[3], shift.y + solved[4]};
+    result.tilt_x_rad = solved[1] / scans.posting_m();
+    result.tilt_y_rad = solved[2] / scans.posting_m();
+    if (solved.tail<2>().norm() < kLastStep * scans.posting_m()) break;
+  }
+  result.shift_x_m = shift.x;
+  result.shift_y_m = shift.y;
   return result;
 }
 

@@ -4,6 +4,7 @@
 #include <array>
 #include <cstdint>
 #include <limits>
+#include <optional>
 #include <string>
 #include <unordered_map>
 #include <vector>
@@ -56,6 +57,8 @@ class BinnedScans {
   /// Bins that a return of either scan lies in, in the order of all bins below.
   [[nodiscard]] const std::vector<BinIndex>& bins() const { return bins_; }
   [[nodiscard]] double posting_m() const { return lattice_.resolution_m; }
+  /// The number of the bin at a place; none if no return lies in it.
+  [[nodiscard]] std::optional<std::size_t> number_at(double x, double y) const;
   [[nodiscard]] ReturnSums sums(const Sides& sides) const;
   /// The bin of each return of scan 0 or 1.
   [[nodiscard]] const std::vector<std::uint32_t>& bin_of_return(std::size_t scan) const {
@@ -111,9 +114,11 @@ struct SurfaceDifference {
 /// Median, NMAD and 0.95 quantile of |d|; shift and tilt by least squares of d = z + tilt . p - g . shift
 /// (Nuth and Kaab 2011 with a plane), over the bins within 3 NMAD of the median. A shift is damped as if it
 /// were known to be a bin's width or less (1 sigma), so that level or noisy ground gives a small one. At
-/// least 10 bins.
+/// least 10 bins. One step tells whether there is a shift; where gradients turn over it, its length needs
+/// several, each with the positions of side 1 moved back by the shift, until it changes by less than 0.01
+/// bins.
 [[nodiscard]] SurfaceDifference surface_difference(const BinnedScans& scans,
                                                    const std::vector<Gradient>& gradients,
-                                                   const ReturnSums& sums);
+                                                   const ReturnSums& sums, int max_steps = 1);
 
 }  // namespace landfall
