@@ -231,12 +231,11 @@ void add_bounds(const PointColumns& points, std::array<std::array<double, 2>, 3>
 
 /// Which columns an import has, and what its times count.
 ImportedColumns columns_of(const CloudInfo& info, const TimeScale& times) {
-  return {.intensity = info.has(CloudField::intensity),
-          .return_number = info.has(CloudField::return_number),
-          .t = info.has(CloudField::t),
-          .pulse = info.has(CloudField::pulse),
-          .pixel = info.has(CloudField::pixel),
-          .clock = times.clock};
+  ImportedColumns columns{.t = info.has(CloudField::t), .clock = times.clock};
+  for (const CloudField field : {CloudField::intensity, CloudField::return_number, CloudField::pulse,
+                                 CloudField::pixel, CloudField::echo_width})
+    if (info.has(field)) columns.of_points.emplace_back(name_of(field));
+  return columns;
 }
 
 }  // namespace

@@ -53,6 +53,7 @@ std::int64_t SitePoints::convert(CloudBatch& batch, ImportedPoints& points) cons
   require_finite(batch, CloudField::intensity);
   const std::vector<double>& intensity = batch[CloudField::intensity];
   columns.intensity.assign(intensity.begin(), intensity.end());
+  columns.echo_width = batch[CloudField::echo_width];
   require_finite(batch, CloudField::t);
   points.t.clear();
   for (const double t : batch[CloudField::t]) points.t.push_back(times_.seconds(t));

@@ -42,8 +42,15 @@ const std::vector<FieldNames>& field_names() {
       {CloudField::t, "t", {"t", "gpstime", "time", "timestamp"}},
       {CloudField::pulse, "pulse", {"pulse", "fullwaveindex"}},
       {CloudField::pixel, "pixel", {"pixel"}},
-      {CloudField::classification, "classification", {"classification"}}};
+      {CloudField::classification, "classification", {"classification"}},
+      {CloudField::echo_width, "echo_width", {}}};
   return kNames;
+}
+
+std::optional<CloudField> cloud_field(std::string_view name) {
+  for (const FieldNames& field : field_names())
+    if (name == field.name) return field.field;
+  return std::nullopt;
 }
 
 using Readings = std::vector<std::vector<NameReading>>;
@@ -207,12 +214,6 @@ void require_position_fields(CloudField field, const std::string& column) {
 
 const char* name_of(CloudField field) { return field_names()[static_cast<std::size_t>(field)].name; }
 
-std::optional<CloudField> cloud_field(std::string_view name) {
-  for (const FieldNames& field : field_names())
-    if (name == field.name) return field.field;
-  return std::nullopt;
-}
-
 ColumnChoice column_choice(const std::string& text) {
   ColumnChoice choice;
   for (std::size_t begin = 0; begin <= text.size() && !text.empty();) {
@@ -227,7 +228,7 @@ ColumnChoice column_choice(const std::string& text) {
       throw UsageError(
           "--columns: '" + shown_word(part.substr(0, equals)) +
           "' is not one of x, y, z, intensity, return_number, number_of_returns, t, pulse, pixel, "
-          "classification");
+          "classification, echo_width");
     for (const auto& [known, column] : choice)
       if (known == *field) throw UsageError("--columns gives " + std::string(name_of(*field)) + " twice");
     choice.emplace_back(*field, part.substr(equals + 1));

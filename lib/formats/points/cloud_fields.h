@@ -24,14 +24,14 @@ enum class CloudField : std::size_t {
   t,
   pulse,
   pixel,
-  classification
+  classification,
+  echo_width
 };
-inline constexpr std::size_t kCloudFieldCount = 10;
+inline constexpr std::size_t kCloudFieldCount = 11;
 inline constexpr auto kTimeField = static_cast<std::size_t>(CloudField::t);
 
 /// The name of a field, as --columns and /points have it.
 [[nodiscard]] const char* name_of(CloudField field);
-[[nodiscard]] std::optional<CloudField> cloud_field(std::string_view name);
 
 /// The position of each field among the columns of a file; nothing where the file has none.
 using CloudColumns = std::array<std::optional<std::size_t>, kCloudFieldCount>;

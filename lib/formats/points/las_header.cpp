@@ -5,6 +5,9 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numbers>
+
+#include "base/numerics/light.h"
 
 namespace landfall {
 namespace {
@@ -16,23 +19,11 @@ constexpr std::size_t kRecordHead = 54;
 constexpr std::size_t kLongRecordHead = 60;
 constexpr std::size_t kMaxRecordBytes = 1U << 20U;  // of records that describe the CRS or extra bytes
 constexpr std::size_t kExtraBytes = 192;            // of the description of one extra field
+constexpr const char* kWidthWords = "Full width at half maximum [ns]";
 
-/// Bytes of a point and offset of its GPS time (0: none), by point format.
-struct PointFormat {
-  std::size_t bytes;
-  std::size_t time;
-};
-constexpr std::array<PointFormat, 11> kPointFormats = {{{20, 0},
-                                                        {28, 20},
-                                                        {26, 0},
-                                                        {34, 20},
-                                                        {57, 20},
-                                                        {63, 20},
-                                                        {30, 22},
-                                                        {36, 22},
-                                                        {38, 22},
-                                                        {59, 22},
-                                                        {67, 22}}};
+// By point format: bytes of a point, and offset of its GPS time (0: none).
+constexpr std::array<std::size_t, 11> kPointBytes = {20, 28, 26, 34, 57, 63, 30, 36, 38, 59, 67};
+constexpr std::array<std::size_t, 11> kTimeOffsets = {0, 20, 0, 20, 20, 20, 22, 22, 22, 22, 22};
 
 /// The places of a header's records.
 struct LasRecords {
@@ -76,12 +67,12 @@ void read_point_layout(const CloudBytes& file, const std::vector<std::byte>& hea
                        LasHeader& las) {
   las.format = number_at<std::uint8_t>(head, 104);
   if ((las.format & 0xc0U) != 0) refuse_laz(file);
-  if (las.format >= kPointFormats.size())
+  if (las.format >= kPointBytes.size())
     file.fail("has point format " + std::to_string(las.format) + "; LAS has 0 to 10");
-  las.time_offset = kPointFormats[las.format].time;
+  las.time_offset = kTimeOffsets[las.format];
   las.rows.begin = number_at<std::uint32_t>(head, 96);
   las.rows.row_size = number_at<std::uint16_t>(head, 105);
-  const std::size_t minimum = kPointFormats[las.format].bytes;
+  const std::size_t minimum = kPointBytes[las.format];
   if (las.rows.row_size < minimum)
     file.fail("declares points of " + std::to_string(las.rows.row_size) + " bytes; those of format " +
               std::to_string(las.format) + " have " + std::to_string(minimum));
@@ -186,22 +177,10 @@ class RecordReader {
   }
 
   void take_crs(std::uint16_t number, const std::vector<std::byte>& bytes) {
-    switch (number) {
-      case 2112:
-        wkt_ = text_at(bytes, 0, bytes.size());
-        break;
-      case 34735:
-        keys_.directory = numbers<std::uint16_t>(bytes);
-        break;
-      case 34736:
-        keys_.numbers = numbers<double>(bytes);
-        break;
-      case 34737:
-        keys_.texts = text_at(bytes, 0, bytes.size());
-        break;
-      default:
-        break;
-    }
+    if (number == 2112) wkt_ = text_at(bytes, 0, bytes.size());
+    if (number == 34735) keys_.directory = numbers<std::uint16_t>(bytes);
+    if (number == 34736) keys_.numbers = numbers<double>(bytes);
+    if (number == 34737) keys_.texts = text_at(bytes, 0, bytes.size());
   }
 
   /// A WKT of blanks is none: some programs write the record without a CRS.
@@ -218,6 +197,7 @@ class RecordReader {
     constexpr std::array<std::size_t, 10> kSizes = {1, 1, 2, 2, 4, 4, 8, 8, 4, 8};
     for (std::size_t at = 0; at + kExtraBytes <= bytes.size(); at += kExtraBytes) {
       const std::size_t type = number_at<std::uint8_t>(bytes, at + 2);
+      if (type == 3 && text_at(bytes, at + 160, 32) == kWidthWords) take_width(bytes, at);
       if (type == 0)
         extra_bytes_ += number_at<std::uint8_t>(bytes, at + 3);
       else if (type <= 30)  // 11 to 20 are pairs, 21 to 30 triples
@@ -225,8 +205,17 @@ class RecordReader {
     }
   }
 
+  /// The width of echoes as RIEGL's programs write it: a number without offset, times a scale.
+  void take_width(const std::vector<std::byte>& bytes, std::size_t at) {
+    const unsigned options = number_at<std::uint8_t>(bytes, at + 3);
+    const double scale = (options & 8U) != 0 ? number_at<double>(bytes, at + 112) : 1;
+    if ((options & 16U) != 0 || !(scale > 0) || !std::isfinite(scale)) return;
+    las_.width_offset = kPointBytes[las_.format] + extra_bytes_;
+    las_.width_m = scale * range_of_time_m(1e-9) / std::sqrt(8 * std::numbers::ln2);
+  }
+
   void require_extra_bytes() const {
-    const std::size_t room = las_.rows.row_size - kPointFormats[las_.format].bytes;
+    const std::size_t room = las_.rows.row_size - kPointBytes[las_.format];
     if (extra_bytes_ > room)
       file_.fail("declares points of " + std::to_string(las_.rows.row_size) + " bytes with " +
                  std::to_string(extra_bytes_) + " extra ones; those of format " +

@@ -16,6 +16,8 @@ struct LasHeader {
   std::uint8_t format = 0;
   bool has_gps_time_of_1980 = false;  ///< adjusted standard GPS time, not seconds of the week
   std::size_t time_offset = 0;        ///< of the GPS time within a point; 0: none
+  std::size_t width_offset = 0;       ///< of an uint16, the full width at half maximum of its echo; 0: none
+  double width_m = 0;                 ///< standard deviation of the echo per unit of that
   RowLayout rows;
   CloudSteps steps{};
   CloudBox box{};

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The points of LAS 1.0 to 1.4 (ASPRS). Colours, waveform packets and extra bytes of a point are skipped.
+// The points of LAS 1.0 to 1.4 (ASPRS). Colours, waveform packets and most extra bytes are skipped.
+#include <limits>
 #include <utility>
 
 #include "formats/points/cloud_formats.h"
@@ -23,6 +24,7 @@ class LasReader final : public RowReader {
       info_.clock = las.has_gps_time_of_1980 ? "adjusted standard GPS time: GPS seconds - 1e9"
                                              : "GPS seconds of the week, or since the first pulse";
     }
+    if (las.width_offset > 0) info_.columns[static_cast<std::size_t>(CloudField::echo_width)] = 0;
     info_.point_count = static_cast<std::int64_t>(las.rows.count);
     info_.steps = las.steps;
     info_.box = las.box;
@@ -46,6 +48,7 @@ class LasReader final : public RowReader {
       batch[CloudField::return_number][i] = returns & mask;
       batch[CloudField::number_of_returns][i] = (returns >> bits) & mask;
       batch[CloudField::classification][i] = classification(point);
+      if (las_.width_offset > 0) batch[CloudField::echo_width][i] = echo_width(point);
       if (las_.time_offset > 0) batch[CloudField::t][i] = number_at<double>(point, las_.time_offset);
     }
   }
@@ -58,6 +61,12 @@ class LasReader final : public RowReader {
     if (las_.is_extended()) return (number_at<std::uint8_t>(point, 15) & 4U) != 0 ? kWithheld : value;
     if (las_.minor == 0) return value;
     return (value & 0x80U) != 0 ? kWithheld : value & 31U;
+  }
+
+  /// NaN for a width of 0: it was not measured.
+  [[nodiscard]] double echo_width(std::span<const std::byte> point) const {
+    const double width = number_at<std::uint16_t>(point, las_.width_offset);
+    return width > 0 ? width * las_.width_m : std::numeric_limits<double>::quiet_NaN();
   }
 
   LasHeader las_;

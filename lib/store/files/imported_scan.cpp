@@ -21,9 +21,7 @@ void for_each_imported(const ImportedColumns& wanted, const Use& use) {
   for_each_column(kPointColumns, [&](const auto& column) {
     const std::string name = column.name;
     const bool is_written = name == "x_est" || name == "y_est" || name == "z_est" || name == "status" ||
-                            (name == "pulse" && wanted.pulse) || (name == "pixel" && wanted.pixel) ||
-                            (name == "intensity" && wanted.intensity) ||
-                            (name == "return_number" && wanted.return_number);
+                            std::ranges::count(wanted.of_points, name) > 0;
     if (is_written) use(column);
   });
 }

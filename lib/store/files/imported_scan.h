@@ -14,7 +14,8 @@ namespace landfall {
 
 /// The columns of imported points, besides x_est, y_est, z_est and status.
 struct ImportedColumns {
-  bool intensity = false, return_number = false, t = false, pulse = false, pixel = false;
+  std::vector<std::string> of_points{};  ///< by their names in /points
+  bool t = false;
   std::string clock{};  ///< what t counts; empty: not known
 };
 

@@ -206,7 +206,7 @@ UnitConversion conversion_of(const std::string& header, bool has_crs,
 
 TEST(CloudUnits, EachColumnIsConvertedByItsOwnUnit) {
   const UnitConversion conversion = conversion_of("x [km],y [mm],z [ft],t [ms]", false);
-  EXPECT_THAT(conversion.factors, ElementsAre(1000, 0.001, 0.3048, 1, 1, 1, 0.001, 1, 1, 1));
+  EXPECT_THAT(conversion.factors, ElementsAre(1000, 0.001, 0.3048, 1, 1, 1, 0.001, 1, 1, 1, 1));
   EXPECT_THAT(conversion.notes,
               ElementsAre(HasSubstr("x in km, y in mm, z in ft: converted to metres"), HasSubstr("t in ms")));
   EXPECT_THAT(conversion_of("x [m],y [m],z [m],t [s]", false).notes, IsEmpty());
@@ -214,7 +214,7 @@ TEST(CloudUnits, EachColumnIsConvertedByItsOwnUnit) {
 
 TEST(CloudUnits, WithACrsTheMapKeepsItsUnit) {
   const UnitConversion conversion = conversion_of("x [km],y [km],z [ft],t", true);
-  EXPECT_THAT(conversion.factors, ElementsAre(1, 1, 0.3048, 1, 1, 1, 1, 1, 1, 1));
+  EXPECT_THAT(conversion.factors, ElementsAre(1, 1, 0.3048, 1, 1, 1, 1, 1, 1, 1, 1));
 }
 
 TEST(CloudUnits, TheVerticalScaleOfTheUserWins) {

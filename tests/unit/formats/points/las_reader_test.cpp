@@ -12,8 +12,10 @@
 namespace landfall {
 namespace {
 
+using testing::DoubleNear;
 using testing::ElementsAre;
 using testing::HasSubstr;
+using testing::IsNan;
 
 constexpr std::array<std::size_t, 11> kBytes = {20, 28, 26, 34, 57, 63, 30, 36, 38, 59, 67};
 
@@ -200,6 +202,24 @@ TEST(LasReader, RefusesExtraBytesThatDoNotFit) {
   EXPECT_EQ(refusal({10}, 20), "accepted");
   EXPECT_THAT(refusal({1, 9, 23}, 10),
               HasSubstr("declares points of 40 bytes with 11 extra ones; those of format 6 leave 10"));
+}
+
+// As RIEGL's programs describe it: the second of two numbers of 16 bits, in tenths of a nanosecond.
+TEST(LasReader, TakesTheWidthOfEchoes) {
+  const auto widths = [](unsigned options, const std::string& words) {
+    const std::string number = patched(std::string(192, '\0'), 2, std::uint8_t{3});
+    std::string width = patched(number, 3, static_cast<std::uint8_t>(options));
+    width.replace(160, words.size(), words);
+    const std::string described = record("LASF_Spec", 4, number + patched(width, 112, 0.1));
+    std::string bytes = LasFile{.extra = 4, .records = {described}}.bytes();
+    return read_cloud("a.las", patched(bytes, bytes.size() - 2, std::uint16_t{0}))[CloudField::echo_width];
+  };
+  const std::string words = "Full width at half maximum [ns]";
+  const double nanosecond = 0.149896229 / 2.35482004503;
+  EXPECT_THAT(widths(8, words), ElementsAre(DoubleNear(3263.9 * nanosecond, 1e-6), IsNan()));
+  EXPECT_THAT(widths(0, words), ElementsAre(DoubleNear(32639 * nanosecond, 1e-5), IsNan()));
+  EXPECT_THAT(widths(24, words), ElementsAre()) << "with an offset";
+  EXPECT_THAT(widths(8, "Full width [m]"), ElementsAre());
 }
 
 TEST(LasReader, TellsTheExtentOfItsHeader) {
