@@ -6,7 +6,8 @@
 
 QFIT: the pulses of revolutions 1, 3, 5 ... that validate_atm.py predicts, at the measured heights. RIEGL: the first returns of a full-waveform scan, FOLDER/
 riegl_fwf_2535pt_UTM.las and .pls, and its pulses, from their recorded origins and directions, onto a raster of its last returns. Each simulation is
-made also with 2 mrad of mount error about an axis across the beam, which the estimates do not know.
+made also with 2 mrad of mount error about an axis across the beam, which the estimates do not know. RIEGL's echoes have widths, which a receiver that sees
+pulses of 4.51 ns (docs/quality/real-scan.md) simulates.
 """
 import argparse
 import json
@@ -23,18 +24,23 @@ from scipy.spatial.transform import Rotation
 
 import landfall
 import validate_atm
-from oracle.riegl import Pulses, Returns
+from oracle.flight import angles_of
+from oracle.riegl import NAME, Pulses, Returns
 
 MOUNT_ERROR_RAD = 0.002
+PULSE_FWHM_S, DIVERGENCE_RAD = 4.51e-9, 0.0005
 RASTER_M = 0.25
 
 
 def statistics(folder, time, clouds):
-    """{name of a simulation: statistics of it and the real scan} of {name: points (n, 3)}, of which "real" is the scan."""
+    """{name of a simulation: statistics of it and the real scan} of {name: points (n, 3), and the widths of echoes where known}, of which "real" is the
+    scan."""
     for name, points in clouds.items():
         path = os.path.join(folder, name.replace(" ", "_"))
-        np.savetxt(path + ".csv", np.column_stack([time, points]), delimiter=",", header="t,x,y,z", comments="", fmt="%.9f")
-        landfall.run("landfall-import", None, path + ".csv", output=path + ".h5", overwrite=True, quiet=True, center=[0, 0, 0])
+        columns = ["t", "x", "y", "z", "echo_width"][:1 + points.shape[1]]
+        np.savetxt(path + ".csv", np.column_stack([time, points]), delimiter=",", header=",".join(columns), comments="", fmt="%.9f")
+        landfall.run("landfall-import", None, path + ".csv", output=path + ".h5", overwrite=True, quiet=True, center=[0, 0, 0],
+                     **({"columns": "echo_width=echo_width"} if points.shape[1] > 3 else {}))
     real = os.path.join(folder, "real.h5")
     compare = lambda name: json.loads(landfall.run("landfall-info", None, real, os.path.join(folder, name.replace(" ", "_") + ".h5"), compare=True, json=True))
     return {name: compare(name)["likeness"] for name in clouds if name != "real"}
@@ -71,15 +77,28 @@ def waveforms(data, folder):
     side /= np.linalg.norm(side, axis=1)[:, None]
 
     def simulated(error):
-        """Places of the hits as the recorded beams say, of beams that are turned about the second axis."""
+        """Places of the hits as the recorded beams say, of beams that are turned about the second axis, and the widths of their echoes."""
         axes = np.stack([side, np.cross(beams, side), beams], -1)
-        attitude = np.roll((Rotation.from_matrix(axes) * Rotation.from_rotvec([0, error, 0])).as_quat(), 1, axis=1)
-        ranges = lidar.pulses(np.arange(len(beams)), origins, attitude)["range_true_m"][:, 0]
-        return origins + beams * ranges[:, None]
+        attitude = Rotation.from_matrix(axes) * Rotation.from_rotvec([0, error, 0])
+        ranges = lidar.pulses(np.arange(len(beams)), origins, np.roll(attitude.as_quat(), 1, axis=1))["range_true_m"][:, 0]
+        return np.column_stack([origins + beams * ranges[:, None], echo_widths(attitude.as_matrix())])
+
+    def echo_widths(attitudes):
+        """Those of a scan along the recorded pulses, one after another; NaN without an echo."""
+        flight = os.path.join(folder, "pulses.csv")
+        np.savetxt(flight, np.column_stack([np.arange(len(beams)) / 1e5, origins, angles_of(attitudes)]), delimiter=",", comments="", fmt="%.12g",
+                   header="t_s,x_m,y_m,z_m,roll_deg,pitch_deg,yaw_deg")
+        config = {"detector": {"rows": 1, "columns": 1, "subpixels": 9, "ifov_rad": 2 * DIVERGENCE_RAD}, "scanner": {"type": "flash"},
+                  "laser": {"pulse_rate_hz": 1e5, "scan_time_s": len(beams) / 1e5}, "mount": {"position_m": [0, 0, 0], "rpy_deg": [0, 0, 0]},
+                  "beam": {"profile": "gaussian", "divergence_rad": DIVERGENCE_RAD}, "link": {"reference_pe": 1000, "reference_range_m": 500},
+                  "receiver": {"type": "peak", "pulse_fwhm_s": PULSE_FWHM_S}, "trajectory": {"type": "table", "path": flight}}
+        return landfall.scan(config, terrain, keep_misses=True, keep_echoes=True)["echo_width"]
 
     near = np.abs(returns.places[first, 2] - origin[2] - np.median(ground[:, 2])) < 50
-    clouds = {"real": returns.places[first] - origin, "simulated": simulated(0), "2 mrad": simulated(MOUNT_ERROR_RAD)}
-    near &= np.all([np.isfinite(points).all(1) for points in clouds.values()], 0)
+    real = landfall.run("landfall-import", None, os.path.join(data, NAME + ".las"), output=os.path.join(folder, "las.h5"), overwrite=True, quiet=True)
+    clouds = {"real": np.column_stack([returns.places[first] - origin, real["echo_width"][first]]), "simulated": simulated(0),
+              "2 mrad": simulated(MOUNT_ERROR_RAD)}
+    near &= np.all([np.isfinite(points[:, :3]).all(1) for points in clouds.values()], 0)
     return statistics(folder, returns.table["t"][first][near] - returns.table["t"].min(), {name: points[near] for name, points in clouds.items()})
 
 
@@ -91,6 +110,7 @@ def show(title, found):
         values = [one["statistics"][n] for one in found.values()]
         print(f"  {row['name']:18}" + "".join(f"{'-' if v['distance'] is None else format(v['distance'], '.3g'):>11}{'*' if v['differs'] else ' '}"
                                               for v in values))
+    print(f"  {'surface.shift_m':18}" + "".join(f"{np.hypot(*one['surface']['shift_m']):>11.3g} " for one in found.values()))
 
 
 def main():

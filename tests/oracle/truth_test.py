@@ -14,9 +14,10 @@ sys.path[:0] = [os.path.join(ROOT, "python"), os.path.join(ROOT, "bench")]
 import landfall
 import validate_atm
 import validate_isprs
+import validate_likeness
 
-DATA = os.path.join(os.environ.get("LANDFALL_DATA", os.path.join(ROOT, "..", "shared", "data")), "truth")
-SHOTS, SAMPLE = (os.path.join(DATA, name) for name in ("atm_14-word.qi", "isprs_samp31.pcd"))
+DATA = os.environ.get("LANDFALL_DATA", os.path.join(ROOT, "..", "shared", "data"))
+SHOTS, SAMPLE, OUTSIDE = (os.path.join(DATA, name) for name in ("truth/atm_14-word.qi", "truth/isprs_samp31.pcd", "outside"))
 
 
 class Conical(unittest.TestCase):
@@ -68,6 +69,18 @@ class Hazards(unittest.TestCase):
             self.assertEqual(counts["missed hazard"] + counts["false alarm"], 0)
             self.assertEqual(result["safe_on_objects"] > 0.9 * result["judged_safe"], on_objects)
             self.assertEqual(result["safe_on_objects"] == 0, not on_objects)
+
+
+@unittest.skipUnless(os.path.exists(OUTSIDE), f"no real waveforms: {OUTSIDE} (LANDFALL_DATA)")
+class Likeness(unittest.TestCase):
+    def test_widths_of_echoes_are_compared_and_a_mount_error_is_seen(self):
+        with tempfile.TemporaryDirectory() as folder:
+            near, far = ({row["name"]: row for row in one["statistics"]} for one in validate_likeness.waveforms(OUTSIDE, folder).values())
+        for name in ("position", "elevation", "elevation_spread", "shift", "tilt", "density_map", "coverage"):
+            self.assertGreater(far[name]["distance"], near[name]["distance"], name)
+        width = near["echo_width"]
+        self.assertAlmostEqual(width["a"], 0.149896229 * 4.4 / 2.354820045, delta=1e-6)  # RIEGL's median
+        self.assertAlmostEqual(width["b"] / width["a"], 1, delta=0.05)
 
 
 if __name__ == "__main__":
