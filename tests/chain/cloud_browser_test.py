@@ -1,6 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The page of a scan's points in a browser: points drawn, click, box, colours, schemes, and that it requests no other file."""
-import shutil
 import unittest
 
 import h5py
@@ -60,13 +59,6 @@ class CloudTest(PageTest):
         value, *unit = text.split()
         return float(value.replace("\u2212", "-")) * {"cm": 0.01, "mm": 0.001}.get("".join(unit), 1)
 
-    def changed(self, path, change):
-        """A copy of the scan that `change(file)` has changed."""
-        copy = shutil.copy(self.chain.scan, self.path(path))
-        with h5py.File(copy, "r+") as file:
-            change(file)
-        return copy
-
     def test_points_are_drawn_in_the_colours_of_every_column(self):
         self.cloud()
         self.assertGreater(self.drawn(), 0.1)
@@ -122,7 +114,7 @@ class CloudTest(PageTest):
         def noise(file):
             points, count = file["points"], len(file["points/z_est"])
             points["z_est"][...] = points["z_true"][()] + change(np.random.default_rng(1), count)
-        self.cloud(self.changed("noisy.h5", noise))
+        self.cloud(self.changed(self.chain.scan, noise))
         self.window.run("const field = document.getElementById('dots'); field.value = '0.5'; field.dispatchEvent(new Event('input'));")
         self.window.run(POINTER, [0.5, 0.5], [0.5, 0.35], False)
 
@@ -216,7 +208,7 @@ class CloudTest(PageTest):
                 if name not in ("x_est", "y_est", "z_est"):
                     del file["points"][name]
             del file["pulses"]
-        self.cloud(self.changed("imported.h5", change))
+        self.cloud(self.changed(self.chain.scan, change))
         self.assertEqual(self.window.run(COLORS), ["z_est"])
         self.assertGreater(self.drawn(), 0.1)
         self.click()
@@ -233,12 +225,12 @@ class CloudTest(PageTest):
             for name, values in (("t", 1.4e9 + 0.001 * np.arange(count)), ("intensity", np.float32(np.arange(count) % 7)),
                                  ("return_number", np.int8(1 + np.arange(count) % 3))):
                 file["points"].create_dataset(name, data=values)
-        self.cloud(self.changed("imported.h5", change))
+        self.cloud(self.changed(self.chain.scan, change))
         self.assertEqual(self.window.run(COLORS), ["z_est", "t", "status", "intensity", "return_number", "pulse", "pixel"])
         self.color("intensity")
         self.click()
         shown = self.chosen()
-        rows = returns_of(self.path("imported.h5"))
+        rows = returns_of(self.path("changed.h5"))
         row = int(np.flatnonzero((rows["pulse"] == int(shown["pulse"])) & (rows["pixel"] == int(shown["pixel"])))[0])
         self.assertAlmostEqual(self.number(shown["t"]), 0.001 * row, delta=1e-5)
         self.assertEqual(int(shown["return_number"]), rows["return_number"][row])

@@ -274,12 +274,6 @@ class Refusals(InfoTest):
         for arguments in ([path], [path, "--json"], [path, "--no-statistics"]):
             self.refuse(1, "landfall-info", *arguments, words=[path, *words])
 
-    def changed(self, path, change):
-        path = self.copy(path)
-        with h5py.File(path, "r+") as file:
-            change(file)
-        return path
-
     def test_files_that_are_not_of_landfall(self):
         self.refused(self.path("nowhere.h5"), "no such file")
         self.refused(self.folder, "is a directory")

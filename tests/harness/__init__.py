@@ -159,6 +159,13 @@ class ToolTest(unittest.TestCase):
     def write(self, name, content):
         return write_file(self.path(name), content)
 
+    def changed(self, source, change, name="changed.h5"):
+        """A copy of an HDF5 file after change(h5py.File)."""
+        path = shutil.copy(source, self.path(name))
+        with h5py.File(path, "r+") as file:
+            change(file)
+        return path
+
     def entries(self):
         """All names in the folder, hidden ones included."""
         return sorted(os.listdir(self.folder))

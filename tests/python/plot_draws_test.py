@@ -39,13 +39,6 @@ class DrawsTest(harness.ChainTest):
         super().setUp()
         self.addCleanup(plt.close, "all")
 
-    def changed(self, change):
-        path = self.path("changed.h5")
-        shutil.copy(self.draws, path)
-        with h5py.File(path, "r+") as file:
-            change(file)
-        return path
-
     def values(self, name):
         with h5py.File(self.draws) as file:
             return file[name][()]
@@ -127,12 +120,12 @@ class DrawsTest(harness.ChainTest):
                 for name in names:
                     del file[name]
             return change
-        panels = self.panels(self.changed(remove(["z_sigma_abs", "e_map_std_over_sigma"])))
+        panels = self.panels(self.changed(self.draws, remove(["z_sigma_abs", "e_map_std_over_sigma"])))
         self.assertIn("mean of e_z", panels)
         self.assertNotIn("spread of the map's error: observed against predicted", panels)
         layers = [*(name for name in plot_draws.LAYERS if name not in ("p_missed_hazard", "p_judged_safe")), "count_mean", "x", "y"]
-        self.assertEqual(list(self.panels(self.changed(remove(layers)))), list(dictionary.requirements()))
-        self.assertEqual(list(self.panels(self.changed(remove(["z_true_map"])))), list(self.panels(self.draws)))  # of terrains that vary
+        self.assertEqual(list(self.panels(self.changed(self.draws, remove(layers)))), list(dictionary.requirements()))
+        self.assertEqual(list(self.panels(self.changed(self.draws, remove(["z_true_map"])))), list(self.panels(self.draws)))  # of terrains that vary
 
     def test_hazards(self):
         """Each chosen place, by its truth; one of six is made a hazard, and one draw has none."""

@@ -22,13 +22,6 @@ class HazardsTest(harness.ChainTest):
         super().setUp()
         self.addCleanup(plt.close, "all")
 
-    def changed(self, change):
-        path = self.path("changed.h5")
-        shutil.copy(self.chain.hazards, path)
-        with h5py.File(path, "r+") as file:
-            change(file)
-        return path
-
     def made(self, *arguments):
         """hazards.h5 of the small chain with other options."""
         path = self.path("hazards.h5")
@@ -147,7 +140,7 @@ class LimitTest(HazardsTest):
         def change(file):
             file["slope"][...] = np.where(np.isnan(file["slope"][()]), np.nan, 13)
             file["slope"][45:52, 60:67] = 15
-        ax = self.draw(self.changed(change))["slope"]
+        ax = self.draw(self.changed(self.chain.hazards, change))["slope"]
         self.assertIn("white line: over the limit", self.note(ax))
         corners = np.concatenate([path.vertices for collection in ax.collections for path in collection.get_paths()])
         x, y = ((np.arange(101) - 50) / 10)[[60, 66]], ((np.arange(101) - 50) / 10)[[45, 51]]
@@ -202,7 +195,7 @@ class SitesTest(HazardsTest):
     def test_a_site_that_is_a_hazard_and_many_sites(self):
         def change(file):
             file["sites/true_safe"][0] = 0
-        self.assertTrue(self.legend(self.draw(self.changed(change))["probability"])[0].endswith(", true hazard"))
+        self.assertTrue(self.legend(self.draw(self.changed(self.chain.hazards, change))["probability"])[0].endswith(", true hazard"))
         ax = self.draw(self.made("--set", "sites.count=9", "--set", "sites.separation_m=0.5"))["probability"]
         self.assertEqual(self.legend(ax)[6], "and 3 more sites")
 
@@ -261,11 +254,8 @@ class CommandTest(HazardsTest):
         def narrow(file):
             for name in ("x", "y"):
                 file[name][...] = 2 * file[name][()]
-        wide = self.path("wide.h5")
-        shutil.copy(self.chain.dem, wide)
-        with h5py.File(wide, "r+") as file:
-            narrow(file)
-        broken = self.changed(lambda file: harness.set_text(file, "provenance/config_json", "{"))
+        wide = self.changed(self.chain.dem, narrow, "wide.h5")
+        broken = self.changed(self.chain.hazards, lambda file: harness.set_text(file, "provenance/config_json", "{"))
         for arguments, message in (((self.chain.dem,), "dem.h5: format_name is 'landfall.dem', expected 'landfall.hazards'"),
                                    (("none.h5",), "none.h5: no such file"),
                                    ((self.chain.hazards, "--dem", wide), "wide.h5: its bins are not those of the hazard map"),
@@ -281,7 +271,7 @@ class CommandTest(HazardsTest):
         def remove(file):
             del file["slope"]
         with self.assertRaisesRegex(DataError, "needs the layer slope"):
-            plot_hazards.Hazards(self.changed(remove))
+            plot_hazards.Hazards(self.changed(self.chain.hazards, remove))
 
 
 if __name__ == "__main__":
