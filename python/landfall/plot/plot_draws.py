@@ -134,7 +134,8 @@ def draw_chosen(ax, draws):
         if shown.any():
             ax.scatter(x[shown], y[shown], s=28, color=color, marker=marker, alpha=0.6, linewidths=0, label=f"truly {label}: {np.count_nonzero(shown)}")
     rate = draws.verdict["hazard"]["chosen_place_safe"]
-    finish(ax, draws, f"truly safe in {rate['passed']} of {rate['draws']} draws: probability at least {rate['exact_lower_bound']:.4f} (95 %)")
+    bound = most_text(rate) or f"probability at least {rate['exact_lower_bound']:.4f} (95 %)"
+    finish(ax, draws, f"truly safe in {rate['passed']} of {rate['draws']} draws: {bound}")
     if ax.get_legend_handles_labels()[0]:
         ax.legend(loc="upper right", fontsize=maps.NOTE_PT)
 
@@ -168,8 +169,11 @@ class Shown:
     limit: float
     measured: str
     bound: str = "at most"
-    unit: str = ""
     is_whole: bool = False
+
+    def limit_text(self):
+        unit = next((f" {unit}" for unit in ("%", "cm") if self.measured.endswith(f"({unit})")), "")
+        return f"limit: {self.bound} {self.limit:g}{unit}"
 
 
 def own_shown(draws, path):
@@ -191,7 +195,7 @@ def shown_by(draws, name):
     if requirement.worst_limit.endswith("_m") and limit is not None and f"eval.limits.{requirement.worst_limit}" not in draws.columns \
             and all(metric in draws.columns for metric in requirement.worst):
         what = "95th percentile of the footprints" if requirement.worst[0].endswith("p95_m") else "worst footprint"
-        return Shown(100 * np.fmax.reduce([draws.columns[metric] for metric in requirement.worst]), 100 * limit, f"{what} (cm)", unit=" cm")
+        return Shown(100 * np.fmax.reduce([draws.columns[metric] for metric in requirement.worst]), 100 * limit, f"{what} (cm)")
     value, limit = (draws.columns[f"requirements.{name}.{key}"] for key in ("value", "limit"))
     return Shown(requirement.factor * value, requirement.factor * limit[0], requirement.measured_in, requirement.bound, is_whole=requirement.is_whole)
 
@@ -211,7 +215,7 @@ def draw_distribution(ax, draws, name):
     ends = [edges[0], edges[-1], *([end] if is_shown(limit, values) else [])]
     room = edges[1] - edges[0] if len(edges) == 2 else 0.04 * (max(ends) - min(ends))  # a single bar would fill the axes
     ax.set_xlim(min(ends) - room, max(ends) + room)
-    label = f"limit: {shown.bound} {limit:g}{shown.unit}"
+    label = shown.limit_text()
     if is_shown(limit, values):
         ax.axvline(end, color="black", linestyle="--", label=label, gid="limit")
     else:
@@ -230,7 +234,13 @@ def rate_text(draws, name):
     text = f"{rate['passed']} of {rate['draws']} pass"
     if "sprt" in draws.verdict:
         return text
-    return f"{text}: {rate['wilson_low']:.4f} to {rate['wilson_high']:.4f} (Wilson, 95 %), at least {rate['exact_lower_bound']:.4f}"
+    bounds = most_text(rate) or f"{rate['wilson_low']:.4f} to {rate['wilson_high']:.4f} (Wilson, 95 %), at least {rate['exact_lower_bound']:.4f}"
+    return f"{text}: {bounds}"
+
+
+def most_text(rate):
+    """The upper bound of a probability where no draw passes; empty elsewhere. A lower bound of 0 says nothing."""
+    return "" if rate["passed"] else f"probability at most {rate['wilson_high']:.4f} (Wilson, 95 %)"
 
 
 def draw(draws):
