@@ -1,10 +1,12 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Tests of plot_hazards.py on the hazards.h5 of the small chain, changed where a test needs other values."""
+import itertools
 import json
 import os
 import shutil
 import unittest
+from types import SimpleNamespace
 
 import h5py
 import numpy as np
@@ -230,6 +232,18 @@ class ScoreTest(HazardsTest):
         self.assertIn(f"{score['brier']:.3g}", ax.get_title())
         self.assertIn(f"{score['reliability']['count'][-1]:,}", [text.get_text() for text in ax.texts])
         self.assertIn("no p_safe", self.draw()["reliability"].texts[0].get_text())
+
+    def test_labels_do_not_overlap(self):
+        """Nor where the first points are close, as in Example 2, or all are at one height."""
+        low = np.arange(10) / 10
+        for share, expected in (([0, 0.01, 0.03, 0.11, 0.23, 0.33, 0.4, 0.71, 0.79, 1], 9), (0 * low, 5), (0 * low + 1, 10), (low + 0.05, 10)):
+            score = {"p_low": low, "p_high": low + 0.1, "count": 10 * [1234567], "safe_frac": share}
+            figure, axes = maps.new_figure((3, 2), (14, 20.5), "")
+            plot_hazards.draw_reliability(axes[2, 1], SimpleNamespace(score={f"reliability/{name}": list(values) for name, values in score.items()}))
+            figure.canvas.draw()
+            boxes = [text.get_window_extent() for text in axes[2, 1].texts]
+            self.assertFalse([pair for pair in itertools.combinations(boxes, 2) if pair[0].overlaps(pair[1])])
+            self.assertEqual(len(boxes), expected)
 
     def test_a_truth_without_hazards(self):
         path = self.made("--set", "limits.slope_deg=80", "--set", "limits.roughness_m=5")

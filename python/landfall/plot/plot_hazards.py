@@ -15,7 +15,8 @@ from landfall.plot import captions, maps, plot_command, reduction, relief, scale
 
 LAYERS = ["slope", "roughness", "safe", "p_safe", "p_touchdown", "cost", "outcome"]
 MAX_LISTED = 6  # sites in the legend
-LETTER = 0.02   # width of a letter of a label, as a share of the diagram
+# Sizes as shares of a square diagram: a point of its text, the width of a letter, the height of a line and the radius of a dot.
+POINT, LETTER, LINE, DOT = 1 / 360, 0.0145, 0.026, 0.011
 # {value: (name, colour)} of each layer. Marked values are few if the DEM is good, and are drawn on top of the judgement.
 CLASSES = {layer: dict(sorted(dictionary.place_classes(layer).items())) for layer in ("safe", "outcome")}
 HAZARD_COLOR, SAFE_COLOR = (CLASSES["safe"][value][1] for value in (0, 1))
@@ -216,15 +217,36 @@ def set_percent_axes(ax, alarms, missed):
 
 
 def label_limits(ax, alarms, missed, limits):
-    """The limit next to each point, one label for points at one place and none where it would meet another one."""
-    places = ax.transAxes.inverted().transform(ax.transData.transform(np.column_stack((alarms, missed))))
-    labelled = []
-    for at, x, y in zip(places, alarms, missed):
-        same = limits[np.hypot(*(places - at).T) < 0.01]
-        text = captions.metre_range(same[0], same[-1]) if same.size > 1 else captions.metres(float(same[0]))
-        if all(abs(at[0] - other[0]) > LETTER * max(len(text), letters) or abs(at[1] - other[1]) > 2.5 * LETTER for other, letters in labelled):
-            labelled.append((at, len(text)))
-            ax.annotate(text, (x, y), (5, 7), textcoords="offset points", fontsize=maps.NOTE_PT, gid="roc label")
+    """The limit next to each point, and one label for points at one place."""
+    places = shares_of(ax, alarms, missed)
+    same = [limits[np.hypot(*(places - at).T) < 0.01] for at in places]
+    texts = [captions.metre_range(each[0], each[-1]) if each.size > 1 else captions.metres(float(each[0])) for each in same]
+    firsts = [number for number, text in enumerate(texts) if text not in texts[:number]]
+    around = [((dx, dy), "left" if dx > 0 else "right", "bottom" if dy > 0 else "top") for dx, dy in ((5, 5), (-5, 5), (5, -5), (-5, -5))]
+    label_points(ax, alarms[firsts], missed[firsts], [texts[number] for number in firsts], lambda x, y: around, "roc label")
+
+
+def shares_of(ax, x, y):
+    """Places of points as shares of the diagram."""
+    return ax.transAxes.inverted().transform(ax.transData.transform(np.column_stack((x, y))))
+
+
+def label_points(ax, x, y, texts, around, gid):
+    """A text next to each point, at the first of the places around(x, y), which are (offset in points, ha, va), where it meets no other text, no
+    other point and no edge; no text where each place does."""
+    dots, labelled = shares_of(ax, x, y), []
+    for number, (at, text) in enumerate(zip(dots, texts)):
+        others = np.delete(dots, number, axis=0)
+        taken = [*labelled, *np.hstack((others - DOT, others + DOT)), (-1, -1, 0, 2), (1, -1, 2, 2), (-1, -1, 2, 0), (-1, 1, 2, 2)]
+        for offset, ha, va in around(x[number], y[number]):
+            size = np.array((LETTER * len(text), LINE))
+            corner = at + POINT * np.array(offset) - size * ({"left": 0, "center": 0.5, "right": 1}[ha], {"bottom": 0, "center": 0.5, "top": 1}[va])
+            box = (*corner, *(corner + size))
+            if not any(box[0] < other[2] and other[0] < box[2] and box[1] < other[3] and other[1] < box[3] for other in taken):
+                labelled.append(box)
+                ax.annotate(text, (x[number], y[number]), offset, textcoords="offset points", ha=ha, va=va, fontsize=maps.NOTE_PT, gid=gid,
+                            bbox={"facecolor": "white", "edgecolor": "none", "alpha": 0.8, "pad": 0.6})
+                break
 
 
 def draw_reliability(ax, hazards):
@@ -242,13 +264,12 @@ def draw_reliability(ax, hazards):
     middle, share, count = ((low + high) / 2)[known], share[known], count[known]
     ax.plot([0, 1], [0, 1], color="black", linewidth=1, label="perfectly calibrated")
     ax.plot(middle, share, color=maps.BLUE, marker="o", linewidth=1, gid="reliability", label="found; number of places")
-    for x, y, places in zip(middle, share, count):
-        # Next to a low point, where the curve leaves room; a label of the last ones would not fit there.
-        offset, ha, va = ((0, 7), "center", "bottom") if y > x else ((7, -2), "left", "center") if x < 0.8 else ((0, -7), "center", "top")
-        ax.annotate(f"{places:,.0f}", (x, y), offset, textcoords="offset points", ha=ha, va=va, fontsize=maps.NOTE_PT,
-                    bbox={"facecolor": "white", "edgecolor": "none", "alpha": 0.8, "pad": 0.6})
+    above, right, below, left = ((0, 7), "center", "bottom"), ((7, -2), "left", "center"), ((0, -7), "center", "top"), ((-7, 2), "right", "center")
+    corners = [((-3, 7), "left", "bottom"), ((3, -7), "right", "top")]
+    label_points(ax, middle, share, [f"{places:,.0f}" for places in count],
+                 lambda x, y: [above, left, right, below, *corners] if y > x else [right, below, *corners, left, above], "count")
     ax.grid(True, color="#e0e0e0", linewidth=0.6)
-    ax.legend(loc="upper left", fontsize=maps.NOTE_PT)
+    ax.legend(loc="lower right" if np.max(share[middle < 0.5], initial=0) > 0.85 else "upper left", fontsize=maps.NOTE_PT)
 
 
 def draw(hazards, z=None, data_only=False):
