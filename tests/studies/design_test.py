@@ -302,7 +302,9 @@ class Run(DesignTest):
     def test_the_answer_whole_killed_and_of_two_workers(self):
         """A run that is killed again and again, at any time, and one with two workers have the bytes of an undisturbed one."""
         self.write(design_file())
-        self.check_answer("whole", self.run_it(out="whole").stdout)
+        result = self.run_it(out="whole")
+        self.check_answer("whole", result.stdout)
+        self.assertRegex(result.stderr, r"\Acost: about \S+ \S+ for 10 candidates \(\S+ s each, as the base\) and 40 fresh draws on each of 2 terrains \(.*on the disk: 2 terrains, 1 MB")
         generator, kills = random.Random(int(os.environ.get("LANDFALL_TEST_SEED", "1"))), 0
         command = [PYTHON, os.path.join(ROOT, "python", "commands", "design.py"), self.path("tiny.json"), "--out", self.path("killed"), "--bin", BIN]
         for _ in range(2):
@@ -315,7 +317,7 @@ class Run(DesignTest):
                 kills += 1
             process.wait()
         self.assertGreater(kills, 0)
-        self.run_it(out="killed")
+        self.assertNotIn("cost: ", self.run_it(out="killed").stderr)
         self.run_it("-j", "2", out="two")
         for name in ("design.json", "candidates.csv", "report.html", "design.png"):
             for out in ("killed", "two"):

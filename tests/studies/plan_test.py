@@ -217,7 +217,7 @@ class Plans(StudyTest):
         self.assertEqual(os.listdir(self.out("scratch")), [])
         os.utime(self.write(tree))
         self.assertNotIn("cost: ", "".join(self.make_plan(tree, "-j2")), "the second plan")
-        self.assertNotIn("cost: ", "".join(self.make_plan(study(SIGMAS), "-j2", study_name="small")))
+        self.assertRegex("\n".join(self.make_plan(study(SIGMAS), "-j2", study_name="small")), r"\ncost: 11 stages; landfall study cost \S+small.json tries the first case\n")
 
     def make_plan(self, tree, *options, study_name="tiny"):
         self.write(tree, study_name)

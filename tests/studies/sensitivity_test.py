@@ -208,7 +208,8 @@ class Landfall(SensitivityTest):
 
     def test_a_linear_response(self):
         self.file()
-        text = self.run_it().stdout
+        result = self.run_it()
+        self.assertRegex(result.stderr, r"\Acost: about \S+ \S+ for 320 draws \(\S+ s each\), with 1 run at a time; on the disk: 1 terrain, 1 MB, and up to 1 scan")
         answer = json.loads(read(self.path("out", "sensitivity.json")))
         rows = {row["group"]: row for row in answer["outputs"][MEAN_X]["groups"]}
         # 400 pulses at 2 kHz cover a square that is symmetric about the judged disc: its mean time is half of the scan.
@@ -219,7 +220,7 @@ class Landfall(SensitivityTest):
             self.assert_within(rows["position"][kind], position / (velocity + position), slack=0.01)
             self.assert_within(rows["random numbers"][kind], 0, slack=0.02)
         self.assertAlmostEqual(answer["outputs"][MEAN_X]["std"], math.sqrt(velocity + position), delta=0.006)
-        self.assertIn("320 draws, 3 groups", text)
+        self.assertIn("320 draws, 3 groups", result.stdout)
         table = list(csv.DictReader(read(self.path("out", "sensitivity.csv")).decode().splitlines()))
         self.assertEqual([(row["group"], float(row["first_value"])) for row in table], [(name, row["first"]["value"]) for name, row in rows.items()])
         self.assertTrue(read(self.path("out", "sensitivity.png")).startswith(b"\x89PNG"))
@@ -253,6 +254,7 @@ class Landfall(SensitivityTest):
         for name in ("sensitivity.json", "sensitivity.csv", "report.html", "sensitivity.png"):
             for out in ("killed", "two"):
                 self.assertEqual(read(self.path(out, name)), read(self.path("whole", name)), (out, name))
+        self.assertNotIn("cost: ", resumed.stderr)
         self.assertEqual(resumed.stdout.replace("/killed/", "/whole/"), whole.stdout)
 
     def parts(self, out):

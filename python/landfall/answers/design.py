@@ -6,7 +6,7 @@ import math
 import os
 
 from landfall import command
-from landfall.answers import answer_page, design_search, model, runs
+from landfall.answers import answer_page, cost, design_search, model, runs
 from landfall.answers.design_problem import Problem
 from landfall.errors import Error, printable_lines
 from landfall.study.page import cell, escaped, head, table, text_cell, verdict
@@ -179,7 +179,9 @@ def main(arguments):
     model.optuna()
     prefix = runs.prepare(options)
     problem = Problem(options.file)
-    answer = design_search.Design(problem, options.out, options.workers, prefix, runs.Progress()).run()
+    design = design_search.Design(problem, options.out, options.workers, prefix, runs.Progress())
+    runs.say_cost(cost.text_of_design(design))
+    answer = design.run()
     write(problem, answer, options.out)
     print(printable_lines(text_of(problem, answer)))
     if answer["winner"] is None:

@@ -65,7 +65,7 @@ class Model:
         if table.shape[1] != len(self.inputs):
             raise UsageError(f"model: {table.shape[1]} values in a row; the inputs are {len(self.inputs)}: {', '.join(self.inputs)}")
         self.failures = {}
-        found = self._run([{key: plain_numbers(float(value)) for keys, value in zip(self.inputs.values(), row) for key in keys} for row in table])
+        found = self._run(self._rows_of(table))
         results = np.full((len(table), len(self.outputs)), np.nan)
         for i, numbers in enumerate(found):
             if "error" in numbers:
@@ -76,6 +76,14 @@ class Model:
                 raise UsageError(f"model: {missing[0]}: is not a number of a DEM; they are {', '.join(sorted(numbers))}")
             results[i] = [math.nan if numbers[name] is None else numbers[name] for name in self.outputs]
         return results[0] if is_vector else results
+
+    def _rows_of(self, table):
+        """[{key: value}]"""
+        return [{key: plain_numbers(float(value)) for keys, value in zip(self.inputs.values(), row) for key in keys} for row in table]
+
+    def tasks_of(self, table):
+        """The runs of tools that the rows of a table need, in order."""
+        return list(self._tasks(dict(enumerate(self._rows_of(table)))))
 
     def _run(self, rows):
         """For each row, {key: value}, its numbers, or {"error": why there are none}."""
@@ -151,10 +159,15 @@ class _Task:
 
 class _Chain(_Task):
     """A row that shares its rays with no other one."""
+    is_chain = True
 
     def __init__(self, of, numbers, configs):
         self.numbers, self.runner, self.progress, self.configs = numbers, of.runner, of.progress, configs
         self.kind, self.depends = "row", configs
+
+    def make_some(self, _number):
+        """As make(), with errors."""
+        return self.runner.numbers(self.configs)
 
     def make(self):
         try:
@@ -165,6 +178,7 @@ class _Chain(_Task):
 
 class _DrawnRows(_Task):
     """Rows over one traced scan, which are consecutive draws of a seed. `first`: (seed, number of the first draw)."""
+    is_chain = False
 
     def __init__(self, of, numbers, scan, samples, first):
         self.numbers, self.runner, self.progress, self.scan, self.samples, self.first = numbers, of.runner, of.progress, scan, samples, first
@@ -174,6 +188,11 @@ class _DrawnRows(_Task):
 
     def make(self):
         return self._rows(self.samples, *self.first)
+
+    def make_some(self, number):
+        """Makes some of the draws, and keeps none; with errors."""
+        seed, draw = self.first
+        self.scan.rows({"metrics": self.metrics, "draws": number, "scan": {"seed": seed}})
 
     def _rows(self, samples, seed, draw):
         end, keys = draw + len(samples), list(samples[0])

@@ -110,6 +110,12 @@ def prepare(options):
     return shlex.split(options.runner)
 
 
+def say_cost(line):
+    """Prints what a run is about to cost, if that is known."""
+    if line:
+        print(printable(line), file=sys.stderr, flush=True)
+
+
 def write_json(path, value):
     command.write_text(path, json.dumps(value, indent=1) + "\n")
 
@@ -322,6 +328,12 @@ class Draws:
             self.make_draws(draws, path, *arguments)
             return rows_of(path, check=False)  # nobody else wrote it
 
+    def terrain(self):
+        """Makes the terrain that draws share."""
+
+    def make_shared(self):
+        """Makes the rays that draws share."""
+
 
 class TracedDraws(Draws):
     """Draws that trace their own rays. `traced` are keys of monte-carlo's configuration: terrain_seed, uncertainty, landing."""
@@ -365,8 +377,14 @@ class Scan(Draws):
         self.place = os.path.join(runner.scratch, os.path.basename(runner.place("scan", [configs["terrain"], truth], "h5")))
         self._truth, self._lock = truth, threading.Lock()
 
+    def terrain(self):
+        return self.runner.terrain(self.configs["terrain"])
+
+    def make_shared(self):
+        return self.path()
+
     def path(self):
-        terrain = self.runner.terrain(self.configs["terrain"])
+        terrain = self.terrain()
         with self.runner.alone(self.place):
             if not os.path.exists(self.place):
                 echoes = ["--keep-echoes"] if stages.has_receiver(self.configs["scan"]) else []
@@ -385,7 +403,7 @@ class Scan(Draws):
         configs = self.configs
         config = {"layers": False, "regrid": configs["regrid"], "eval": configs["eval"], "hazard": configs.get("hazard"), **draws}
         config["scan"] = {**stages.errors_config(configs["scan"]), **draws.get("scan", {})}
-        terrain, scan = self.runner.terrain(configs["terrain"]), self.path()
+        terrain, scan = self.terrain(), self.path()
         self.runner.run("monte-carlo", scan, "--terrain", terrain, "-o", output, "-O", *arguments, config=config)
 
 

@@ -9,7 +9,7 @@ import os
 import numpy as np
 
 from landfall import command, schema
-from landfall.answers import answer_page, model, runs
+from landfall.answers import answer_page, cost, model, runs
 from landfall.errors import DataError, UsageError, printable_lines
 
 RANDOM = "random numbers"  # the group of the draw: which noise, dropouts and dead pixels are drawn
@@ -187,6 +187,7 @@ def main(arguments):
     problem = Problem(options.file)
     of = model.Model(problem.base, [key for _, key in problem.keys] + [model.DRAW], problem.outputs, options.out, options.workers, prefix,
                      runs.Progress(), problem.traced)
+    runs.say_cost(cost.text_of_rows(of, problem.design()))
     answer = analyse(problem, of)
     runs.write_json(os.path.join(options.out, "sensitivity.json"), answer)
     write_csv(os.path.join(options.out, "sensitivity.csv"), answer)

@@ -113,9 +113,11 @@ def plan(options):
           (f", {counted(len(graph.draws), 'monte-carlo run')}" if graph.draws else "") +
           f"; {written} files written")
     print(rules.disk_text(graph, layout.keep))
-    if options.jobs and is_first and stages.count(graph) >= TRIAL_STAGES:
+    if options.jobs and is_first:
+        count = stages.count(graph)
         sys.stdout.flush()
-        print(printable(cost_text(study, graph, options, os.path.join(options.out, "scratch"))))
+        print(printable(cost_text(study, graph, options, os.path.join(options.out, "scratch")) if count >= TRIAL_STAGES else
+                        f"cost: {counted(count, 'stage')}; landfall study cost {options.study} tries the first case"))
 
 
 def need_lock(folder):
