@@ -33,12 +33,15 @@ def target_of(page, link):
 
 
 def staged(page):
-    """The text of a page of the repository, with links to the pages that are made."""
+    """The text of a page of the repository, with links to the pages that are made. README's list of pages is the navigation of the site."""
     def to_made(link):
         target = MADE_FROM.get(target_of(page, link[1]))
         return f"]({os.path.relpath(target, os.path.dirname(page) or '.')}{link[2]})" if target else link[0]
     with open(os.path.join(ROOT, page), encoding="utf-8") as file:
-        return LINK.sub(to_made, file.read())
+        text = file.read()
+    if page == "README.md":
+        text = re.sub(r"(?ms)^## Where things are\n.*?(?=^## )", "", text)
+    return LINK.sub(to_made, text)
 
 
 def texts():
