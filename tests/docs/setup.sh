@@ -56,7 +56,7 @@ clone() {
   git clone -q "$LANDFALL_ROOT" .
   git -C "$LANDFALL_ROOT" ls-files -z --cached --others --exclude-standard | tar -C "$LANDFALL_ROOT" --null -T - -c | tar -x
   mkdir -p build/release/lib
-  cp -r "$LANDFALL_BIN" build/release
+  cp -r "$LANDFALL_BIN" "$LANDFALL_BIN/../cmake_install.cmake" build/release
   cp -r "$LANDFALL_BIN/../lib/landfall" build/release/lib
 }
 
