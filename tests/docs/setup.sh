@@ -8,6 +8,9 @@ coarse_landfall() {
 }
 landfall() { coarse_landfall "$@"; }
 
+# As root, Chromium starts without its sandbox only.
+chromium() { command chromium $([[ $EUID != 0 ]] || echo --no-sandbox) "$@"; }
+
 # Makes terrain-gen's grid coarse, 0.5 m, and scan-sim simulate only 0.05 s, 1,000 pulses, by default.
 short_scans() {
   terrain-gen() { command terrain-gen --set grid.resolution_m=0.5 "$@"; }
