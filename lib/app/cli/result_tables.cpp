@@ -251,7 +251,9 @@ std::string draws_summary(const VerdictJson& verdict) {
   std::string text = grouped(passed) + " of " + grouped(draws) + " draws pass all requirements";
   if (all.value("judged", draws) == 0) return text + "; not judged: the footprint has too few bins";
   if (verdict.contains("sprt")) return text + "; sequential test: " + verdict.at("sprt").get<std::string>();
-  return text + "; passes with a probability of at least " + p_text(all.at("exact_lower_bound")) + " (95 %)";
+  return text + "; passes with a probability of at " +
+         (passed == 0 ? "most " + p_text(all.at("wilson_high")) + " (Wilson, 95 %)"
+                      : "least " + p_text(all.at("exact_lower_bound")) + " (95 %)");
 }
 
 }  // namespace landfall::cli
