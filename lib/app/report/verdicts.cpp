@@ -68,7 +68,8 @@ std::string verdict_banner_html(const Metrics& metrics) {
   std::string text;
   const std::vector<RequirementVerdict>& verdicts = metrics.requirements.all;
   const auto missed = std::ranges::count(verdicts, false, &RequirementVerdict::pass);
-  const auto unjudged = std::ranges::count(verdicts, std::optional<bool>(), &RequirementVerdict::pass);
+  const auto unjudged =
+      std::ranges::count_if(verdicts, [](const RequirementVerdict& verdict) { return !verdict.pass; });
   const std::string all = std::to_string(verdicts.size());
   if (missed > 0) text = std::to_string(missed) + " of " + all + " requirements missed";
   if (unjudged > 0)
