@@ -6,6 +6,7 @@
 #include <charconv>
 
 #include "base/core/error.h"
+#include "base/text/joined.h"
 #include "base/text/shown_text.h"
 #include "base/text/trimmed.h"
 
@@ -225,10 +226,8 @@ ColumnChoice column_choice(const std::string& text) {
       throw UsageError("--columns: '" + shown_word(part) + "' is not FIELD=COLUMN, such as x=E");
     const auto field = cloud_field(part.substr(0, equals));
     if (!field)
-      throw UsageError(
-          "--columns: '" + shown_word(part.substr(0, equals)) +
-          "' is not one of x, y, z, intensity, return_number, number_of_returns, t, pulse, pixel, "
-          "classification, echo_width");
+      throw UsageError("--columns: '" + shown_word(part.substr(0, equals)) + "' is not one of " +
+                       joined(field_names(), ", ", &FieldNames::name));
     for (const auto& [known, column] : choice)
       if (known == *field) throw UsageError("--columns gives " + std::string(name_of(*field)) + " twice");
     choice.emplace_back(*field, part.substr(equals + 1));
