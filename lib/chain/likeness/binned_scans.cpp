@@ -255,8 +255,8 @@ namespace {
 
 /// A step of Gauss and Newton from `shift`: the solution of least squares, whose shift is the change of it.
 ShiftAndTilt::Row step_from(const BinnedScans& scans, const std::vector<Gradient>& gradients,
-                            const std::vector<BinDifference>& differences, const Horizontal& shift) {
-  const MedianAndNmad level(differences);
+                            const std::vector<BinDifference>& differences, const MedianAndNmad& level,
+                            const Horizontal& shift) {
   ShiftAndTilt fit;
   for (const auto& [bin, d] : differences) {
     if (std::abs(d - level.median) > 3 * level.nmad) continue;
@@ -290,7 +290,8 @@ SurfaceDifference surface_difference(const BinnedScans& scans, const std::vector
   for (int step = 0; step < max_steps; ++step) {
     if (step > 0) found = differences(scans, gradients, sums, shift);
     if (found.size() < kMinBins) break;
-    const ShiftAndTilt::Row solved = step_from(scans, gradients, found, shift);
+    const ShiftAndTilt::Row solved =
+        step_from(scans, gradients, found, step == 0 ? level : MedianAndNmad(found), shift);
     shift = {shift.x + solved[3], shift.y + solved[4]};
     result.tilt_x_rad = solved[1] / scans.posting_m();
     result.tilt_y_rad = solved[2] / scans.posting_m();
