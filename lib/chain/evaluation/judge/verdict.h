@@ -66,7 +66,7 @@ struct Verdict {
 /// layers are only read, so that a caller keeps their memory for the next DEM.
 ///
 /// `region` is judged_region(), for any number of DEMs of one grid. The result does not depend on the number
-/// of threads. corrected and region_mask are not used.
+/// of threads. `corrected` and `region_mask` of a DEM are not used.
 ///
 /// Throws UsageError for parameters that check() refuses; FormatError when layers differ in grid or hold an
 /// infinite value.
