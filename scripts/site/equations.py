@@ -13,6 +13,9 @@ EQUATIONS = {1: "the point that a ray hits", 4: "the estimated pose", 5: "the ro
              6: "errors that are linear in time", 7: "the estimated point of a return", 8: "the elevation of a bin", 9: "the weight of a return in its bin",
              10: "the error of a bin", 11: "the absolute error of a footprint", 12: "the relative error of a footprint",
              13: "the largest quantisation error on a slope"}
+# Whose text was not at hand: by their place, the transforms between the frames of Eq. 1. Their row has the files that compute and check these.
+UNCITED = ("2, 3", "not cited, since their text was not at hand; by their place, the transforms from the lidar's frame to the body's and to D",
+           ("lib/chain/lidar/simulation/pulse_simulator.h",), ("tests/unit/chain/lidar/simulation/pulse_simulator_test.cpp",), ("tests/oracle/scan.py",))
 # Columns and their folders. The last one shares no code with lib: a second implementation in numpy, closed forms, data of a real instrument.
 COLUMNS = {"computed in": ("lib",), "unit tests": ("tests/unit",), "checked by other means in": ("tests/oracle", "tests/chain")}
 # Another publication is named with its year before its equation.
@@ -47,9 +50,10 @@ def citations():
 
 def table():
     lines = ["| Eq. | gives | " + " | ".join(COLUMNS) + " |", "|---" * (len(COLUMNS) + 2) + "|"]
-    for number, columns in citations().items():
-        cells = [", ".join(f"[{os.path.basename(path)}](../../{path})" for path in paths) for paths in columns.values()]
-        lines.append(f"| {number} | {EQUATIONS[number]} | {' | '.join(cells)} |")
+    rows = [(number, EQUATIONS[number], *columns.values()) for number, columns in citations().items()]
+    for number, gives, *columns in [rows[0], UNCITED, *rows[1:]]:
+        cells = [", ".join(f"[{os.path.basename(path)}](../../{path})" for path in paths) for paths in columns]
+        lines.append(f"| {number} | {gives} | {' | '.join(cells)} |")
     return "\n".join(lines) + "\n"
 
 
