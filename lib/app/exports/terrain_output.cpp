@@ -202,8 +202,7 @@ std::vector<std::string> input_files(const TerrainConfig& config, const std::fil
                                      RasterLinks links) {
   if (config.mesh) return {config.mesh->path};
   std::vector<std::string> files;
-  std::error_code unreachable;
-  const bool replaces = std::filesystem::exists(path, unreachable);
+  const bool replaces = std::filesystem::exists(status_of(path));
   const auto add = [&](const DemBase& dem) {
     files.push_back(dem.path);
     if (!replaces) return;

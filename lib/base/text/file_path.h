@@ -22,11 +22,16 @@ inline std::string file_extension(const std::filesystem::path& path) {
   return extension;
 }
 
+/// The status of what a path leads to, links followed; of no type where it cannot be reached.
+inline std::filesystem::file_status status_of(const std::filesystem::path& path) {
+  std::error_code unreachable;
+  return std::filesystem::status(path, unreachable);
+}
+
 /// Throws FormatError unless `path` leads to a regular file that may be read: opening a pipe or a device
 /// would block.
 inline void require_regular_file(const std::filesystem::path& path) {
-  std::error_code unreachable;
-  const std::filesystem::file_status status = std::filesystem::status(path, unreachable);
+  const std::filesystem::file_status status = status_of(path);
   if (!std::filesystem::exists(status)) throw FormatError(path.string() + ": no such file");
   if (std::filesystem::is_directory(status)) throw FormatError(path.string() + ": is a directory");
   if (!std::filesystem::is_regular_file(status)) throw FormatError(path.string() + ": is not a regular file");

@@ -19,6 +19,7 @@
 #include <utility>
 #include <vector>
 
+#include "base/text/file_path.h"
 #include "base/text/lower_case.h"
 #include "formats/gdal/raster_files.h"
 #include "formats/gdal/registry.h"
@@ -47,8 +48,7 @@ struct Product {
   std::string stem;  ///< empty: all files of the folder
 
   explicit Product(const std::string& name) : file(real_path(name)), folder(file.parent_path()) {
-    std::error_code unreachable;
-    if (fs::is_directory(file, unreachable)) folder = file;
+    if (fs::is_directory(status_of(file))) folder = file;
     const bool whole_folder =
         folder == file || lower_case(file.extension().string()) == ".adf";  // the grids of ArcInfo
     if (!whole_folder) stem = lower_case(fs::path(name).stem().string());

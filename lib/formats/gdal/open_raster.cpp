@@ -12,7 +12,6 @@
 #include <span>
 #include <string>
 #include <string_view>
-#include <system_error>
 
 #include "base/core/error.h"
 #include "base/text/file_path.h"
@@ -65,8 +64,7 @@ std::string promised_format(const std::string& path) {
 }
 
 [[noreturn]] void refuse_unopened(const DemBase& dem, const GdalErrors& errors) {
-  std::error_code unreachable;
-  if (dem.path.find(':') == std::string::npos && !std::filesystem::exists(dem.path, unreachable))
+  if (dem.path.find(':') == std::string::npos && !std::filesystem::exists(status_of(dem.path)))
     throw FormatError(dem.path + ": no such file");
   const std::string reason = errors.reason();
   if (reason.find("not recognized as a supported file format") == std::string::npos)
@@ -90,8 +88,7 @@ std::string promised_format(const std::string& path) {
 
 /// Refuses pipes and devices. Rasters may be folders.
 void require_no_stream(const std::string& file) {
-  std::error_code unreachable;
-  if (!std::filesystem::is_directory(file, unreachable)) require_regular_file(file);
+  if (!std::filesystem::is_directory(status_of(file))) require_regular_file(file);
 }
 
 std::int64_t block_bytes(const OpenRaster& raster) {

@@ -12,6 +12,7 @@
 #include <memory>
 #include <system_error>
 
+#include "base/text/file_path.h"
 #include "formats/gdal/file_guard.h"
 #include "formats/gdal/gdal_errors.h"
 
@@ -23,11 +24,6 @@ namespace fs = std::filesystem;
 constexpr const char* kSeparators = ":\"'?";
 constexpr std::size_t kMaxSeparators = 16;  // names with more separators are not file names
 constexpr std::uintmax_t kMaxVrtBytes = std::uintmax_t{64} << 20U;
-
-bool is_there(const std::string& path) {
-  std::error_code unreachable;
-  return !path.empty() && fs::exists(path, unreachable);
-}
 
 /// A file's name, which may contain separators itself, may lie between any two separators.
 std::vector<std::string> parts_of(const std::string& name) {
@@ -50,8 +46,7 @@ std::vector<std::string> parts_of(const std::string& name) {
 std::string archive_of(const std::string& name) {
   if (name.compare(0, 4, "/vsi") != 0) return "";
   fs::path file = name.substr(std::min(name.size(), name.find('/', 4) + 1));
-  std::error_code unreachable;
-  while (!file.empty() && file.has_relative_path() && !fs::is_regular_file(file, unreachable))
+  while (!file.empty() && file.has_relative_path() && !fs::is_regular_file(status_of(file)))
     file = file.parent_path();
   return file.string();
 }
@@ -99,13 +94,13 @@ void add_sources(const CPLXMLNode* node, const fs::path& folder, std::vector<std
 }
 
 void add_once(std::vector<std::string>& files, const std::string& file) {
-  if (is_there(file) && std::ranges::find(files, file) == files.end()) files.push_back(file);
+  if (fs::exists(status_of(file)) && std::ranges::find(files, file) == files.end()) files.push_back(file);
 }
 
 /// Adds the files that a name refers to. Opens none of them.
 void add_own(const std::string& name, std::vector<std::string>& files) {
   add_once(files, name);
-  if (is_there(name)) return;
+  if (fs::exists(status_of(name))) return;
   for (const std::string& part : parts_of(name)) add_once(files, part);
   add_once(files, archive_of(name));
 }
@@ -117,7 +112,8 @@ void add_linked(const std::string& path, std::vector<std::string>& files) {
     const std::string name = names[i];
     const std::size_t known = files.size();
     add_own(name, files);
-    if (const Xml inline_vrt = vrt_of(is_there(name) ? "" : name)) add_sources(inline_vrt.get(), "", names);
+    if (const Xml inline_vrt = vrt_of(fs::exists(status_of(name)) ? "" : name))
+      add_sources(inline_vrt.get(), "", names);
     for (std::size_t k = known; k < files.size(); ++k)
       if (const Xml vrt = vrt_of(files[k])) add_sources(vrt.get(), fs::path(files[k]).parent_path(), names);
   }
@@ -145,8 +141,7 @@ std::vector<std::string> named_files(const std::string& path, RasterLinks links)
 
 bool any_hdf5_or_netcdf(const std::vector<std::string>& files) {
   return std::ranges::any_of(files, [](const std::string& file) {
-    std::error_code unreachable;
-    if (!fs::is_regular_file(file, unreachable)) return false;
+    if (!fs::is_regular_file(status_of(file))) return false;
     const std::string head = head_of(file);
     return head.starts_with("\x89HDF") || head.starts_with("CDF");
   });

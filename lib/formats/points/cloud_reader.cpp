@@ -101,8 +101,7 @@ void require_no_choice(const CloudBytes& file, const ColumnChoice& choice, const
 
 bool is_cloud_file(const std::filesystem::path& path) {
   const Format promised = promised_format(path);
-  std::error_code unreachable;
-  if (!std::filesystem::is_regular_file(path, unreachable)) return promised != Format::none;
+  if (!std::filesystem::is_regular_file(status_of(path))) return promised != Format::none;
   return format_of(CloudBytes(path), promised) != Format::none;
 }
 

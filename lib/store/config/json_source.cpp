@@ -23,6 +23,7 @@
 
 #include "base/core/error.h"
 #include "base/core/standard_streams.h"
+#include "base/text/file_path.h"
 #include "base/text/json_text.h"
 #include "base/text/shown_text.h"
 #include "store/config/config_path.h"
@@ -51,9 +52,9 @@ std::string read_to_end(std::istream& stream, const std::string& name) {
 
 std::string read_text(const std::string& path) {
   if (path == "-") return read_to_end(standard_input(), "standard input");
-  std::error_code error;
-  if (!std::filesystem::exists(path, error)) throw UsageError(path + ": no such file");
-  if (std::filesystem::is_directory(path, error)) throw UsageError(path + ": is a directory");
+  const std::filesystem::file_status status = status_of(path);
+  if (!std::filesystem::exists(status)) throw UsageError(path + ": no such file");
+  if (std::filesystem::is_directory(status)) throw UsageError(path + ": is a directory");
   std::ifstream stream(path, std::ios::binary);
   if (!stream) throw UsageError(path + ": cannot be read: " + std::generic_category().message(errno));
   return read_to_end(stream, path);
@@ -201,8 +202,7 @@ JsonSource read_json(const std::string& path) {
   if (path.empty()) return {"config", Json::object()};
   const std::string text = read_text(path);
   JsonSource source = parse_json(text, path == "-" ? "standard input" : path);
-  std::error_code unreachable;
-  if (path == "-" || !std::filesystem::is_regular_file(path, unreachable)) source.streams[path] = text;
+  if (path == "-" || !std::filesystem::is_regular_file(status_of(path))) source.streams[path] = text;
   return source;
 }
 

@@ -7,10 +7,10 @@
 #include <filesystem>
 #include <optional>
 #include <string_view>
-#include <system_error>
 
 #include "base/core/error.h"
 #include "base/dictionary/tables/stages.h"
+#include "base/text/file_path.h"
 #include "base/text/shown_text.h"
 #include "chain/terrain/mesh/mesh_name.h"
 #include "store/config/plain_number.h"
@@ -53,8 +53,7 @@ void place_import(Json& section, const fs::path& folder) {
   if (!section.is_object() || !section.contains("from") || !section["from"].is_string()) return;
   const auto name = section["from"].get<std::string>();
   const fs::path placed = folder / name;
-  std::error_code unreachable;
-  const bool is_gdal_name = name.find(':') != std::string::npos && !fs::exists(placed, unreachable);
+  const bool is_gdal_name = name.find(':') != std::string::npos && !fs::exists(status_of(placed));
   if (!name.empty() && !is_gdal_name) section["from"] = placed.string();
 }
 
@@ -76,8 +75,7 @@ Json part_of(const Json& part, const std::string& stage, const Place& place) {
   }
   auto name = part.get<std::string>();
   const bool is_file = !name.starts_with("preset:");
-  std::error_code unreachable;
-  if (is_file && !fs::exists(place.folder / name, unreachable))
+  if (is_file && !fs::exists(status_of(place.folder / name)))
     throw UsageError(place.where + ": " + unknown_file(name, stage));
   if (is_file) name = (place.folder / name).string();
   try {

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "base/core/error.h"
+#include "base/text/file_path.h"
 #include "base/text/shown_text.h"
 #include "store/files/current_output.h"
 #include "store/files/stored_json.h"
@@ -226,8 +227,7 @@ void LandfallFileReader::read_provenance() {
 void LandfallFileReader::fail(const std::string& what) const { throw FormatError(name_ + ": " + what); }
 
 bool is_landfall_file(const std::filesystem::path& path) {
-  std::error_code unreadable;
-  if (!std::filesystem::is_regular_file(path, unreadable)) return false;
+  if (!std::filesystem::is_regular_file(status_of(path))) return false;
   h5::initialise();
   const h5::Handle file = h5::open_for_its_kind(path);
   return file && h5::read_text_attribute(file.get(), "format_name").value_or("").starts_with("landfall.");

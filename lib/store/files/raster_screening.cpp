@@ -9,6 +9,7 @@
 #include <filesystem>
 #include <string>
 
+#include "base/text/file_path.h"
 #include "formats/gdal/gdal_loader.h"
 #include "store/hdf5/guard/file_screening.h"
 #include "store/hdf5/h5.h"
@@ -18,8 +19,7 @@ namespace landfall {
 void screen_raster(const DemBase& dem, RasterLinks links) {
   h5::initialise();
   for (const std::string& name : named_dem_files(dem, links)) {
-    std::error_code unreachable;
-    if (!std::filesystem::is_regular_file(name, unreachable)) continue;
+    if (!std::filesystem::is_regular_file(status_of(name))) continue;
     h5::MetadataGuard guard(name);
     if (const h5::Handle file = h5::open_for_its_kind(name)) h5::screen_file(file.get(), name, guard);
   }
