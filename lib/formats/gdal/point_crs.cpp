@@ -167,9 +167,10 @@ OGRSpatialReference crs_of_text(const std::string& text, const std::string& name
   OGRSpatialReference crs;
   const char* const options[] = {"ALLOW_NETWORK_ACCESS=NO", "ALLOW_FILE_ACCESS=NO", nullptr};
   if (crs.SetFromUserInput(text.c_str(), options) != OGRERR_NONE)
-    throw UsageError(name + ": '" + shown_word(text) +
-                     "' is not a CRS: give EPSG:NUMBER, a PROJ text or WKT" +
-                     (errors.any() ? " (" + errors.reason() + ")" : ""));
+    throw UsageError(
+        name + ": '" + shown_word(text) +
+        "' is not a CRS: give EPSG:NUMBER, a PROJ text or WKT, such as gdalsrsinfo -o wkt1 FILE prints" +
+        (errors.any() ? " (" + errors.reason() + ")" : ""));
   if (is_vertical_only(crs))
     throw UsageError(name + ": '" + shown_word(text) + "' is a CRS of heights alone: give that of x and y");
   crs.SetAxisMappingStrategy(OAMS_TRADITIONAL_GIS_ORDER);

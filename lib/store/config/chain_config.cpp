@@ -27,7 +27,7 @@ void check_chain_config(const nlohmann::json& resolved, const std::string& name)
   std::map<std::string, nlohmann::json> sections;
   for (const std::string& stage : stage_sections("chain")) {
     if (resolved.at(stage).is_null()) continue;
-    const JsonSource source{name + ": /" + stage, resolved.at(stage)};
+    const JsonSource source = stage_source(stage, resolved.at(stage), name);
     sections[stage] = resolved_config(source, stage);
     check_section(stage, sections[stage], source.name);
   }

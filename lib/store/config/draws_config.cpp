@@ -51,19 +51,13 @@ void merge(Json& base, const Json& changes, const std::string& where) {
   }
 }
 
-/// With the defaults of the schema.
-Json filled_stage(const std::string& stage, const Json& config, const std::string& name) {
-  const JsonSource source{name + ": /" + stage, config};
-  return stage == "terrain" ? resolve_terrain_config(source) : resolve_config(source, embedded_schema(stage));
-}
-
 Json completed_scan(Json filled) {
   complete_scan_config(filled);
   return filled;
 }
 
 Json resolve_stage(const std::string& stage, const Json& config, const std::string& name) {
-  return resolved_config({name + ": /" + stage, config}, stage);
+  return resolved_config(stage_source(stage, config, name), stage);
 }
 
 /// An object such as {"0": 0.1}, which changes elements of an array.
@@ -103,10 +97,10 @@ void take_indices(Json& node, const std::string& stage, const Json& without, con
 
 /// A section merged over `base`, with the defaults of the schema.
 Json merged_stage(const std::string& stage, Json base, const Json& section, const std::string& name) {
-  const std::string where = name + ": /" + stage;
-  merge(base, section, where);
+  merge(base, section, name + ": /" + stage);
   take_indices(base, stage, without_indices(base), "", name);
-  return filled_stage(stage, base, name);
+  const JsonSource source = stage_source(stage, base, name);
+  return stage == "terrain" ? resolve_terrain_config(source) : resolve_config(source, embedded_schema(stage));
 }
 
 /// The stage and the pointer within it of "scan.noise.range_sigma_m".

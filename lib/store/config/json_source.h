@@ -19,6 +19,7 @@ struct JsonSource {
   /// Texts that came from standard input or a pipe, which nobody can read again, by their names on the
   /// command line.
   std::map<std::string, std::string> streams = {};
+  std::vector<std::string> imported = {};  ///< keys of a section that an import reads before its validation
 };
 
 /// Reads a JSON object. `path` "-" is standard input, "" the empty object. Throws UsageError if the file

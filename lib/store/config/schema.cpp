@@ -257,7 +257,7 @@ class Resolver {
 
   [[noreturn]] void fail_unknown_key(const Json& properties, const std::string& key,
                                      const std::string& pointer) const {
-    std::vector<std::string> known;
+    std::vector<std::string> known = pointer.empty() ? source_.imported : std::vector<std::string>();
     for (const auto& [name, unused] : properties.items())
       if (!name.starts_with("$")) known.push_back(name);
     const std::string near = nearest_word(key, known);

@@ -170,6 +170,12 @@ const std::vector<std::string>& stage_sections(const std::string& schema) {
   return schema == "chain" ? chain : draws;
 }
 
+JsonSource stage_source(const std::string& stage, const Json& section, const std::string& name) {
+  JsonSource source{name + ": /" + stage, section};
+  if (stage == "terrain") source.imported = {"center", "from"};
+  return source;
+}
+
 bool has_stage_sections(const std::string& schema) { return schema == "chain" || schema == "draws"; }
 
 void expand_stage_sections(JsonSource& source, const std::filesystem::path& folder) {

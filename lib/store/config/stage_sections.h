@@ -13,6 +13,10 @@ namespace landfall {
 /// schema of each, which has the section's name: terrain, scan, regrid, eval, hazard.
 [[nodiscard]] const std::vector<std::string>& stage_sections(const std::string& schema);
 
+/// A stage's section of the configuration `name`, as its tool's own; messages know the keys of an import too.
+[[nodiscard]] JsonSource stage_source(const std::string& stage, const nlohmann::json& section,
+                                      const std::string& name);
+
 /// Whether configurations of this schema have such sections: chain and draws.
 [[nodiscard]] bool has_stage_sections(const std::string& schema);
 
