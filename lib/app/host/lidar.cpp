@@ -94,8 +94,8 @@ void require_no_estimate(const nlohmann::json& config, const std::string& name) 
 }
 
 ScanModel model_of(const std::string& text, const std::string& name, ReadTable read_table) {
-  nlohmann::json config = resolve_config(parse_json(text, name), embedded_schema("scan"));
-  complete_scan_config(config);
+  nlohmann::json config =
+      completed_scan_config(resolve_config(parse_json(text, name), embedded_schema("scan")));
   require_no_estimate(config, name);
   if (config.at("noise").at(kIncidenceNoise) != 0)
     throw UsageError(name + ": /noise/" + kIncidenceNoise +

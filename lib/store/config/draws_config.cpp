@@ -51,11 +51,6 @@ void merge(Json& base, const Json& changes, const std::string& where) {
   }
 }
 
-Json completed_scan(Json filled) {
-  complete_scan_config(filled);
-  return filled;
-}
-
 Json resolve_stage(const std::string& stage, const Json& config, const std::string& name) {
   return resolved_config(stage_source(stage, config, name), stage);
 }
@@ -219,7 +214,7 @@ DrawsConfig::DrawsConfig(const Json& resolved, std::string name, const Json& sca
   };
   scan_ = stage("scan", traces_ ? Json::object() : scanned);
   scan_["draw"] = 0;  // each draw has its own
-  stages_ = {completed_scan(scan_), stage("regrid", Json::object()), stage("eval", Json::object()),
+  stages_ = {completed_scan_config(scan_), stage("regrid", Json::object()), stage("eval", Json::object()),
              stage("hazard", Json::object()), stage("terrain", Json::object())};
   if (has_hazards()) check_hazard_map(stages_.hazard, stages_.regrid, name_);
   seed_ = stages_.scan.at("seed");

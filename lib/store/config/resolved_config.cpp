@@ -61,8 +61,7 @@ void add_changes(const Node& node, const std::string& path, std::vector<ConfigCh
 Json resolved_config(const JsonSource& source, const std::string& schema) {
   if (schema == "terrain") return resolve_terrain_config(source);
   Json config = resolve_config(source, embedded_schema(schema));
-  if (schema == "scan") complete_scan_config(config);
-  return config;
+  return schema == "scan" ? completed_scan_config(std::move(config)) : config;
 }
 
 // Differences of a configuration are relative to the defaults of the chosen types, and every non-default

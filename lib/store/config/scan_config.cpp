@@ -82,16 +82,17 @@ void complete_risley(Json& scanner) {
 
 }  // namespace
 
-void complete_scan_config(Json& resolved) {
+Json completed_scan_config(Json resolved) {
   Json& detector = resolved.at("detector");
   if (!detector.contains("ifov_rad") && !detector.contains("fov_deg"))
     detector["ifov_rad"] = PixelFieldOfView{}.x_rad;
   Json& scanner = resolved.at("scanner");
   if (scanner.at("type") == "risley") complete_risley(scanner);
-  if (!scanner.contains("pattern")) return;
+  if (!scanner.contains("pattern")) return resolved;
   Json& pattern = scanner.at("pattern");
   if (pattern.at("type") == "spiral" && !pattern.contains("period_s"))
     pattern["period_s"] = resolved.at("laser").at("scan_time_s");
+  return resolved;
 }
 
 ScanModel scan_model(const Json& resolved, const std::string& name, const TableLoader& load_table) {

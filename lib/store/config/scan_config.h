@@ -9,9 +9,9 @@
 
 namespace landfall {
 
-/// Adds the defaults that the schema cannot express: the pixel pitch, if neither ifov_rad nor fov_deg is
-/// given.
-void complete_scan_config(nlohmann::json& resolved);
+/// With the defaults that the schema cannot express: the pixel pitch, if neither ifov_rad nor fov_deg is
+/// given, and the period of a spiral.
+[[nodiscard]] nlohmann::json completed_scan_config(nlohmann::json resolved);
 
 /// Builds the scan that a configuration describes (docs/user/scan-sim.md); `resolved` comes from
 /// resolve_config(). `load_table` reads the tables that it names. If it is empty, the configuration is only

@@ -97,8 +97,7 @@ void simulate(ScanModel model) {
 }
 
 void use_scan(const JsonSource& source) {
-  Json resolved = resolve(source, "scan");
-  complete_scan_config(resolved);
+  const Json resolved = completed_scan_config(resolve(source, "scan"));
   if (ray_count(resolved.at("detector")) > 4096 || step_count(resolved) > 4096) return;
   ScanModel model = scan_model(resolved, kName, {});
   static_cast<void>(accepts("", [&] { simulate(std::move(model)); }));

@@ -93,9 +93,7 @@ void make_mesh(const fs::path& path) {
 }
 
 ScanModel model_of(const Provenance& provenance) {
-  Json resolved = provenance.config;
-  complete_scan_config(resolved);
-  return scan_model(resolved, "config", {});
+  return scan_model(completed_scan_config(provenance.config), "config", {});
 }
 
 /// All batches of a scan, one after the other.

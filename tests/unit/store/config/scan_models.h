@@ -13,9 +13,7 @@ namespace landfall {
 
 /// The resolved and complete configuration c.json, which has these `changes`.
 inline nlohmann::json completed_scan(const nlohmann::json& changes) {
-  nlohmann::json config = resolve_config({"c.json", changes}, embedded_schema("scan"));
-  complete_scan_config(config);
-  return config;
+  return completed_scan_config(resolve_config({"c.json", changes}, embedded_schema("scan")));
 }
 
 /// The model of the configuration c.json of that text. Without a loader it is only checked.
