@@ -5,11 +5,13 @@
 #include "app/runs/draws_run.h"
 
 #include <algorithm>
+#include <cmath>
 #include <memory>
 #include <optional>
 #include <utility>
 
 #include "base/output/temporary_files.h"
+#include "base/text/number_text.h"
 #include "store/config/path_names.h"
 #include "store/files/draws_verdict.h"
 #include "store/files/table_reader.h"
@@ -180,6 +182,10 @@ class DrawLoop {
     report(progress, static_cast<double>(draws.table.end() - span_.first) /
                          static_cast<double>(span_.end - span_.first));
     if (is_done(draws)) return false;
+    const std::int64_t more = span_.end - draws.table.end();
+    if (std::exchange(is_first_, false))
+      output_.log("about " + number_text(std::ceil((output_.clock_s() - saved_s_) * double(more) / 60)) +
+                  " min for up to " + std::to_string(more) + " more draws, by the first");
     if (output_.clock_s() - saved_s_ < kStateInterval_s || interrupts.requested()) return true;
     scans_.complete(draws);
     state_.save(draws, scans_.crs_wkt());
@@ -203,6 +209,7 @@ class DrawLoop {
   std::optional<Sprt> sprt_;
   const DrawsState& state_;
   const DrawsOutput& output_;
+  bool is_first_ = true;
   double saved_s_ = 0;  ///< when the last state was written
 };
 
