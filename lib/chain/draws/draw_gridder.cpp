@@ -119,8 +119,10 @@ GridPoints DrawGridder::take_returns() {
       first[piece + 1] += is_kept(row) ? 1U : 0U;
   });
   std::partial_sum(first.begin(), first.end(), first.begin());
-  for (std::vector<double>& column : returns_) column.resize(std::max(column.size(), first.back()));
-  parallel_for(pieces, 1, [&](std::size_t piece, std::size_t) {
+  const bool all_kept = first.back() == size;  // which need no copy
+  if (!all_kept)
+    for (std::vector<double>& column : returns_) column.resize(std::max(column.size(), first.back()));
+  parallel_for(all_kept ? 0 : pieces, 1, [&](std::size_t piece, std::size_t) {
     for (std::size_t i = 0; i < kCoordinates.size(); ++i) {
       const std::vector<double>& from = points.*kCoordinates[i];
       double* to = returns_[i].data() + first[piece];
@@ -130,7 +132,9 @@ GridPoints DrawGridder::take_returns() {
   });
   // No layer of the DEM that is judged needs the times of the returns.
   no_times_.resize(std::max(no_times_.size(), first.back()));
-  const auto column = [&](std::size_t i) { return std::span<const double>(returns_[i]).first(first.back()); };
+  const auto column = [&](std::size_t i) {
+    return std::span<const double>(all_kept ? points.*kCoordinates[i] : returns_[i]).first(first.back());
+  };
   return {column(0),
           column(1),
           column(2),

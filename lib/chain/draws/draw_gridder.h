@@ -65,7 +65,7 @@ class DrawGridder {
   [[nodiscard]] Accumulator& empty_bins(Method method);
   void fill(const Simulation& simulation, PulseSpan pulses);
   void fill_slots(const Simulation& simulation, PulseSpan pulses, std::size_t first_slot);
-  /// The returns of the batch, in order; valid until the next call.
+  /// The returns of the batch, in order; valid until the next call or change of the batch.
   [[nodiscard]] GridPoints take_returns();
   /// `bins` are those of the device, or an Accumulator.
   template <class Bins>

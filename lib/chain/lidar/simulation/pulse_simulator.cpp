@@ -439,20 +439,21 @@ void PulseSimulator::record_estimate(const PulseInput& pulse, std::size_t first_
 void PulseSimulator::record_truth(const PulseInput& pulse, std::size_t first_row, PointColumns& out,
                                   const PulseWorkspace& workspace) const {
   const std::size_t max_count = lidar_.receiver.max_returns();
-  for (std::size_t k = 0; k < workspace.aimed.beams.size() * max_count; ++k) {
-    const std::size_t i = k / max_count;
+  std::size_t row = first_row;
+  for (std::size_t i = 0; i < workspace.aimed.beams.size(); ++i) {
     const Beam& beam = workspace.aimed.beams[i];
     const double range = workspace.received.ranges_m[i];
-    const std::size_t row = first_row + k;
-    const bool has_no_hit = out.status[row] == PointStatus::false_return && std::isnan(range);
-    const double shown = has_no_hit ? out.range_measured[row] : range;
-    const Point<DemFrame> truth = workspace.aimed.T_dem_lidar * (beam.exit + shown * beam.direction);
-    out.x_true[row] = truth.v.x();
-    out.y_true[row] = truth.v.y();
-    out.z_true[row] = truth.v.z();
-    out.range_true[row] = range;
-    out.pulse[row] = static_cast<std::int32_t>(pulse.time.pulse);
-    out.pixel[row] = static_cast<std::int32_t>(i);
+    for (const std::size_t end = row + max_count; row < end; ++row) {
+      const bool has_no_hit = out.status[row] == PointStatus::false_return && std::isnan(range);
+      const double shown = has_no_hit ? out.range_measured[row] : range;
+      const Point<DemFrame> truth = workspace.aimed.T_dem_lidar * (beam.exit + shown * beam.direction);
+      out.x_true[row] = truth.v.x();
+      out.y_true[row] = truth.v.y();
+      out.z_true[row] = truth.v.z();
+      out.range_true[row] = range;
+      out.pulse[row] = static_cast<std::int32_t>(pulse.time.pulse);
+      out.pixel[row] = static_cast<std::int32_t>(i);
+    }
   }
 }
 
