@@ -36,8 +36,8 @@ class Rasters(unittest.TestCase):
         values = [value for key, value in pattern.items()
                   for value in ("--set", f"scanner.pattern.{key}={json.dumps(value)}")]
         self.run_tool("scan-sim", "-c", STUDIES / "raster-200x200.scan.json", *values, "--terrain",
-                      self.folder / "terrain.h5", "-o", scan, "-O")
-        self.run_tool("regrid", scan, "-c", STUDIES / "regrid.json", "--layers", "z_est,count", "-o", dem, "-O")
+                      self.folder / "terrain.h5", "--compression", "0", "-o", scan, "-O")
+        self.run_tool("regrid", scan, "-c", STUDIES / "regrid.json", "--layers", "z_est,count", "--compression", "0", "-o", dem, "-O")
         self.run_tool("dem-eval", dem, "-c", STUDIES / "evaluation.json", "--metrics-only", "--metrics", metrics, "-o",
                       self.folder / "eval.h5", "-O")
         found = json.loads(metrics.read_text(encoding="utf-8"))
