@@ -108,22 +108,22 @@ class Verdicts(ToolTest):
         return rows["full"]
 
     def site_scan(self):
-        """A map of 24 m in bins of 5 cm."""
+        """A map of 14 m in bins of 5 cm."""
         return {"detector": {"rows": 18, "columns": 18, "ifov_rad": 8.888888888888889e-5, "roll_deg": 7.73},
-                "laser": {"pulse_rate_hz": 20000, "scan_time_s": 0.12},
-                "scanner": {"type": "fsm", "pattern": {"type": "line_search", "rows": 60, "columns": 40, "half_width_m": 12.1}},
+                "laser": {"pulse_rate_hz": 20000, "scan_time_s": 0.042},
+                "scanner": {"type": "fsm", "pattern": {"type": "line_search", "rows": 35, "columns": 24, "half_width_m": 7.1}},
                 "trajectory": {"type": "constant_velocity", "position_m": [0, 0, 500], "velocity_mps": [0, 0, -23]}}
 
     def test_cones_and_a_rocky_site(self):
         errors = {"noise": {"range_sigma_m": 0.0167, "dropout_frac": 0.01, "dead_pixel_frac": 0.01}}
-        cones = merged(json.loads(read_bytes(os.path.join(STUDIES, "cones.terrain.json"))), {"grid": {"half_width_m": 14}})
-        cones["patterns"][0]["radius_m"] = 8
-        rocks = merged(json.loads(read_bytes(os.path.join(STUDIES, "europa-rocks.terrain.json"))), {"grid": {"half_width_m": 14}})
+        cones = merged(json.loads(read_bytes(os.path.join(STUDIES, "cones.terrain.json"))), {"grid": {"half_width_m": 9}})
+        cones["patterns"][0]["radius_m"] = 4
+        rocks = merged(json.loads(read_bytes(os.path.join(STUDIES, "europa-rocks.terrain.json"))), {"grid": {"half_width_m": 9}})
         for name, terrain, limits in [("cones", cones, {"low": 0.02, "high": 0.15}), ("rocks", rocks, {"low": 0.02, "high": 0.036})]:
             with self.subTest(name):
                 self.scene(terrain, self.site_scan())
                 rows = self.check_verdicts({
-                    "draws": 10, "scan": errors, "regrid": {"half_width_m": 12}, "eval": {"region_radius_m": 10},
+                    "draws": 10, "scan": errors, "regrid": {"half_width_m": 7}, "eval": {"region_radius_m": 5.5},
                     "vary": {"scan.navigation_error.velocity_mps.0": {"type": "normal", "sigma": 0.3},
                              "eval.limits.relative_elevation_m": {"type": "uniform", **limits}}})
                 counts = rows["accuracy.relative.z.violation_count"]
@@ -184,7 +184,7 @@ def random_scene(random):
 class Dropouts(ToolTest):
     """A bin is invalid if all its returns are lost. Without other errors a return reaches the same bins in every draw."""
 
-    DRAWS = 200
+    DRAWS = 100
     RESOLUTION_M = 0.025
     HALF_BINS = 80
     ALLOWED = 1e-3  # probability that any bin of a run of draws is outside its bounds; the seed is fixed
