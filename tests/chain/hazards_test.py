@@ -44,6 +44,8 @@ SINGLE = {"rtol": 1e-7, "atol": 2e-9}  # the rounding to float32
 
 
 class Maps(ChainTest):
+    MEASURED = {}
+
     def hazards(self, source, config, *arguments):
         out = [self.path(name) for name in ("h.h5", "sites.json", "score.json")]
         options = ["-o", out[0], "--sites", out[1], "-O"] + ([] if "--no-truth" in arguments else ["--score", out[2]])
@@ -55,7 +57,10 @@ class Maps(ChainTest):
         s = 0.1
         region = np.asarray(region_of({**config, "region": {"shape": "circle"}}, None, z.shape[0] // 2, s))
         self.assertEqual(region.shape, z.shape)
-        slope, rough = (np.where(region, values, np.nan) for values in oracle.measures(z, config, s))
+        key = z.tobytes(), json.dumps([config["lander"], config["method"], config["limits"]])
+        if key not in self.MEASURED:
+            self.MEASURED[key] = oracle.measures(z, config, s)
+        slope, rough = (np.where(region, values, np.nan) for values in self.MEASURED[key])
         limits = config["limits"]
         near = (abs(slope - limits["slope_deg"]) < 1e-9) | (abs(rough - limits["roughness_m"]) < 1e-9)
         self.assertFalse(near.any(), "a value that rounding decides")
@@ -495,25 +500,25 @@ class Calibration(ToolTest):
 
     def dem(self, site):
         abundance, hurst, deviation = (0.05, 0.08, 0.1, 0.15, 0.2)[site % 5], (0.8, 0.7)[site % 2], (0.2, 0.3, 0.4)[site % 3]
-        self.succeed("terrain-gen", "-o", self.path("t.h5"), "-O", "--set", f"seed={100 + site}", "--set", 'grid={"half_width_m": 8, "resolution_m": 0.025}',
+        self.succeed("terrain-gen", "-o", self.path("t.h5"), "-O", "--set", f"seed={100 + site}", "--set", 'grid={"half_width_m": 6.5, "resolution_m": 0.025}',
                      "--set", f'base={{"type": "fractal", "hurst_exponent": {hurst}, "reference_length_m": 10, "rms_deviation_m": {deviation}}}',
                      "--set", f'patterns=[{{"type": "golombek_rocks", "k": {abundance}, "min_diameter_m": 0.1}}]')
         # As Example 2, with the same returns per bin, on ground finer than the bins; the map is moved by a fraction of one.
         self.succeed("scan-sim", "-c", "preset:paper", "--terrain", self.path("t.h5"), "-o", self.path("s.h5"), "-O", "--seed", site + 1,
-                     "--set", "scanner.pattern.rows=35", "--set", "scanner.pattern.columns=23", "--set", "scanner.pattern.half_width_m=7.1",
-                     "--set", "laser.scan_time_s=0.04025",
+                     "--set", "scanner.pattern.rows=28", "--set", "scanner.pattern.columns=18", "--set", "scanner.pattern.half_width_m=5.6",
+                     "--set", "laser.scan_time_s=0.0252",
                      "--set", f"navigation_error.position_m=[{0.05 * ((0.37 * site) % 1 - 0.5)},{0.05 * ((0.61 * site) % 1 - 0.5)},0]")
         self.succeed("regrid", self.path("s.h5"), "--terrain", self.path("t.h5"), "-o", self.path("d.h5"), "-O", "--uncertainty",
-                     "--navigation-sigma", "position_m=0", "--set", "half_width_m=7")
+                     "--navigation-sigma", "position_m=0", "--set", "half_width_m=5.5")
 
     def test_in_each_tenth_the_truly_safe_share_is_the_mean_probability(self):
         """Places of one site are alike. Drawn again from these ten sites (bootstrap), the difference of a tenth has a standard deviation of up to
-        0.026 with a slope limit of 10 deg and 0.055 with 30 deg: twice that is added to the 0.08 that is wanted on large sites."""
+        0.038 with a slope limit of 10 deg and 0.089 with 30 deg: 1.2 of that is added to the 0.08 that is wanted on large sites."""
         pooled = {limit: [] for limit in self.LIMITS}
         for site in self.SITES:
             self.dem(site)
             for limit in self.LIMITS:
-                self.succeed("hazard-map", self.path("d.h5"), "-o", self.path("h.h5"), "-O", "--set", f"limits.slope_deg={limit}", "--set", "region_radius_m=5.5")
+                self.succeed("hazard-map", self.path("d.h5"), "-o", self.path("h.h5"), "-O", "--set", f"limits.slope_deg={limit}", "--set", "region_radius_m=4")
                 layers = columns(self.path("h.h5"))
                 known = np.isfinite(layers["p_safe"]) & (layers["safe_true"] != 2)
                 pooled[limit].append([layers["p_safe"][known].astype(float), layers["safe_true"][known] == 1, layers["safe"][known] == 1])
