@@ -123,6 +123,7 @@ class PageTest(ToolTest):
 
     def open(self, name):
         """Opens a page in the test's folder."""
+        self.window.driver.get("about:blank")  # to widen a page draws it again
         self.window.driver.get_log("browser")
         self.window.requests()
         self.requested.clear()
