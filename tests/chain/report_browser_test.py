@@ -71,6 +71,7 @@ class CommonReport(CommonPage, ReportCase):
 
     def test_numbers_are_those_of_metrics_json(self):
         metrics = self.report()
+        self.assertEqual(self.text("h1"), "plane with cone features, hemisphere features and pyramid features, fsm scanner")
         self.assertEqual(self.cells("#verdicts"), self.expected_rows())
         self.assertEqual(self.text("#verdict").split(":")[0], "pass" if metrics["pass"] else "FAIL")
         self.assertEqual([row[1] for row in self.cells("#provenance")], ["terrain-gen", "scan-sim", "regrid", "dem-eval"])
@@ -399,8 +400,6 @@ class OtherReports(ReportCase):
     def test_has_the_title_that_is_given(self):
         self.report(None, "--title", "Site 7 & <others>")
         self.assertEqual((self.text("h1"), self.window.driver.title), ("Site 7 & <others>",) * 2)
-        self.report()
-        self.assertEqual(self.text("h1"), "plane with cone features, hemisphere features and pyramid features, fsm scanner")
 
     def test_numbers_of_worst_footprints_do_not_overlap(self):
         """The worst footprints, of one bin each, lie close together; a map shows as many numbers as fit."""
