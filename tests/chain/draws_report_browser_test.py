@@ -9,7 +9,7 @@ import h5py
 import numpy as np
 
 from harness import BIN, EVAL, LONGEST_S, REGRID, SCAN, TERRAIN, browser, read_bytes, with_values
-from harness.page import PageTest
+from harness.page import CommonPage, PageTest
 
 SECTIONS = ["requirements", "distributions", "causes", "failures", "maps", "provenance-chain"]
 PROBABILITIES = ["p_invalid", "p_fail_rel_z", "p_fail_rel_x", "p_fail_rel_y", "p_fail_absolute"]
@@ -29,25 +29,28 @@ return Math.min(...Array.from(blocks.values).map((value, i) => value > 0 ? color
 SET_VALUE = "const e = document.getElementById(arguments[0]); e.value = arguments[1]; e.dispatchEvent(new Event(arguments[2]));"
 
 
-@unittest.skipIf(browser.missing(), browser.missing())
-class DrawsReportTest(PageTest):
-    def setUp(self):
-        super().setUp()
-        os.symlink(self.chain.terrain, self.path("terrain.h5"))
-        self.succeed("scan-sim", *self.chain.inputs("scan-sim"), "--keep-misses", "-o", self.path("scan.h5"))
-
-    def run_draws(self, *arguments, config=DRAWS_CONFIG, output="draws.h5"):
+class DrawsReport(PageTest):
+    def report(self, *arguments, config=DRAWS_CONFIG, output="draws.h5"):
         """Makes draws and opens its report; the draws by column, and the layers."""
+        if not os.path.exists(self.path("scan.h5")):
+            os.symlink(self.chain.terrain, self.path("terrain.h5"))
+            self.succeed("scan-sim", *self.chain.inputs("scan-sim"), "--keep-misses", "-o", self.path("scan.h5"))
         self.succeed("monte-carlo", self.path("scan.h5"), "--terrain", self.path("terrain.h5"), "-c", self.config(config), "-o",
                      self.path(output), "--report", self.path("draws.html"), "-O", *arguments)
         self.open("draws.html")
+        return self.results(output)
+
+    def results(self, output="draws.h5"):
         with h5py.File(self.path(output)) as file:
             self.verdict = json.loads(file["verdict_json"][()])
             layers = {name: file[name][()] for name in file if isinstance(file[name], h5py.Dataset) and file[name].ndim == 2}
             return {name: item[()] for name, item in file["draws"].items()}, layers
 
+
+@unittest.skipIf(browser.missing(), browser.missing())
+class CommonReport(CommonPage, DrawsReport):
     def test_numbers_maps_and_layout(self):
-        draws, layers = self.run_draws()
+        draws, layers = self.report()
         passed = int(np.count_nonzero(draws["pass"]))
         self.assertTrue(0 < passed < 8, "the case must have both")
         self.check_parts(SECTIONS, MAPS)
@@ -64,7 +67,7 @@ class DrawsReportTest(PageTest):
             self.assertTrue(0.849 < self.window.run(BRIGHTNESS, name) <= 1, name)
 
     def test_failed_draws_and_the_points_of_the_diagrams(self):
-        draws, _ = self.run_draws()
+        draws, _ = self.report()
         failed = np.flatnonzero(draws["pass"] == 0)
         rows = self.cells("#failed-draws")
         self.assertEqual([row[0] for row in rows], [str(i) for i in failed])
@@ -78,7 +81,7 @@ class DrawsReportTest(PageTest):
         self.assertEqual([self.window.run(colors).count(f"var(--{color})") for color in ("vermilion", "blue")], [expected, 8 - expected])
 
     def test_the_requirement_that_decides_comes_first_as_a_length_against_its_limit(self):
-        draws, _ = self.run_draws()
+        draws, _ = self.report()
         failures = {name: np.count_nonzero(draws[f"requirements.{name}.pass"] == 0) for name in (rate["requirement"] for rate in self.verdict["rates"][:-1])}
         self.assertEqual([failures[name] for name in self.texts("#distributions figcaption")], sorted(failures.values(), reverse=True))
         elevation = "return report.requirements.find((r) => r.name === 'relative_elevation').deciding"
@@ -94,7 +97,7 @@ class DrawsReportTest(PageTest):
         self.assertIn("accuracy.relative.z.max_m", options)
 
     def test_the_commands_give_the_same_draw(self):
-        draws, _ = self.run_draws()
+        draws, _ = self.report()
         self.window.run(SET_VALUE, "draw", "5", "input")
         commands = f"set -e\n{self.text('#configurations')}\n{self.text('#commands')}\n"
         self.assertEqual(commands.count("--set"), 4)
@@ -114,12 +117,15 @@ class DrawsReportTest(PageTest):
         self.assertGreater(compared, 30)
         self.assertEqual(metrics["pass"], bool(draws["pass"][5]))
 
+
+@unittest.skipIf(browser.missing(), browser.missing())
+class OtherReports(DrawsReport):
     def test_parts_and_merge(self):
-        self.run_draws()
+        self.report()
         whole = read_bytes(self.path("draws.html"))
-        self.run_draws("--draws", "0:3", output="a.h5")
+        self.report("--draws", "0:3", output="a.h5")
         self.assertEqual(self.cells("#rates")[0][1].split(" of ")[1], "3")
-        self.run_draws("--draws", "3:8", output="b.h5")
+        self.report("--draws", "3:8", output="b.h5")
         self.window.run(SET_VALUE, "draw", "3", "input")
         self.assertIn("-o draw-3-scan.h5", self.text("#commands"))
         self.succeed("monte-carlo", "merge", self.path("b.h5"), self.path("a.h5"), "-o", self.path("c.h5"), "--report", self.path("c.html"))
@@ -129,7 +135,7 @@ class DrawsReportTest(PageTest):
     def test_a_sequential_test_and_no_maps(self):
         config = {**with_values(DRAWS_CONFIG, sigma=False), "layers": False, "metrics": "verdict", "vary": {},
                   "stop": {"type": "sprt", "p0": 0.9, "p1": 0.5}}
-        self.run_draws("--title", "Cones & <rocks>", config=config)
+        self.report("--title", "Cones & <rocks>", config=config)
         self.assertEqual(self.text("h1"), "Cones & <rocks>")
         self.assertIn(f"sequential test: {self.verdict['sprt']}", self.text("#verdict"))
         for row in self.cells("#rates"):
@@ -149,9 +155,9 @@ class DrawsReportTest(PageTest):
         self.check_log_and_requests()
 
     def test_what_is_refused(self):
-        inputs = [self.path("scan.h5"), "--terrain", self.path("terrain.h5"), "-o", self.path("d.h5")]
+        inputs = [self.chain.scan, "--terrain", self.chain.terrain, "-o", self.path("d.h5")]
         for options, message in ((["--title", "x"], "--title needs --report"), (["--report", "-"], "--report needs a file"),
-                                 (["--report", self.path("scan.h5")], "scan.h5")):
+                                 (["--report", self.chain.scan], "scan.h5")):
             self.refuse(2, "monte-carlo", *inputs, *options, words=[message], output=self.path("d.h5"))
 
 
