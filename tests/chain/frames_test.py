@@ -329,16 +329,18 @@ class Fills(Frames):
     def test_rasters(self):
         site = ["--half-width", "10", "--resolution", "1", "-o", self.path("t.h5"), "-O"]
         plain = self.raster("plain", self.values)
-        for value, kind in self.SAMPLES:
+        for number, (value, kind) in enumerate(self.SAMPLES):
             with self.subTest(value, kind=kind):
                 path = self.raster("dem", self.filled(value), kind=kind)
                 value = float(np.dtype(kind.lower()).type(value))
                 words = [f"{self.hole.sum()} of 961 samples are", "(--nodata)"]
                 self.refused(path, *words)
-                self.refuse(1, "terrain-gen", "--from", path, *site, words=words, output=self.path("t.h5"))
-                self.refused(plain, "dem.tif", *words, arguments=["--truth", path])
                 self.succeed("landfall-import", path, "-o", self.path("dem.h5"), "-O", "--nodata", repr(value))
                 np.testing.assert_array_equal(np.isnan(self.bins()[0]), self.hole[::-1])
+                if number > 3:  # each kind once; all readers of rasters look for fills alike
+                    continue
+                self.refuse(1, "terrain-gen", "--from", path, *site, words=words, output=self.path("t.h5"))
+                self.refused(plain, "dem.tif", *words, arguments=["--truth", path])
                 self.succeed("landfall-import", path, "-o", self.path("dem.h5"), "-O", "--nodata", "none")
                 self.assertEqual((self.bins()[0] == value).sum(), self.hole.sum())
 
@@ -370,8 +372,8 @@ class Fills(Frames):
                 points, _ = self.imported(path, *utm, "--nodata", repr(value))
                 self.assertEqual(len(points), 961 - self.hole.sum())
                 self.assertIn(f"{self.hole.sum()} points with a z of --nodata are left out", self.said)
-                points, _ = self.imported(path, *utm, "--nodata", "none")
-                self.assertEqual(len(points), 961)
+        points, _ = self.imported(path, *utm, "--nodata", "none")
+        self.assertEqual(len(points), 961)
 
     def test_a_position_that_many_points_share(self):
         """No return as 0, 0, 0 among points around it: neither x nor z is apart."""
