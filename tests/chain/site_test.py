@@ -33,7 +33,7 @@ class Site(ToolTest):
     source = EUROPA if os.path.exists(EUROPA) else RELIEF
 
     def terrain(self, name, **parts):
-        config = {"grid": {"half_width_m": 60, "resolution_m": 0.05}, **parts}
+        config = {"grid": {"half_width_m": 60, "resolution_m": 0.1}, **parts}
         self.succeed("terrain-gen", "-c", self.config(config, name + ".json"), "-o", self.path(name + ".h5"))
         with h5py.File(self.path(name + ".h5")) as file:
             return file["z"][()], {key: file["features"][key][()] for key in file.get("features", {})}
@@ -50,10 +50,10 @@ class Site(ToolTest):
 
     def check_only_short_waves(self, added):
         """The fractal adds no relief at wavelengths of 25 m and more; its deviation at a lag of 1 m follows the power law."""
-        block = 500  # 25 m
-        means = added[:2000, :2000].reshape(4, block, 4, block).mean(axis=(1, 3))
+        block = 250  # 25 m
+        means = added[:1000, :1000].reshape(4, block, 4, block).mean(axis=(1, 3))
         self.assertLess(means.std(), 0.1 * added.std())
-        deviation = math.sqrt(np.mean((added[:, 20:] - added[:, :-20]) ** 2))
+        deviation = math.sqrt(np.mean((added[:, 10:] - added[:, :-10]) ** 2))
         expected = 0.87 * 0.1**0.8 * math.sqrt(1 - fraction_of_long_waves(2 * math.pi / 25, 0.8))
         self.assertAlmostEqual(deviation, expected, delta=0.1 * expected)
 
@@ -65,7 +65,7 @@ class Site(ToolTest):
         self.assertGreater(covered, 0.005)
         self.assertLess(covered, 0.05)
         for i in np.argsort(rocks["diameter"])[-20:]:
-            row, col = round((rocks["y"][i] + 60) / 0.05), round((rocks["x"][i] + 60) / 0.05)
+            row, col = round((rocks["y"][i] + 60) / 0.1), round((rocks["x"][i] + 60) / 0.1)
             self.assertGreater(lift[row, col], 0.5 * rocks["height"][i])
 
 
