@@ -225,7 +225,7 @@ class Figures(Noisy):
         self.succeed("monte-carlo", self.scan, "--terrain", self.terrain, "-c", self.config(config), "-o", self.path("draws.h5"))
         self.succeed("dem-eval", self.dem(1), "--set", "region_radius_m=3", "-o", self.path("eval.h5"))
         for command, name in (("plot_eval", "eval.h5"), ("plot_draws", "draws.h5")):
-            done = run_command(command, self.path(name), "-o", self.path(command + {"plot_eval": "-", "plot_draws": ".png"}[command]), cwd=self.folder)
+            done = run_command(command, self.path(name), "--dpi", 50, "-o", self.path(command + {"plot_eval": "-", "plot_draws": ".png"}[command]), cwd=self.folder)
             self.assertEqual(done.returncode, 0, done.stderr)
         figure = draws_figure.draw(draws_figure.Draws(self.path("draws.h5")))
         texts = [text.get_text() for text in figure.findobj(Text)]
