@@ -77,7 +77,7 @@ class Landfall(ToolTest):
         self.assertEqual(complete("plot", "dem", "--lim"), ["--limit-m"])
 
     def test_study_status_from_another_folder(self):
-        result = run("landfall", "study", "status", "noise", cwd=self.folder)
+        result = run("landfall", "study", "status", "flyback", cwd=self.folder)
         self.assertEqual(result.returncode, 0, result.stderr)
 
     def test_a_study_that_fails_shows_its_own_message_alone(self):
