@@ -190,7 +190,7 @@ class Export(ImportTest):
         self.assertEqual(np.argwhere(np.isnan(values)).tolist(), [[3, 2], [3, 3]])
 
     def test_a_full_disk_is_reported(self):
-        terrain = self.made("--set", 'base={"type":"fractal"}')
+        terrain = self.made("--set", 'base={"type":"fractal"}', "--set", "grid.resolution_m=0.1")
         self.succeed("terrain-gen", "--from", terrain, "-o", self.path("all.tif"))
         size = os.path.getsize(self.path("all.tif"))
         for part in (0.01, 0.3, 0.7, 0.95, 1 - 1 / size):
