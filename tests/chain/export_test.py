@@ -2,7 +2,7 @@
 """Files of landfall-export read by other programs: extents and values equal those that h5py reads from our files.
 
 Tests of a program that is not installed are skipped with a message. The Debian packages are gdal-bin, gmt, cloudcompare,
-python3-paraview, python3-meshio, python3-pil and libxdmf-dev; npm fetches the LAS reader from its registry
+python3-paraview, python3-meshio and libxdmf-dev; npm fetches the LAS reader from its registry
 (tests/chain/outside/package-lock.json).
 """
 import functools
@@ -16,6 +16,7 @@ import unittest
 
 import h5py
 import numpy as np
+from PIL import Image
 
 from harness import Chain, ToolTest, bins_of_picture, columns, read_bytes, returns_of, run, tool
 
@@ -27,10 +28,7 @@ CHAIN = None
 def setUpModule():
     global CHAIN
     CHAIN = Chain()
-
-
-def tearDownModule():
-    CHAIN.remove()
+    unittest.addModuleCleanup(CHAIN.remove)
 
 
 def program(name, package):
@@ -443,16 +441,8 @@ class CsvTest(ExportTest):
 
 
 class PictureTest(ExportTest):
-    def setUp(self):
-        super().setUp()
-        try:
-            from PIL import Image  # pylint: disable=import-outside-toplevel
-        except ImportError:
-            self.skipTest("Pillow is not installed (Debian's python3-pil)")
-        self.open_image = Image.open
-
     def pixels(self, path):
-        with self.open_image(path) as image:
+        with Image.open(path) as image:
             self.assertEqual((image.format, image.mode), ("PNG", "RGB"))
             return np.asarray(image).astype(int)
 
