@@ -138,8 +138,7 @@ class Forked(Run):
                 try:
                     landfall.Terrain(config)
                 except landfall.Error as error:
-                    said.write(f"terrain-gen: {error}\n")
-                    said.flush()
+                    print("terrain-gen:", error, file=said, flush=True)
                     code = error.exit_code
                 finally:
                     os._exit(code)
