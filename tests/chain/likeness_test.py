@@ -135,7 +135,11 @@ class Likeness(ChainTest):
         self.refuse(2, "landfall-info", "--compare", here, self.chain.dem, words=["two files of one kind"])
 
     def test_long_scans_are_compared_in_a_square(self):
-        long = self.scan("long", laser={"pulse_rate_hz": 100000}, noise={"dropout_frac": 0})
+        """A scan that is three times as long as wide."""
+        rows = np.column_stack([np.arange(20000) / 1e5, np.random.default_rng(2).uniform([-5, -1.7], [5, 1.7], (20000, 2))])
+        np.savetxt(self.path("aims.csv"), rows, delimiter=",", header="t_s,x_m,y_m", comments="")
+        long = self.scan("long", laser={"pulse_rate_hz": 100000}, noise={"dropout_frac": 0},
+                         scanner={"pattern": {"type": "table", "path": self.path("aims.csv")}})
         found, by_name = self.compare(long, long, "--report", self.path("page.html"))
         counts = found["likeness"]["returns"]
         self.assertEqual(counts["a"], counts["b"])
