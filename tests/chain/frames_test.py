@@ -11,6 +11,7 @@ import h5py
 import numpy as np
 
 from harness import ToolTest, read_bytes
+from harness.rasters import geotiff
 
 JOINTS = os.path.join(os.environ.get("LANDFALL_DATA", os.path.join(os.environ["LANDFALL_ROOT"], "..", "shared", "data")), "joints")
 MOON_M = 1737400.0
@@ -50,20 +51,8 @@ class Frames(ToolTest):
     def refused(self, path, *words, arguments=(), code=1):
         self.refuse(code, "landfall-import", path, "-o", self.path("bad.h5"), *arguments, words=words, output=self.path("bad.h5"))
 
-    def raster(self, name, values, *options, corner=(500000, 5400000), cell=1.0, crs="EPSG:32632", kind="Float64"):
-        """A GeoTIFF; `values` from north to south."""
-        values = np.asarray(values, float)
-        grid = self.path(name + ".asc")
-        with open(grid, "w", encoding="ascii") as file:
-            file.write(f"ncols {values.shape[1]}\nnrows {values.shape[0]}\nxllcorner 0\nyllcorner 0\ncellsize 1\nNODATA_value nan\n")
-            np.savetxt(file, values, "%.17g")
-        west, south = corner
-        path = self.path(name + ".tif")
-        subprocess.run(["gdal_translate", "-q", "-ot", kind, "-a_srs", crs, "-a_ullr", repr(west), repr(south + cell * values.shape[0]),
-                        repr(west + cell * values.shape[1]), repr(south), *options, grid, path], check=True,
-                       env={**os.environ, "AAIGRID_DATATYPE": "Float64"})
-        os.remove(grid)
-        return path
+    def raster(self, name, values, corner=(500000, 5400000), **more):
+        return geotiff(self.path(name + ".tif"), np.asarray(values, float), corner, **more)
 
     def bins(self, path="dem.h5"):
         with h5py.File(self.path(path)) as file:
@@ -313,9 +302,9 @@ class Fills(Frames):
     """One value, repeated exactly, at an end and farther from all others than these are from each other."""
 
     VALUES = (-10000, -99999.9, -100000, 1e10, -88888, -9999.9, -9998, 99999.99, -3276.8, -12345, -32000, 8888, -1e5)
-    SAMPLES = ((-9999, "Float64"), (-32768, "Int16"), (-32767, "Float32"), (-99999, "Int32"), (9999, "Float32"), (1e6, "Float64"),
-               (-3.4e38, "Float32"), (-3.4028234663852886e38, "Float32"), (3.4e38, "Float64"), (32767, "Int16"), (-2147483647, "Int32"),
-               (-99999.9, "Float64"), (-3276.8, "Float64"))
+    SAMPLES = ((-9999, "float64"), (-32768, "int16"), (-32767, "float32"), (-99999, "int32"), (9999, "float32"), (1e6, "float64"),
+               (-3.4e38, "float32"), (-3.4028234663852886e38, "float32"), (3.4e38, "float64"), (32767, "int16"), (-2147483647, "int32"),
+               (-99999.9, "float64"), (-3276.8, "float64"))
 
     def setUp(self):
         super().setUp()
@@ -332,7 +321,7 @@ class Fills(Frames):
         for number, (value, kind) in enumerate(self.SAMPLES):
             with self.subTest(value, kind=kind):
                 path = self.raster("dem", self.filled(value), kind=kind)
-                value = float(np.dtype(kind.lower()).type(value))
+                value = float(np.dtype(kind).type(value))
                 words = [f"{self.hole.sum()} of 961 samples are", "(--nodata)"]
                 self.refused(path, *words)
                 self.succeed("landfall-import", path, "-o", self.path("dem.h5"), "-O", "--nodata", repr(value))
@@ -357,7 +346,7 @@ class Fills(Frames):
     def test_terrain_that_is_no_fill(self):
         """A lake at the lowest level, and a lonely peak."""
         lake = np.where(self.hole, 98, np.round(self.values))
-        self.succeed("landfall-import", self.raster("lake", lake, kind="Int16"), "-o", self.path("dem.h5"), "-O")
+        self.succeed("landfall-import", self.raster("lake", lake, kind="int16"), "-o", self.path("dem.h5"), "-O")
         peak = self.values.copy()
         peak[4, 5] = 5000
         self.succeed("landfall-import", self.raster("peak", peak), "-o", self.path("dem.h5"), "-O")

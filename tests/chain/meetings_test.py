@@ -11,6 +11,7 @@ import numpy as np
 
 from harness import ToolTest, columns, read_bytes
 from harness.commands import run_command
+from harness.rasters import geotiff
 from landfall.plot import plot_compare
 
 UTM = "EPSG:32632"
@@ -45,14 +46,14 @@ class MeetingTest(ToolTest):
     def raster(self, name, corner, size=61, crs=UTM, z=plane, cell=1.0):
         """A GeoTIFF whose pixel centres lie at corner + i cell; z of their coordinates."""
         x, y = corner[0] + cell * np.arange(size), corner[1] + cell * np.arange(size)
+        values = z(*np.meshgrid(x, y))[::-1]
+        if crs is not None:
+            return geotiff(self.path(name), values, (x[0] - cell / 2, y[0] - cell / 2), cell, crs)
         text = self.path(name + ".asc")
         with open(text, "w", encoding="ascii") as file:
             file.write(f"ncols {size}\nnrows {size}\nxllcenter {corner[0]:.9f}\nyllcenter {corner[1]:.9f}\ncellsize {cell}\n")
-            np.savetxt(file, z(*np.meshgrid(x, y))[::-1], "%.9f")
-        if crs is None:
-            return text
-        subprocess.run(["gdal_translate", "-q", "-ot", "Float64", "-a_srs", crs, text, self.path(name)], check=True, capture_output=True)
-        return self.path(name)
+            np.savetxt(file, values, "%.9f")
+        return text
 
 
 class Scans(MeetingTest):
