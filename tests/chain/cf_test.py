@@ -13,6 +13,7 @@ import unittest
 
 import netCDF4
 import numpy as np
+import pyproj
 
 from harness import ChainTest, ToolTest, run
 
@@ -268,10 +269,6 @@ class GridMappings(ToolTest):
     """The parameters of /crs give the projection that its WKT gives, by PROJ."""
 
     def test_parameters_and_wkt_give_the_same_coordinates(self):
-        try:
-            import pyproj
-        except ImportError:
-            self.skipTest("python3-pyproj is not installed")
         for projection, (expected, longitude, latitude) in PROJECTIONS.items():
             with self.subTest(projection):
                 raster, terrain = self.path("map.tif"), self.path("terrain.nc")
