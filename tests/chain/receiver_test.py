@@ -351,7 +351,6 @@ class Draws(ReceiverTest):
         self.refuse(1, "scan-sim", "-c", self.config(stare(receiver__threshold_pe=1e6)), "--terrain", terrain, "-o",
                     self.path("scan.h5"), words=["no return: 200 too weak to be detected"], output=self.path("scan.h5"))
 
-
     def test_values_without_effect_are_warned_of(self):
         terrain = self.terrain(plane())
         off = {**stare(receiver__type="none"), "link": {}, "receiver": {}}
