@@ -20,7 +20,7 @@ from case import BASE, BIN, PYTHON, ROOT, StudyTest, read
 # pylint: disable=wrong-import-order
 from landfall import dictionary, tools
 from landfall.answers import design, design_problem, design_search, runs
-from landfall.errors import DataError, UsageError
+from landfall.errors import DataError, Error, UsageError
 
 tools.BIN = BIN
 VELOCITY = "scan.navigation_error.velocity_mps.0"
@@ -91,9 +91,10 @@ class Filters(DesignTest):
 
     def test_a_configuration_that_a_tool_refuses(self):
         for base, message in self.refused_bases():
-            self.write(design_file(base=base))
-            with self.subTest(message):
-                self.assertRegex(self.run_it(code=2).stderr, rf"\Alandfall design: {re.escape(message)}[^\n]*\n\Z")
+            with self.subTest(message), self.assertRaisesRegex(Error, rf"\A{re.escape(message)}[^\n]*\Z") as caught:
+                self.problem(base=base)
+            self.assertEqual(caught.exception.exit_code, 2)
+        self.assertRegex(self.run_it(code=2).stderr, rf"\Alandfall design: {re.escape(message)}[^\n]*\n\Z")
 
     def test_costs(self):
         configs = self.problem().configs({**GOOD, "lines": 10})
@@ -300,7 +301,7 @@ class Run(DesignTest):
         self.assertTrue(read(self.path(out, "design.png")).startswith(b"\x89PNG"))
 
     def test_the_answer_whole_killed_and_of_two_workers(self):
-        """A run that is killed again and again, at any time, and one with two workers have the bytes of an undisturbed one."""
+        """A run that is killed again and again, at any time, and the recipe with two workers have the bytes of an undisturbed one."""
         self.write(design_file())
         result = self.run_it(out="whole")
         self.check_answer("whole", result.stdout)
@@ -318,9 +319,9 @@ class Run(DesignTest):
             process.wait()
         self.assertGreater(kills, 0)
         self.assertNotIn("cost: ", self.run_it(out="killed").stderr)
-        self.run_it("-j", "2", out="two")
+        self.assertIn("Winner:", self.make("design", "-j2").stdout)
         for name in ("design.json", "candidates.csv", "report.html", "design.png"):
-            for out in ("killed", "two"):
+            for out in ("killed", "runs/design/tiny"):
                 self.assertEqual(read(self.path(out, name)), read(self.path("whole", name)), (out, name))
 
     def test_no_candidate(self):
@@ -330,12 +331,6 @@ class Run(DesignTest):
         result = self.run_it(code=1)
         self.assertIn("No candidate passes.", result.stdout)
         self.assertRegex(result.stderr.splitlines()[-1], "^landfall design: .*tiny.json: no candidate passes with a probability of 0.85$")
-
-    def test_the_recipe(self):
-        self.write(design_file(search={"candidates": 4, "start": [GOOD]}))
-        result = self.make("design", "-j2")
-        self.assertIn("Winner:", result.stdout)
-        self.assertTrue(os.path.exists(self.path("runs", "design", "tiny", "report.html")))
 
     def test_without_optuna_a_message_names_its_package(self):
         self.write(design_file())
