@@ -20,7 +20,7 @@ from case import BASE, BIN, PYTHON, ROOT, StudyTest, read
 # pylint: disable=wrong-import-order
 from landfall import tools
 from landfall.answers import model, sensitivity
-from landfall.errors import DataError, UsageError
+from landfall.errors import DataError, Error, UsageError
 
 tools.BIN = BIN
 VELOCITY, POSITION, SIGMA = "scan.navigation_error.velocity_mps.0", "scan.navigation_error.position_m.0", "scan.noise.range_sigma_m"
@@ -230,12 +230,14 @@ class Landfall(SensitivityTest):
 
     def test_a_configuration_that_a_tool_refuses(self):
         for base, message in self.refused_bases():
-            self.file(base=base)
-            with self.subTest(message):
-                self.assertRegex(self.run_it(code=2).stderr, rf"\Alandfall sensitivity: {re.escape(message)}[^\n]*\n\Z")
+            with self.subTest(message), self.assertRaisesRegex(Error, rf"\A{re.escape(message)}[^\n]*\Z") as caught:
+                sensitivity.Problem(self.file(base=base))
+            self.assertEqual(caught.exception.exit_code, 2)
+        self.assertRegex(self.run_it(code=2).stderr, rf"\Alandfall sensitivity: {re.escape(message)}[^\n]*\n\Z")
 
     def test_killed_and_resumed_and_two_workers(self):
-        """Each gives the bytes of an undisturbed run; what was done is not done again."""
+        """Each gives the bytes of an undisturbed run; what was done is not done again. The two workers are of the recipe, and of a command before
+        each tool, as srun."""
         self.file(size=40)
         whole = self.run_it(out="whole")
         process = subprocess.Popen([PYTHON, os.path.join(ROOT, "python", "commands", "sensitivity.py"), self.path("tiny.json"), "--out",
@@ -250,9 +252,13 @@ class Landfall(SensitivityTest):
         times = {name: os.stat(self.path("killed", "cache", name)).st_mtime_ns for name in before}
         resumed = self.run_it(out="killed")
         self.assertEqual({name: os.stat(self.path("killed", "cache", name)).st_mtime_ns for name in before}, times)
-        self.run_it("-j", "2", out="two")
+        with open(self.path("runner"), "w", encoding="utf-8") as file:
+            file.write(f'#!/bin/sh\necho "$1" >> {self.path("ran")}\nexec "$@"\n')
+        os.chmod(self.path("runner"), 0o755)
+        self.assertIn("200 draws, 3 groups", self.make("sensitivity", "-j2", f"RUNNER={self.path('runner')}").stdout)
+        self.assertIn("monte-carlo", read(self.path("ran")).decode())
         for name in ("sensitivity.json", "sensitivity.csv", "report.html", "sensitivity.png"):
-            for out in ("killed", "two"):
+            for out in ("killed", "runs/sensitivity/tiny"):
                 self.assertEqual(read(self.path(out, name)), read(self.path("whole", name)), (out, name))
         self.assertNotIn("cost: ", resumed.stderr)
         self.assertEqual(resumed.stdout.replace("/killed/", "/whole/"), whole.stdout)
@@ -266,20 +272,8 @@ class Landfall(SensitivityTest):
         for jobs, workers in (([], "1"), (["-j3"], "3")):
             plan = self.make("-n", "sensitivity", "RUNNER=srun -n1", *jobs).stdout
             self.assertRegex(plan.replace("\\\n", ""), rf'sensitivity.py {self.path("tiny.json")} --out {self.path("runs")}/sensitivity/tiny .*-j {workers} --runner "srun -n1"')
-        result = self.make("sensitivity", "-j2")
-        self.assertIn("80 draws, 3 groups", result.stdout)
-        self.assertTrue(os.path.exists(self.path("runs", "sensitivity", "tiny", "report.html")))
         result = self.make("sensitivity", "STUDY=", code=2)
         self.assertIn("Say which study", result.stderr)
-
-    def test_a_runner(self):
-        """A command before each tool, as srun."""
-        self.file(size=16)
-        with open(self.path("runner"), "w", encoding="utf-8") as file:
-            file.write(f'#!/bin/sh\necho "$1" >> {self.path("ran")}\nexec "$@"\n')
-        os.chmod(self.path("runner"), 0o755)
-        self.run_it("--runner", self.path("runner"))
-        self.assertIn("monte-carlo", read(self.path("ran")).decode())
 
     def test_without_openturns_a_message_names_its_package(self):
         self.file()
