@@ -10,6 +10,7 @@ import shutil
 import subprocess
 import tempfile
 import unittest
+from unittest import mock
 
 from harness.commands import run_command
 
@@ -101,8 +102,13 @@ class StudyTest(unittest.TestCase):
 
     def plan(self, tree, *options, name="tiny"):
         """Plans a study and returns its folder."""
-        self.sweep("plan", self.write(tree, name), "--out", self.out(study_name=name), "--bin", BIN, *options)
-        return self.out(study_name=name)
+        return self.plan_file(self.write(tree, name), *options, name=name)[0]
+
+    def plan_file(self, path, *options, name):
+        """(folder, completed process) of a plan under the lock, as make has it: sweep.py would start again to take it."""
+        folder = self.out(study_name=name)
+        with mock.patch.dict(os.environ, STUDY_LOCK=folder):
+            return folder, self.sweep("plan", path, "--out", folder, "--bin", BIN, *options)
 
     def by_hand(self, path, number):
         """Runs a case with the commands that `show` prints, and returns the folder of its files."""

@@ -7,6 +7,7 @@
 # A page belongs to a study as it is shipped: a test compares the number of cases, and requires the command, the figure
 # and the run time.
 """The studies of the repository: each can be planned, and has a page with its command and its figure."""
+import functools
 import glob
 import json
 import math
@@ -31,6 +32,7 @@ ANSWERS = {"model", "sensitivity", "design"}  # pages of recipes that are no stu
 MAX_BYTES = 200_000
 
 
+@functools.cache
 def shipped():
     """{name: number of cases}."""
     return {study.name: study.case_count() for study in sweep.studies_of(os.path.join(ROOT, "studies"))}
@@ -53,7 +55,7 @@ class Shipped(StudyTest):
     def test_each_can_be_planned(self):
         for name, count in shipped().items():
             with self.subTest(name):
-                result = self.sweep("plan", os.path.join(ROOT, "studies", name + ".json"), "--out", self.out(study_name=name), "--bin", BIN)
+                _, result = self.plan_file(os.path.join(ROOT, "studies", name + ".json"), name=name)
                 self.assertRegex(result.stdout + result.stderr, rf"(?m)^{name}: {count} cases: ")
 
     def test_make_lists_all_studies(self):
