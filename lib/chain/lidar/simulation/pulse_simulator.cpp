@@ -219,6 +219,7 @@ void PulseSimulator::combine_samples(std::int64_t pulse, const AimedPulse& aimed
   if (aimed.state.blanked) return;
   if (uses_waveforms) return build_waveforms(pulse, aimed, traced, received);
   const std::size_t per_pixel = lidar_.detector.samples_per_pixel();
+  if (per_pixel == 1) return received.ranges_m.swap(traced.hits_m);  // each rule gives a sample's own range
   for (std::size_t i = 0; i < pixels; ++i)
     if (!aimed.beams[i].lost)
       received.ranges_m[i] =
@@ -307,6 +308,13 @@ PointStatus PulseSimulator::status(PulsePixel where, const PulseWorkspace& works
   return lidar_.range_errors.is_dropped(where) ? PointStatus::dropout : PointStatus::returned;
 }
 
+PulseSimulator::Report PulseSimulator::echo_report(PulsePixel where, const PulseWorkspace& workspace) const {
+  const PointStatus what = status(where, workspace);
+  const bool has_echo = what == PointStatus::returned;
+  return {what, has_echo ? workspace.measured.measured_m[static_cast<std::size_t>(where.pixel)] : kNan,
+          kNoIntensity};
+}
+
 PulseSimulator::Report PulseSimulator::report(PulsePixel where, const PulseWorkspace& workspace) const {
   const auto i = static_cast<std::size_t>(where.pixel);
   const auto number = static_cast<std::size_t>(where.number);
@@ -320,8 +328,7 @@ PulseSimulator::Report PulseSimulator::report(PulsePixel where, const PulseWorks
     if (false_m && !(has_echo && *false_m >= workspace.received.ranges_m[i]))
       return {PointStatus::false_return, *false_m, kNoIntensity, 1};
   }
-  if (workspace.measured.detections.empty())
-    return {what, has_echo ? workspace.measured.measured_m[i] : kNan, kNoIntensity};
+  if (workspace.measured.detections.empty()) return echo_report(where, workspace);
   const Detection& detection = workspace.measured.detections[i * lidar_.receiver.max_returns() + number];
   const bool is_background = detection.is_background && (has_echo || what == PointStatus::miss);
   if (!is_background && (!has_echo || std::isnan(detection.range_m)))
@@ -418,11 +425,13 @@ void PulseSimulator::record_estimate(const PulseInput& pulse, std::size_t first_
   const std::vector<Beam>& beams =
       workspace.aimed.estimated_beams.empty() ? workspace.aimed.beams : workspace.aimed.estimated_beams;
   const std::size_t max_count = lidar_.receiver.max_returns();
+  const bool is_plain = workspace.measured.detections.empty() && !lidar_.range_errors.has_false_returns();
   for (std::size_t i = 0; i < beams.size(); ++i) {
     const Beam& beam = beams[i];
     for (std::size_t number = 0; number < max_count; ++number) {
-      const Report said = report(
-          {pulse.time.pulse, static_cast<std::int64_t>(i), static_cast<std::int64_t>(number)}, workspace);
+      const PulsePixel where{pulse.time.pulse, static_cast<std::int64_t>(i),
+                             static_cast<std::int64_t>(number)};
+      const Report said = is_plain ? echo_report(where, workspace) : report(where, workspace);
       const Point<DemFrame> estimate = T_dem_lidar_est * (beam.exit + said.range_m * beam.direction);
       const std::size_t row = first_row + i * max_count + number;
       out.x_est[row] = estimate.v.x();

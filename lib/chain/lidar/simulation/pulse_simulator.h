@@ -214,6 +214,8 @@ class PulseSimulator {
     std::int8_t number = 0;  ///< return_number
   };
   [[nodiscard]] Report report(PulsePixel where, const PulseWorkspace& workspace) const;
+  /// The same without detections and false returns.
+  [[nodiscard]] Report echo_report(PulsePixel where, const PulseWorkspace& workspace) const;
 
   Lidar lidar_;
   const RayEngine* engine_;
