@@ -58,6 +58,19 @@ class StudyTest(unittest.TestCase):
         self.folder = tempfile.mkdtemp(prefix="landfall-study-")
         self.addCleanup(shutil.rmtree, self.folder, ignore_errors=True)
 
+    @classmethod
+    def made(cls, tree, *goals, code=0):
+        """A study that make has run, in a folder that lasts as long as this class; copy() copies it into a test's own folder."""
+        test = cls("setUp")
+        StudyTest.setUp(test)
+        cls.addClassCleanup(test.doCleanups)
+        test.write(tree)
+        test.output = test.make(*goals, code=code)
+        return test
+
+    def copy(self, made):
+        shutil.copytree(made.folder, self.folder, dirs_exist_ok=True)
+
     def path(self, *names):
         return os.path.join(self.folder, *names)
 

@@ -192,11 +192,18 @@ class Results(StudyTest):
 
 
 class Repeats(StudyTest):
-    """The stages that are made again."""
+    """The stages that are made again of a study that make has run."""
+
+    @classmethod
+    def setUpClass(cls):
+        cls.shared = cls.made(draws_study(SPREADS), "study-results", "-j2")
+
+    def setUp(self):
+        super().setUp()
+        self.copy(self.shared)
 
     def test_another_value_runs_only_its_draws(self):
-        self.write(draws_study(SPREADS))
-        self.assertEqual(self.stages_of(self.make("study-results", "-j2")), ["metrics", "terrain", "truth", "verdict", "verdict"])
+        self.assertEqual(self.stages_of(self.shared.output), ["metrics", "terrain", "truth", "verdict", "verdict"])
         first = read(self.out("results.csv"))
         self.write(draws_study({**SPREADS, "values": [0.1, 1, 2]}))
         self.assertEqual(self.stages_of(self.make("study-results")), ["verdict"])
@@ -208,8 +215,6 @@ class Repeats(StudyTest):
         self.assertIn("Nothing to be done", self.make("study-results").stdout)
 
     def test_files_that_are_lost(self):
-        self.write(draws_study(SPREADS))
-        self.make("study-results")
         whole = {name: read(self.out("verdict", name)) for name in self.files("verdict")}
         os.remove(self.out("verdict", min(whole)))
         self.assertIn("1 done, 0 failed, 1 left, of 2 cases", self.make("study-status").stdout)
@@ -218,8 +223,6 @@ class Repeats(StudyTest):
 
     def test_killed_draws_resume(self):
         """study-chain gives the draws that nobody keeps a name that is the same the next time, and removes them."""
-        self.write(draws_study(SPREADS))
-        self.make("study-results")
         line = next(line for line in read(self.out("study.mk")).decode().splitlines() if "call stage,verdict," in line)
         config, truth, terrain, verdict = (self.out(word[3:]) for word in line.split(") draws ")[1].split()[:4])
         scratch, expected = self.path("scratch"), json.loads(read(verdict))
@@ -239,6 +242,8 @@ class Repeats(StudyTest):
             self.assertEqual(json.loads(read(self.path("verdict.json")))["rates"][0]["passed"], passed)
             self.assertEqual(os.listdir(scratch), [])
 
+
+class Failures(StudyTest):
     def test_a_failure(self):
         """Beams that the seed moves cannot be redrawn; metrics are still made."""
         self.write(draws_study({"key": "scan.pointing_error.jitter_sigma_rad", "values": [0, 1e-4]}, plot=FEW_FIGURES))

@@ -4,6 +4,7 @@
 import json
 import os
 import re
+import shutil
 import unittest
 
 import h5py
@@ -16,6 +17,7 @@ from landfall.study import figures, names, reader, results, rules, stages, table
 
 HAZARD = {"region_radius_m": 2, "sites": {"divert_radius_m": 2}}
 CLEARANCES = {"key": "hazard.limits.roughness_m", "values": [0.2, 0.3]}
+FEW_SIGMAS = {**SIGMAS, "values": [0.01, 0.05]}
 STEPS = ("terrain", "scan", "regrid", "eval", "hazard")
 
 
@@ -170,17 +172,23 @@ class Results(StudyTest):
                                      json.loads(read(self.out(numbers, name[:-3] + ".json", study_name="few"))))
 
 
-class OwnRequirements(StudyTest):
-    """Requirements of the user's own, on a DEM and on its hazards."""
+class MadeStudy(StudyTest):
+    """The table, figures and report of one study that make has run, with requirements of the user's own, on a DEM and on its hazards."""
 
     LE90 = {"name": "le90", "metric": "statistics.z.le90_m", "max": 0.03}
     SAFE = {"name": "safe", "metric": "counts.safe_safe", "min": 1e6}
+    METRICS = ["score.missed_hazard_frac", "site.p_touchdown"]
 
-    def test_columns_figures_and_report(self):
-        tree = hazard_study(SIGMAS, hazard={**HAZARD, "requirements": [self.SAFE]}, plot=FEW_FIGURES)
-        tree["base"]["eval"]["requirements"] = [self.LE90]
-        self.write(tree)
-        self.make("study", "-j2")
+    @classmethod
+    def setUpClass(cls):
+        tree = hazard_study(FEW_SIGMAS, CLEARANCES, hazard={**HAZARD, "requirements": [cls.SAFE]}, plot={"metrics": cls.METRICS})
+        tree["base"]["eval"]["requirements"] = [cls.LE90]
+        cls.shared = cls.made(tree, "study", "-j2")
+
+    def setUp(self):
+        self.folder = self.shared.folder
+
+    def test_own_requirements(self):
         rows = self.rows()
         for row in rows:
             self.assertEqual(row["own_requirements.le90.value"], row["statistics.z.le90_m"])
@@ -197,40 +205,73 @@ class OwnRequirements(StudyTest):
         self.assertAlmostEqual(found.share_of_limit(point, "le90", 0.5), float(rows[0]["statistics.z.le90_m"]) / 0.03, places=12)
         self.assertAlmostEqual(found.share_of_limit(point, "safe", 0.5), 1e6 / int(rows[0]["score.counts.safe_safe"]), places=9)
         rates = read(self.out("figures", "pass_rates.csv")).decode()
-        self.assertRegex(rates, r"0\.01,le90,1,1,")
-        self.assertRegex(rates, r"0\.01,safe,0,1,")
+        self.assertRegex(rates, r"0\.01,0\.2,le90,1,1,")
+        self.assertRegex(rates, r"0\.01,0\.2,safe,0,1,")
         page = read(self.out("report.html")).decode()
         self.assertIn('"requirements":["coverage"', page.replace(" ", ""))
         self.assertRegex(page, r"relative elevation, safe|\"safe\"")
+
+    def test_figures_and_report(self):
+        self.assertLessEqual({f"{metric}.png" for metric in self.METRICS} | {"overview.png"}, set(self.files("figures")))
+        page = read(self.out("report.html")).decode()
+        tree = json.loads(re.search(r'id="report-data">(.*?)</script>', page, re.S)[1])
+        columns = {column["name"]: column for column in tree["columns"]}
+        self.assertTrue(all(columns[metric]["first"] for metric in self.METRICS))
+        self.assertEqual(columns["score.missed_hazard_frac"]["label"], "missed hazards, share of the true hazards")
+        self.assertEqual(columns["score.missed_hazard_frac"]["values"],
+                         [float(f"{float(row['score.missed_hazard_frac']):.7g}") for row in self.rows()])
+        self.assertEqual(tree["configs"]["hazard"]["base"], {**HAZARD, "requirements": [self.SAFE], "limits": {"roughness_m": 0.2}})
+        kinds = [tree["runs"][run][0] for run in tree["caseRuns"][0]]
+        self.assertEqual(kinds, ["terrain", "truth", "scan", "regrid", "eval", "hazard"])
+        self.assertIn("<td>hazard-map</td>", page)
+
+    def test_the_default_metrics_have_the_score(self):
+        shutil.copy(self.out("results.h5"), self.path("default.h5"))
+        with h5py.File(self.path("default.h5"), "r+") as file:
+            file["_study_json"][()] = json.dumps({**json.loads(file["_study_json"].asstr()[()]), "plot": {}})
+        self.assertEqual(run_command("plot_study", self.path("default.h5"), "-o", self.path("f"), "--dpi", 50).returncode, 0)
+        self.assertLessEqual({"score.missed_hazard_frac.png", "score.false_alarm_frac.png", "hazards.png"}, set(os.listdir(self.path("f"))))
+        with h5py.File(self.out("results.h5")) as file:
+            read_results = table.Results(file)
+        figure = verdicts.hazards_figure(read_results, 0.5)
+        self.addCleanup(figures.plt.close, figure)
+        shown = {text.get_text() for text in figure.axes[0].texts}
+        for row in self.rows():
+            for name in ("score.missed_hazard_frac", "score.false_alarm_frac", "site.p_touchdown"):
+                self.assertIn(f"{names.number(100 * float(row[name]))} %", shown)
+        # The bar of the largest value has the width of its cell.
+        self.assertAlmostEqual(max(patch.get_width() for patch in figure.axes[0].patches), 0.96, 12)
 
 
 class Repeats(StudyTest):
     """The stages that are made again."""
 
+    @classmethod
+    def setUpClass(cls):
+        cls.shared = cls.made(hazard_study(CLEARANCES), "study-results")
+
     def test_another_limit_runs_only_hazard_map(self):
-        self.write(hazard_study(SIGMAS, CLEARANCES))
+        self.write(hazard_study(FEW_SIGMAS, CLEARANCES))
         self.make("study-results", "-j2", "KEEP=dem")
         first, rows = read(self.out("results.csv")), self.rows()
-        self.write(hazard_study(SIGMAS, {**CLEARANCES, "values": [0.2, 0.3, 0.4]}))
-        self.assertEqual(self.stages_of(self.make("study-results", "-j2", "KEEP=dem")), ["score"] * 3)
+        self.write(hazard_study(FEW_SIGMAS, {**CLEARANCES, "values": [0.2, 0.3, 0.4]}))
+        self.assertEqual(self.stages_of(self.make("study-results", "-j2", "KEEP=dem")), ["score"] * 2)
         self.assertEqual([row["score.counts.safe_safe"] for row in self.rows() if row["roughness_m"] != "0.4"],
                          [row["score.counts.safe_safe"] for row in rows])
-        self.write(hazard_study(SIGMAS, CLEARANCES))
+        self.write(hazard_study(FEW_SIGMAS, CLEARANCES))
         self.assertEqual(self.stages_of(self.make("study-results", "KEEP=dem")), [])
         self.assertEqual(read(self.out("results.csv")), first)
 
     def test_another_configuration_without_kept_dems(self):
         """The DEM is made for it again, and nothing else that reads the DEM."""
-        self.write(hazard_study({**SIGMAS, "values": [0.01]}, CLEARANCES))
-        self.make("study-results")
-        self.write(hazard_study({**SIGMAS, "values": [0.01]}, CLEARANCES, hazard={**HAZARD, "touchdown_sigma_m": 0.5}))
+        self.copy(self.shared)
+        self.write(hazard_study(CLEARANCES, hazard={**HAZARD, "touchdown_sigma_m": 0.5}))
         self.assertEqual(self.stages_of(self.make("study-results", "-j2")), ["dem", "score", "score"])
         self.assertEqual(self.files("shared"), [])
         self.assertIn("Nothing to be done", self.make("study-results").stdout)
 
     def test_files_that_are_lost(self):
-        self.write(hazard_study(CLEARANCES))
-        self.make("study-results")
+        self.copy(self.shared)
         whole = {f"{folder}/{name}": read(self.out(folder, name)) for folder in ("score", "sites") for name in self.files(folder)}
         for name in (min(whole), max(whole)):
             with self.subTest(name=name):
@@ -249,8 +290,7 @@ class Repeats(StudyTest):
         return rows
 
     def test_prune_keeps_what_the_plan_names(self):
-        self.write(hazard_study(CLEARANCES))
-        self.make("study-results")
+        self.copy(self.shared)
         results_before = read(self.out("results.csv"))
         self.write(hazard_study({**CLEARANCES, "values": [0.2]}))
         self.make("study-results")
@@ -272,41 +312,6 @@ class Repeats(StudyTest):
         self.assertRegex(status, r"(?m)^leg radius 0\.15 m: exit 2 after .* s: hazard-map: ")
         self.make("study-partial")
         self.assertRegex(read(self.out("report.html")).decode(), r"log/score-[0-9a-f]{16}\.log")
-
-
-class Pages(StudyTest):
-    def test_figures_and_report(self):
-        metrics = ["score.missed_hazard_frac", "site.p_touchdown"]
-        self.write(hazard_study(SIGMAS, CLEARANCES, plot={"metrics": metrics}))
-        self.make("study", "-j2")
-        self.assertLessEqual({f"{metric}.png" for metric in metrics} | {"overview.png"}, set(self.files("figures")))
-        page = read(self.out("report.html")).decode()
-        tree = json.loads(re.search(r'id="report-data">(.*?)</script>', page, re.S)[1])
-        columns = {column["name"]: column for column in tree["columns"]}
-        self.assertTrue(all(columns[metric]["first"] for metric in metrics))
-        self.assertEqual(columns["score.missed_hazard_frac"]["label"], "missed hazards, share of the true hazards")
-        self.assertEqual(columns["score.missed_hazard_frac"]["values"],
-                         [float(f"{float(row['score.missed_hazard_frac']):.7g}") for row in self.rows()])
-        self.assertEqual(tree["configs"]["hazard"]["base"], {**HAZARD, "limits": {"roughness_m": 0.2}})
-        kinds = [tree["runs"][run][0] for run in tree["caseRuns"][0]]
-        self.assertEqual(kinds, ["terrain", "truth", "scan", "regrid", "eval", "hazard"])
-        self.assertIn("<td>hazard-map</td>", page)
-
-    def test_the_default_metrics_have_the_score(self):
-        self.write(hazard_study(SIGMAS))
-        self.make("study-results")
-        self.assertEqual(run_command("plot_study", self.out("results.h5"), "-o", self.path("f")).returncode, 0)
-        self.assertLessEqual({"score.missed_hazard_frac.png", "score.false_alarm_frac.png", "hazards.png"}, set(os.listdir(self.path("f"))))
-        with h5py.File(self.out("results.h5")) as file:
-            read_results = table.Results(file)
-        figure = verdicts.hazards_figure(read_results, 0.5)
-        self.addCleanup(figures.plt.close, figure)
-        shown = {text.get_text() for text in figure.axes[0].texts}
-        for row in self.rows():
-            for name in ("score.missed_hazard_frac", "score.false_alarm_frac", "site.p_touchdown"):
-                self.assertIn(f"{names.number(100 * float(row[name]))} %", shown)
-        # The bar of the largest value has the width of its cell.
-        self.assertAlmostEqual(max(patch.get_width() for patch in figure.axes[0].patches), 0.96, 12)
 
 
 if __name__ == "__main__":

@@ -99,11 +99,7 @@ class MadeStudy(ReportTest):
 
     @classmethod
     def setUpClass(cls):
-        cls.shared = ReportTest("report")
-        cls.shared.setUp()
-        cls.addClassCleanup(cls.shared.doCleanups)
-        cls.shared.write(study(SIGMAS, RESOLUTIONS, title=HOSTILE, description="Why " + HOSTILE, plot=FEW_FIGURES, **REPEATS))
-        cls.shared.make("study", "-j2")
+        cls.shared = cls.made(study(SIGMAS, RESOLUTIONS, title=HOSTILE, description="Why " + HOSTILE, plot=FEW_FIGURES, **REPEATS), "study", "-j2")
 
     def setUp(self):
         self.folder = self.shared.folder
@@ -213,7 +209,9 @@ def failed_study():
     test.write(study({"key": "regrid.half_width_m", "values": [5, 2, 4]}, plot=FEW_FIGURES))
     test.make("study", "-k", "-j2", code=2)
     test.assertFalse(os.path.exists(test.out("report.html")))
-    test.make("study-partial")
+    test.sweep("collect", "--partial", test.out())
+    write_numbers(test.out())
+    test.report()
     return test.folder
 
 
@@ -380,7 +378,9 @@ class InBrowser(ReportTest):
         tree = study({"key": "draws.draws", "values": [1, 2]}, {**SIGMAS, "values": [0.01, 0.02]}, plot=FEW_FIGURES)
         tree["base"]["draws"] = {"metrics": "verdict"}
         planned = stages.build(reader.read_study(self.write(tree)))
-        self.make("study", "-j2")
+        self.make("study-results", "-j2")
+        write_numbers(self.out())
+        self.report()
         self.browser.get("file://" + self.out("report.html"))
         for case in (0, 3):
             saved = self.run_script("return caseStudy(arguments[0])", case)
