@@ -324,14 +324,6 @@ class Run(DesignTest):
             for out in ("killed", "runs/design/tiny"):
                 self.assertEqual(read(self.path(out, name)), read(self.path("whole", name)), (out, name))
 
-    def test_no_candidate(self):
-        file = design_file(search={"candidates": 4})
-        file["base"]["eval"]["limits"] = {"relative_elevation_m": 1e-6}
-        self.write(file)
-        result = self.run_it(code=1)
-        self.assertIn("No candidate passes.", result.stdout)
-        self.assertRegex(result.stderr.splitlines()[-1], "^landfall design: .*tiny.json: no candidate passes with a probability of 0.85$")
-
     def test_without_optuna_a_message_names_its_package(self):
         self.write(design_file())
         with mock.patch.dict(sys.modules, {"optuna": None}), self.assertRaisesRegex(UsageError, "apt-get install python3-optuna$"):

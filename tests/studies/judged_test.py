@@ -102,7 +102,8 @@ class Designs(StudyTest):
         result = subprocess.run([PYTHON, os.path.join(ROOT, "python", "commands", "design.py"), self.path("tiny.json"), "--out", self.path("out"),
                                  "--bin", BIN], capture_output=True, text=True, timeout=600, check=False)
         self.assertEqual(result.returncode, 1, result.stderr)
-        self.assertIn("no candidate passes", result.stderr)
+        self.assertIn("No candidate passes.", result.stdout)
+        self.assertRegex(result.stderr.splitlines()[-1], "^landfall design: .*tiny.json: no candidate passes with a probability of 0.8$")
 
 
 if __name__ == "__main__":
