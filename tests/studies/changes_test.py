@@ -68,7 +68,7 @@ class Changes(StudyTest):
 
     def test_a_bad_study_stops_make(self):
         self.write(study(SIGMAS))
-        self.make("study-results")
+        self.make("study-plan")
         self.write(study({**SIGMAS, "values": []}))
         result = self.make("study-results", code=2)
         self.assertIn("/axes/0/values: an array of 0 elements; expected at least 1", result.stderr)
