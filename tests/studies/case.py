@@ -60,10 +60,10 @@ class StudyTest(unittest.TestCase):
 
     @classmethod
     def made(cls, tree, *goals, code=0):
-        """A study that make has run, in a folder that lasts as long as this class; copy() copies it into a test's own folder."""
+        """A study that make has run, in a folder that lasts as long as the tests; copy() copies it into a test's own folder."""
         test = cls("setUp")
         StudyTest.setUp(test)
-        cls.addClassCleanup(test.doCleanups)
+        unittest.addModuleCleanup(test.doCleanups)
         test.write(tree)
         test.output = test.make(*goals, code=code)
         return test
@@ -115,13 +115,13 @@ class StudyTest(unittest.TestCase):
 
     def plan(self, tree, *options, name="tiny"):
         """Plans a study and returns its folder."""
-        return self.plan_file(self.write(tree, name), *options, name=name)[0]
+        self.plan_file(self.write(tree, name), *options, name=name)
+        return self.out(study_name=name)
 
     def plan_file(self, path, *options, name):
-        """(folder, completed process) of a plan under the lock, as make has it: sweep.py would start again to take it."""
-        folder = self.out(study_name=name)
-        with mock.patch.dict(os.environ, STUDY_LOCK=folder):
-            return folder, self.sweep("plan", path, "--out", folder, "--bin", BIN, *options)
+        """Under the lock, as make has it: sweep.py would start again to take it."""
+        with mock.patch.dict(os.environ, STUDY_LOCK=self.out(study_name=name)):
+            return self.sweep("plan", path, "--out", self.out(study_name=name), "--bin", BIN, *options)
 
     def by_hand(self, path, number):
         """Runs a case with the commands that `show` prints, and returns the folder of its files."""

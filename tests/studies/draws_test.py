@@ -190,6 +190,16 @@ class Results(StudyTest):
         text = read(self.out("study.mk", study_name="many")).decode()
         self.assertEqual([text.count(f"call stage,{kind},") for kind in ("metrics", "verdict")], [17, 68])
 
+    def test_a_failure(self):
+        """Beams that the seed moves cannot be redrawn; metrics are still made."""
+        self.write(draws_study({"key": "scan.pointing_error.jitter_sigma_rad", "values": [0, 1e-4]}, plot=FEW_FIGURES))
+        result = self.make("study-results", "-k", code=2)
+        self.assertRegex(result.stderr, r"FAILED \(exit \d\): verdict of jitter sigma \S+ rad; the end of \S+\.log:\n +monte-carlo: ")
+        self.assertEqual((len(self.files("metrics")), len(self.files("verdict"))), (2, 1))
+        self.assertRegex(self.make("study-status").stdout, r"(?m)^1 done, 1 failed, 0 left, of 2 cases\n.*: monte-carlo: ")
+        self.make("study-partial")
+        self.assertRegex(read(self.out("report.html")).decode(), r"log/verdict-[0-9a-f]{16}\.log")
+
 
 class Repeats(StudyTest):
     """The stages that are made again of a study that make has run."""
@@ -198,11 +208,8 @@ class Repeats(StudyTest):
     def setUpClass(cls):
         cls.shared = cls.made(draws_study(SPREADS), "study-results", "-j2")
 
-    def setUp(self):
-        super().setUp()
-        self.copy(self.shared)
-
     def test_another_value_runs_only_its_draws(self):
+        self.copy(self.shared)
         self.assertEqual(self.stages_of(self.shared.output), ["metrics", "terrain", "truth", "verdict", "verdict"])
         first = read(self.out("results.csv"))
         self.write(draws_study({**SPREADS, "values": [0.1, 1, 2]}))
@@ -215,6 +222,7 @@ class Repeats(StudyTest):
         self.assertIn("Nothing to be done", self.make("study-results").stdout)
 
     def test_files_that_are_lost(self):
+        self.copy(self.shared)
         whole = {name: read(self.out("verdict", name)) for name in self.files("verdict")}
         os.remove(self.out("verdict", min(whole)))
         self.assertIn("1 done, 0 failed, 1 left, of 2 cases", self.make("study-status").stdout)
@@ -223,6 +231,7 @@ class Repeats(StudyTest):
 
     def test_killed_draws_resume(self):
         """study-chain gives the draws that nobody keeps a name that is the same the next time, and removes them."""
+        self.copy(self.shared)
         line = next(line for line in read(self.out("study.mk")).decode().splitlines() if "call stage,verdict," in line)
         config, truth, terrain, verdict = (self.out(word[3:]) for word in line.split(") draws ")[1].split()[:4])
         scratch, expected = self.path("scratch"), json.loads(read(verdict))
@@ -241,18 +250,6 @@ class Repeats(StudyTest):
             subprocess.run([*chain, self.path("verdict.json"), "@"], check=True, capture_output=True)
             self.assertEqual(json.loads(read(self.path("verdict.json")))["rates"][0]["passed"], passed)
             self.assertEqual(os.listdir(scratch), [])
-
-
-class Failures(StudyTest):
-    def test_a_failure(self):
-        """Beams that the seed moves cannot be redrawn; metrics are still made."""
-        self.write(draws_study({"key": "scan.pointing_error.jitter_sigma_rad", "values": [0, 1e-4]}, plot=FEW_FIGURES))
-        result = self.make("study-results", "-k", code=2)
-        self.assertRegex(result.stderr, r"FAILED \(exit \d\): verdict of jitter sigma \S+ rad; the end of \S+\.log:\n +monte-carlo: ")
-        self.assertEqual((len(self.files("metrics")), len(self.files("verdict"))), (2, 1))
-        self.assertRegex(self.make("study-status").stdout, r"(?m)^1 done, 1 failed, 0 left, of 2 cases\n.*: monte-carlo: ")
-        self.make("study-partial")
-        self.assertRegex(read(self.out("report.html")).decode(), r"log/verdict-[0-9a-f]{16}\.log")
 
 
 class Traced(StudyTest):

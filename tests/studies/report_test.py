@@ -10,7 +10,6 @@ import io
 import json
 import os
 import re
-import shutil
 import sys
 import unittest
 
@@ -202,22 +201,18 @@ class MadeStudy(ReportTest):
 
 @functools.cache
 def failed_study():
-    """The folder of a study whose case 1 failed, with its report."""
-    test = ReportTest("report")
-    test.setUp()
-    unittest.addModuleCleanup(test.doCleanups)
-    test.write(study({"key": "regrid.half_width_m", "values": [5, 2, 4]}, plot=FEW_FIGURES))
-    test.make("study", "-k", "-j2", code=2)
+    """A study whose case 1 failed, with its report."""
+    test = ReportTest.made(study({"key": "regrid.half_width_m", "values": [5, 2, 4]}, plot=FEW_FIGURES), "study", "-k", "-j2", code=2)
     test.assertFalse(os.path.exists(test.out("report.html")))
     test.sweep("collect", "--partial", test.out())
     write_numbers(test.out())
     test.report()
-    return test.folder
+    return test
 
 
 class ChangedStudy(ReportTest):
     def test_failed_and_missing_cases(self):
-        shutil.copytree(failed_study(), self.folder, dirs_exist_ok=True)
+        self.copy(failed_study())
         tree = self.page().tree
         self.assertEqual(tree["verdicts"].get("error"), 1)
         ((log, end, tail, cases),) = tree["failures"]["logs"]
@@ -388,7 +383,7 @@ class InBrowser(ReportTest):
             self.assertEqual(list(alone.draws), [planned.cases[case][1]["draws"].id])
 
     def test_a_failed_case_and_the_address_of_a_case(self):
-        shutil.copytree(failed_study(), self.folder, dirs_exist_ok=True)
+        self.copy(failed_study())
         self.browser.get("file://" + self.out("report.html") + "#case-1")
         detail = self.by_css("#case-detail").text
         self.assertIn("half width 2 m", detail)

@@ -236,8 +236,7 @@ class Landfall(SensitivityTest):
         self.assertRegex(self.run_it(code=2).stderr, rf"\Alandfall sensitivity: {re.escape(message)}[^\n]*\n\Z")
 
     def test_killed_and_resumed_and_two_workers(self):
-        """Each gives the bytes of an undisturbed run; what was done is not done again. The two workers are of the recipe, and of a command before
-        each tool, as srun."""
+        """Each gives the bytes of an undisturbed run; what was done is not done again. The two workers are of the recipe, with a runner."""
         self.file(size=40)
         whole = self.run_it(out="whole")
         process = subprocess.Popen([PYTHON, os.path.join(ROOT, "python", "commands", "sensitivity.py"), self.path("tiny.json"), "--out",

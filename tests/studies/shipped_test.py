@@ -55,7 +55,7 @@ class Shipped(StudyTest):
     def test_each_can_be_planned(self):
         for name, count in shipped().items():
             with self.subTest(name):
-                _, result = self.plan_file(os.path.join(ROOT, "studies", name + ".json"), name=name)
+                result = self.plan_file(os.path.join(ROOT, "studies", name + ".json"), name=name)
                 self.assertRegex(result.stdout + result.stderr, rf"(?m)^{name}: {count} cases: ")
 
     def test_make_lists_all_studies(self):
