@@ -212,6 +212,8 @@ class Plans(StudyTest):
 
     def test_a_large_study_shows_its_cost_before_it_starts(self):
         tree = study(SIGMAS, RESOLUTIONS, LIMITS, repeat={"count": 3})
+        self.write(tree)
+        self.assertNotIn("cost: ", self.make("study-status", runs="status").stdout, "a question costs nothing")
         lines = self.make_plan(tree, "-j2")
         self.assertRegex("\n".join(lines), self.COST.format("2 stages"))
         self.assertEqual(os.listdir(self.out("scratch")), [])
