@@ -250,6 +250,21 @@ class Sequential(DesignTest):
             decisions.add(race["accepted"])
         self.assertEqual(decisions, {True, False})
 
+    def test_the_one_before_an_improvement_is_proved_if_the_proof_of_the_improved_one_fails(self):
+        def of(cost):
+            return {"values": {"lines": cost}, "cost": cost, "passes": True, "stage": "draw", "margins": {"all": cost}}
+
+        search, proved = design_search.Design(self.problem(), self.path("out")), []
+
+        def prove(candidate):
+            proved.append(candidate["cost"])
+            return [{"exact_lower_bound": float(candidate["cost"] == 5)}]
+
+        with mock.patch.multiple(search, search=lambda: [of(5), of(6)], race=lambda candidate: {**candidate, "race": {"accepted": True}}, prove=prove,
+                                 check_candidate=lambda values: {}, improve=lambda found, raced: [(found, ["of 5"]), (of(4), ["of 4"]), (of(3), ["of 3"])]):
+            answer = search.run()
+        self.assertEqual((proved, answer["winner"]["cost"], answer["neighbours"]), ([3, 4, 5], 5, ["of 5"]))
+
     def test_a_draw_that_the_chain_contradicts_ends_the_run(self):
         problem = self.problem()
         search = design_search.Design(problem, self.path("out"))
