@@ -120,16 +120,17 @@ GridPoints DrawGridder::take_returns() {
   });
   std::partial_sum(first.begin(), first.end(), first.begin());
   const bool all_kept = first.back() == size;  // which need no copy
-  if (!all_kept)
+  if (!all_kept) {
     for (std::vector<double>& column : returns_) column.resize(std::max(column.size(), first.back()));
-  parallel_for(all_kept ? 0 : pieces, 1, [&](std::size_t piece, std::size_t) {
-    for (std::size_t i = 0; i < kCoordinates.size(); ++i) {
-      const std::vector<double>& from = points.*kCoordinates[i];
-      double* to = returns_[i].data() + first[piece];
-      for (std::size_t row = piece * kPerPiece; row < end_of(piece); ++row)
-        if (is_kept(row)) *to++ = from[row];
-    }
-  });
+    parallel_for(pieces, 1, [&](std::size_t piece, std::size_t) {
+      for (std::size_t i = 0; i < kCoordinates.size(); ++i) {
+        const std::vector<double>& from = points.*kCoordinates[i];
+        double* to = returns_[i].data() + first[piece];
+        for (std::size_t row = piece * kPerPiece; row < end_of(piece); ++row)
+          if (is_kept(row)) *to++ = from[row];
+      }
+    });
+  }
   // No layer of the DEM that is judged needs the times of the returns.
   no_times_.resize(std::max(no_times_.size(), first.back()));
   const auto column = [&](std::size_t i) {

@@ -308,11 +308,8 @@ PointStatus PulseSimulator::status(PulsePixel where, const PulseWorkspace& works
   return lidar_.range_errors.is_dropped(where) ? PointStatus::dropout : PointStatus::returned;
 }
 
-PulseSimulator::Report PulseSimulator::echo_report(PulsePixel where, const PulseWorkspace& workspace) const {
-  const PointStatus what = status(where, workspace);
-  const bool has_echo = what == PointStatus::returned;
-  return {what, has_echo ? workspace.measured.measured_m[static_cast<std::size_t>(where.pixel)] : kNan,
-          kNoIntensity};
+PulseSimulator::Report PulseSimulator::echo_report(PointStatus what, double measured_m) {
+  return {what, what == PointStatus::returned ? measured_m : kNan, kNoIntensity};
 }
 
 PulseSimulator::Report PulseSimulator::report(PulsePixel where, const PulseWorkspace& workspace) const {
@@ -328,7 +325,7 @@ PulseSimulator::Report PulseSimulator::report(PulsePixel where, const PulseWorks
     if (false_m && !(has_echo && *false_m >= workspace.received.ranges_m[i]))
       return {PointStatus::false_return, *false_m, kNoIntensity, 1};
   }
-  if (workspace.measured.detections.empty()) return echo_report(where, workspace);
+  if (workspace.measured.detections.empty()) return echo_report(what, workspace.measured.measured_m[i]);
   const Detection& detection = workspace.measured.detections[i * lidar_.receiver.max_returns() + number];
   const bool is_background = detection.is_background && (has_echo || what == PointStatus::miss);
   if (!is_background && (!has_echo || std::isnan(detection.range_m)))
@@ -431,7 +428,8 @@ void PulseSimulator::record_estimate(const PulseInput& pulse, std::size_t first_
     for (std::size_t number = 0; number < max_count; ++number) {
       const PulsePixel where{pulse.time.pulse, static_cast<std::int64_t>(i),
                              static_cast<std::int64_t>(number)};
-      const Report said = is_plain ? echo_report(where, workspace) : report(where, workspace);
+      const Report said = is_plain ? echo_report(status(where, workspace), workspace.measured.measured_m[i])
+                                   : report(where, workspace);
       const Point<DemFrame> estimate = T_dem_lidar_est * (beam.exit + said.range_m * beam.direction);
       const std::size_t row = first_row + i * max_count + number;
       out.x_est[row] = estimate.v.x();

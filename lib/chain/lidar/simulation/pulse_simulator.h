@@ -214,8 +214,8 @@ class PulseSimulator {
     std::int8_t number = 0;  ///< return_number
   };
   [[nodiscard]] Report report(PulsePixel where, const PulseWorkspace& workspace) const;
-  /// The same without detections and false returns.
-  [[nodiscard]] Report echo_report(PulsePixel where, const PulseWorkspace& workspace) const;
+  /// The same without detections and false returns, by the pixel's status and measured range.
+  [[nodiscard]] static Report echo_report(PointStatus what, double measured_m);
 
   Lidar lidar_;
   const RayEngine* engine_;
