@@ -175,7 +175,7 @@ Json import_section(const std::string& from, const std::string& center) {
 
 void import_terrain(JsonSource& config, const SiteFitter& fit) {
   if (!config.value.is_object() || !config.value.contains("terrain")) return;
-  JsonSource terrain{config.name + ": /terrain", config.value["terrain"]};
+  JsonSource terrain = stage_source("terrain", config.value["terrain"], config.name);
   if (!terrain.value.is_object()) return;
   const Json center = terrain.value.value("center", Json());
   if (!terrain.value.contains("from") && !center.is_null())
