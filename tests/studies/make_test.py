@@ -36,6 +36,7 @@ class Builds(StudyTest):
         self.write(study(*GRID))
         self.make("study-results")  # the old cases are still there
         self.assertEqual(read(self.out("results.csv")), first)
+        self.assertIn("Nothing to be done", self.make("study-results").stdout)
 
     def test_a_case_equals_the_chain_by_hand(self):
         """The chain by hand uses `sweep.py show`: one traced scan with its errors, all layers, no shared files."""
