@@ -2,7 +2,8 @@
 // Decisions: D455, D456
 #include "chain/likeness/binned_scans.h"
 
-#include <Eigen/Dense>
+#include <Eigen/Eigenvalues>
+#include <Eigen/SVD>
 #include <algorithm>
 #include <cmath>
 #include <optional>
@@ -55,7 +56,8 @@ Gradient gradient_of(const Scatter& s) {
   constexpr double kThin = 0.01;  // of the larger moment
   Eigen::Matrix2d moments;
   moments << s.xx, s.xy, s.xy, s.yy;
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> axes(moments);
+  Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> axes;
+  axes.computeDirect(moments);
   Eigen::Vector2d gradient = Eigen::Vector2d::Zero();
   for (int k = 0; k < 2; ++k) {
     if (!(axes.eigenvalues()[k] > kThin * axes.eigenvalues()[1])) continue;
@@ -114,9 +116,10 @@ class ShiftAndTilt {
   [[nodiscard]] Row solution() const {
     const Row scale = normal_.diagonal().unaryExpr([](double v) { return v > 0 ? 1 / std::sqrt(v) : 1.0; });
     const Eigen::Matrix<double, 5, 5> scaled = scale.asDiagonal() * normal_ * scale.asDiagonal();
-    Eigen::CompleteOrthogonalDecomposition<Eigen::Matrix<double, 5, 5>> solver;
+    Eigen::JacobiSVD<Eigen::Matrix<double, 5, 5>, Eigen::NoQRPreconditioner> solver(
+        scaled, Eigen::ComputeFullU | Eigen::ComputeFullV);
+    if (solver.info() != Eigen::Success) return Row::Constant(std::numeric_limits<double>::quiet_NaN());
     solver.setThreshold(1e-10);
-    solver.compute(scaled);
     return scale.asDiagonal() * Row(solver.solve(scale.asDiagonal() * right_));
   }
 
