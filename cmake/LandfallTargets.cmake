@@ -104,15 +104,15 @@ function(landfall_unity_groups target)
                                            $<$<CXX_COMPILER_ID:GNU>:--param=ggc-min-expand=1000>)
 endfunction()
 
-# landfall_library(module [FOLDERS ...] [UNITY [APART b.cpp ...] [ALONE c.cpp ...]] [EXCEPT d.cpp ...] [GENERATED e.cpp ...]
+# landfall_library(module [UNITY [APART b.cpp ...] [ALONE c.cpp ...]] [FAST | LOOPS] [FOLDERS ...] [EXCEPT d.cpp ...] [GENERATED e.cpp ...]
 #                  LINKS landfall::geometry ... [PRIVATE_LINKS ...] [PRECOMPILED name])
 # A static library landfall::<module> that may include exactly what it links, of all units of the folder, or of those FOLDERS in it, but EXCEPT, and of those that
 # the build makes. UNITY: most of its time is that of headers, so that LANDFALL_UNITY compiles several of its units together;
 # scripts/check_unity.py finds names that would collide. APART: units that the lidar of a host simulator (lib/app/host) does not need, for
 # they need libraries that it has not: they are compiled apart from those that it needs, and its archive is without them. ALONE: units
-# that include themselves once per instruction set, or a header that no other unit shall see.
+# that include themselves once per instruction set, or a header that no other unit shall see. FAST, LOOPS: landfall_builds_fast.
 function(landfall_library module)
-  cmake_parse_arguments(arg "UNITY" "PRECOMPILED" "FOLDERS;EXCEPT;GENERATED;LINKS;PRIVATE_LINKS;APART;ALONE" ${ARGN})
+  cmake_parse_arguments(arg "UNITY;FAST;LOOPS" "PRECOMPILED" "FOLDERS;EXCEPT;GENERATED;LINKS;PRIVATE_LINKS;APART;ALONE" ${ARGN})
   set(patterns *.cpp)
   if(arg_FOLDERS)
     list(TRANSFORM arg_FOLDERS APPEND /*.cpp OUTPUT_VARIABLE patterns)
@@ -128,6 +128,11 @@ function(landfall_library module)
   if(arg_PRECOMPILED)
     target_precompile_headers(landfall_${module} REUSE_FROM precompiled_${arg_PRECOMPILED})
     landfall_uses_precompiled_strings(landfall_${module})
+  endif()
+  if(arg_FAST)
+    landfall_builds_fast(landfall_${module})
+  elseif(arg_LOOPS)
+    landfall_builds_fast(landfall_${module} LOOPS)
   endif()
   if(arg_UNITY)
     landfall_unity_groups(landfall_${module} SOURCES ${sources} APART ${arg_APART} ALONE ${arg_ALONE})
