@@ -14,7 +14,7 @@
 #include <string_view>
 
 #include "base/core/error.h"
-#include "base/text/lower_case.h"
+#include "base/text/characters.h"
 #include "base/text/shown_text.h"
 
 namespace landfall {
@@ -57,7 +57,7 @@ std::string normalised(const std::string& text) {
   return name;
 }
 
-std::string trimmed(std::string_view text) {
+std::string without_brackets(std::string_view text) {
   constexpr std::string_view kAround = " \t\r\n<>[]\"'";
   const std::size_t first = text.find_first_not_of(kAround);
   if (first == std::string_view::npos) return "";
@@ -72,7 +72,7 @@ std::string without_datum(const std::string& text) {
   const std::string folded = lower_case(text);
   std::size_t end = text.size();
   for (const char* const begin : kBegins) end = std::min(end, folded.find(begin));
-  return trimmed(std::string_view(text).substr(0, end));
+  return without_brackets(std::string_view(text).substr(0, end));
 }
 
 /// The database of UDUNITS, read at the first unit that is not an own name.
@@ -142,7 +142,7 @@ SpelledUnit plain_unit(const std::string& text) {
 }  // namespace
 
 SpelledUnit spelled_unit(const std::string& text) {
-  const std::string spelled = trimmed(text);
+  const std::string spelled = without_brackets(text);
   SpelledUnit unit = plain_unit(spelled);
   if (unit.is_known()) return unit;
   const std::string length = without_datum(spelled);

@@ -9,7 +9,7 @@
 #include <memory>
 
 #include "base/core/error.h"
-#include "base/text/lower_case.h"
+#include "base/text/characters.h"
 #include "base/text/number_text.h"
 #include "formats/gdal/raster_files.h"
 

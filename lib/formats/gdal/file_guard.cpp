@@ -19,8 +19,8 @@
 #include <utility>
 #include <vector>
 
+#include "base/text/characters.h"
 #include "base/text/file_path.h"
-#include "base/text/lower_case.h"
 #include "formats/gdal/raster_files.h"
 #include "formats/gdal/registry.h"
 

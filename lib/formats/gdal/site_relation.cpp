@@ -11,7 +11,7 @@
 #include <string_view>
 #include <vector>
 
-#include "base/text/lower_case.h"
+#include "base/text/characters.h"
 #include "formats/gdal/gdal_errors.h"
 #include "formats/gdal/known_crs.h"
 #include "formats/gdal/map_projection.h"

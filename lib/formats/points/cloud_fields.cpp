@@ -6,9 +6,9 @@
 #include <charconv>
 
 #include "base/core/error.h"
+#include "base/text/characters.h"
 #include "base/text/joined.h"
 #include "base/text/shown_text.h"
-#include "base/text/trimmed.h"
 
 namespace landfall {
 namespace {

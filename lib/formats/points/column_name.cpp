@@ -8,7 +8,7 @@
 #include <numbers>
 #include <optional>
 
-#include "base/text/lower_case.h"
+#include "base/text/characters.h"
 #include "base/units/spelled_unit.h"
 
 namespace landfall {

@@ -6,7 +6,7 @@
 #include <charconv>
 #include <limits>
 
-#include "base/text/lower_case.h"
+#include "base/text/characters.h"
 #include "base/text/parsed_number.h"
 
 namespace landfall {

@@ -9,7 +9,7 @@
 #include <string_view>
 #include <vector>
 
-#include "base/text/trimmed.h"
+#include "base/text/characters.h"
 
 namespace landfall {
 

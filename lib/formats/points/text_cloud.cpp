@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "base/text/characters.h"
 #include "base/text/foreign_content.h"
-#include "base/text/lower_case.h"
 #include "base/text/shown_text.h"
 #include "base/units/spelled_unit.h"
 #include "formats/points/cloud_formats.h"

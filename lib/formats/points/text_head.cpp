@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <array>
 
-#include "base/text/lower_case.h"
+#include "base/text/characters.h"
 #include "formats/points/cloud_fields.h"
 #include "formats/points/text_head.h"
 

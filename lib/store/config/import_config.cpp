@@ -10,9 +10,9 @@
 #include <optional>
 
 #include "base/core/error.h"
+#include "base/text/characters.h"
 #include "base/text/netcdf_name.h"
 #include "base/text/shown_text.h"
-#include "base/text/trimmed.h"
 #include "chain/terrain/mesh/mesh_name.h"
 #include "store/config/plain_number.h"
 #include "store/config/schema.h"

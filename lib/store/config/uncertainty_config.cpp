@@ -12,9 +12,9 @@
 
 #include "base/core/error.h"
 #include "base/numerics/light.h"
+#include "base/text/characters.h"
 #include "base/text/number_text.h"
 #include "base/text/shown_text.h"
-#include "base/text/trimmed.h"
 #include "store/config/config_path.h"
 #include "store/config/json_values.h"
 #include "store/config/key_effects.h"
