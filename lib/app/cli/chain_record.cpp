@@ -141,7 +141,7 @@ std::string differences_text(const Json& before, const Json& after) {
   constexpr std::size_t kShown = 2;
   std::vector<ValuePair> pairs = value_pairs(before, after);
   std::erase_if(pairs, [](const ValuePair& pair) { return pair.a == pair.b; });
-  std::ranges::stable_partition(pairs, [](const ValuePair& pair) { return pair.a && pair.b; });
+  std::stable_partition(pairs.begin(), pairs.end(), [](const ValuePair& pair) { return pair.a && pair.b; });
   std::vector<std::string> words;
   for (std::size_t i = 0; i < std::min(pairs.size(), kShown); ++i)
     words.push_back(pairs[i].path + " " + shown_value(pairs[i].a) + " -> " + shown_value(pairs[i].b));

@@ -315,16 +315,17 @@ void naming(const std::string& input, const std::function<void()>& write) {
 }
 
 std::string geotiff_file(const Job& job) {
-  const auto& [o, output, tool, progress] = job;
-  const GridSource grid(o.input);
+  const std::string& input = job.options.input;
+  const GridSource grid(input);
   const std::vector<NamedLayer> layers =
-      grid.read(grid.choose(o.layers), [&](double f) { report(progress, f / 2); });
-  GeotiffContent content{{}, grid.crs_wkt(), source_line(tool), grid.file().file_id()};
+      grid.read(grid.choose(job.options.layers), [&](double f) { report(job.progress, f / 2); });
+  GeotiffContent content{{}, grid.crs_wkt(), source_line(job.tool), grid.file().file_id()};
   for (const NamedLayer& layer : layers)
     content.bands.push_back(
         {std::visit([](const auto& values) { return decltype(GeotiffBand::values)(&values); }, layer.values),
          layer.info.units, layer.info.name});
-  naming(o.input, [&] { write_geotiff(output, content, [&](double f) { report(progress, (1 + f) / 2); }); });
+  naming(input,
+         [&] { write_geotiff(job.output, content, [&](double f) { report(job.progress, (1 + f) / 2); }); });
   return "";
 }
 

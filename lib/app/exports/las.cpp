@@ -152,11 +152,11 @@ LasGrid LasGrid::fitting(const PointBox& box, const std::string& file, const std
     half[axis] = std::max(box.high[axis] - grid.offset[axis], grid.offset[axis] - box.low[axis]);
   }
   const std::string unit = map ? map->unit : "m";
-  const auto finest = [&](double reach, const std::array<double, 3>& scales) {
-    for (const double scale : scales)
-      if (reach <= scale * kMaxSteps) return scale;
+  const auto finest = [&](double reach, const std::array<double, 3>& steps) {
+    for (const double step : steps)
+      if (reach <= step * kMaxSteps) return step;
     throw FormatError(file + ": points reach " + number_text(reach) + " " + unit +
-                      " from their centre; LAS allows " + number_text(std::floor(scales.back() * kMaxSteps)) +
+                      " from their centre; LAS allows " + number_text(std::floor(steps.back() * kMaxSteps)) +
                       " " + unit + "; export .ply, or remove the outliers");
   };
   constexpr std::array kMetres = {1e-6, 1e-5, 1e-4};

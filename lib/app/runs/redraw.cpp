@@ -45,7 +45,8 @@ std::optional<Difference> first_difference(const Json& theirs, const Json& ours,
   }
   Json keys = theirs.is_null() ? Json::object() : theirs;
   if (!ours.is_null()) keys.update(ours);
-  for (const auto& [key, value] : keys.items()) {
+  for (const auto& item : keys.items()) {
+    const std::string& key = item.key();
     const auto inner = [&](const Json& side) { return side.is_null() ? Json() : side.value(key, Json()); };
     if (auto found = first_difference(inner(theirs), inner(ours), where + "/" + key, effect, config))
       return found;

@@ -91,7 +91,7 @@ class FieldWalk {
   template <class T>
   requires kHasFields<T>
   void walk(std::optional<T>& field) {
-    if (visit_.has(std::as_const(path_))) walk(field.emplace());
+    if (visit_.has(std::as_const(path_))) walk(field.emplace(T{}));
   }
 
   Visit visit_;

@@ -5,7 +5,8 @@
 #include <cmath>
 #include <cstdint>
 #include <iterator>
-#include <ranges>
+#include <sstream>
+#include <string>
 #include <string_view>
 
 #include "base/text/key_unit.h"
@@ -32,10 +33,10 @@ const char* verdict(const RequirementVerdict& verdict) {
 }
 
 /// The largest of a list of metrics, separated by spaces.
-double largest(const Metrics& m, std::string_view metrics) {
+double largest(const Metrics& m, const std::string& metrics) {
   double found = 0;
-  for (const auto metric : std::views::split(metrics, ' '))
-    found = std::max(found, number_at(m, std::string_view(metric.begin(), metric.end())).value_or(0));
+  std::istringstream list(metrics);
+  for (std::string metric; list >> metric;) found = std::max(found, number_at(m, metric).value_or(0));
   return found;
 }
 

@@ -54,10 +54,10 @@ class PlaceIndex {
   [[nodiscard]] double nearest_in(const BinIndex& cell, const Horizontal& from,
                                   const Horizontal& direction) const {
     double best = std::numeric_limits<double>::infinity();
-    const auto found =
-        std::ranges::equal_range(sorted_, std::pair(cell.row, cell.col), {}, &IndexedPlace::key);
-    for (const IndexedPlace& each : found) {
-      const Horizontal step = between(from, each.place);
+    const std::pair key(cell.row, cell.col);
+    for (auto each = std::ranges::lower_bound(sorted_, key, {}, &IndexedPlace::key);
+         each != sorted_.end() && each->key() == key; ++each) {
+      const Horizontal step = between(from, each->place);
       const double along = step.x * direction.x + step.y * direction.y;
       const double across = step.x * direction.y - step.y * direction.x;
       if (std::abs(across) > std::abs(along)) best = std::min(best, portable::hypot(step.x, step.y));

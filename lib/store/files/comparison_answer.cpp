@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
-#include <ranges>
+#include <sstream>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -28,10 +28,11 @@ constexpr double kSignificant = 0.05;
 Value number_in(const Json& json) { return json.is_number() ? Value(json.get<double>()) : std::nullopt; }
 
 /// The number at a dotted path.
-Value at_path(const Json& json, std::string_view path) {
+Value at_path(const Json& json, const std::string& path) {
   const Json* at = &json;
-  for (const auto part : std::views::split(path, '.')) {
-    const auto found = at->is_object() ? at->find(std::string(part.begin(), part.end())) : at->end();
+  std::istringstream parts(path);
+  for (std::string part; std::getline(parts, part, '.');) {
+    const auto found = at->is_object() ? at->find(part) : at->end();
     if (found == at->end()) return std::nullopt;
     at = &*found;
   }
@@ -39,11 +40,11 @@ Value at_path(const Json& json, std::string_view path) {
 }
 
 /// The largest of the numbers at several paths, separated by spaces.
-Value largest_at(const Json& json, std::string_view paths) {
+Value largest_at(const Json& json, const std::string& paths) {
   Value largest;
-  for (const auto path : std::views::split(paths, ' '))
-    if (const Value found = at_path(json, std::string_view(path.begin(), path.end())))
-      largest = std::max(largest.value_or(*found), *found);
+  std::istringstream list(paths);
+  for (std::string path; list >> path;)
+    if (const Value found = at_path(json, path)) largest = std::max(largest.value_or(*found), *found);
   return largest;
 }
 

@@ -48,7 +48,7 @@ std::string corrected_sigma_missing(const DemRequest& request) {
 struct Layer {
   std::string name;
   h5::Type type;
-  GridLayerWriter::LayerText text;
+  LayerText text;
   std::function<void(const Strip&, GridLayerWriter::TileValues&)> put;
   Missing missing = nothing_missing;
   bool is_sigma = false;

@@ -259,15 +259,14 @@ void EvaluationWriter::take(const CoverageLayers& layers) {
 
 void EvaluationWriter::take(Axis axis, const AxisLayers& layers) {
   const std::string name = name_of(axis);
-  const GridLayerWriter::LayerText judged{.ancillary_variables =
-                                              "fail"};  // always follows, as the last layer
+  const LayerText judged{.ancillary_variables = "fail"};  // always follows, as the last layer
   grid().write("e_" + name, layers.error);
   grid().write("abs_" + name, layers.absolute, judged);
   grid().write("rel_" + name, layers.relative, judged);
 }
 
 void EvaluationWriter::take(const Grid<std::int8_t>& fail) {
-  GridLayerWriter::LayerText text;
+  LayerText text;
   for (const dictionary::FailFlag& flag : fail_flags_by_bit()) {
     text.flag_masks.push_back(static_cast<std::int8_t>(flag.bit));
     text.flag_meanings += (text.flag_meanings.empty() ? "" : " ") + std::string(flag.name);

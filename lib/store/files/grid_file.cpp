@@ -137,8 +137,7 @@ void complete(std::string& text, const char* words) {
   if (text.empty()) text = words;
 }
 
-GridLayerWriter::LayerText completed(const std::string& kind, const std::string& name,
-                                     GridLayerWriter::LayerText text) {
+LayerText completed(const std::string& kind, const std::string& name, LayerText text) {
   const dictionary::Layer* const layer = dictionary::find_layer(kind, name);
   if (layer == nullptr) return text;
   complete(text.units, layer->unit);

@@ -19,6 +19,20 @@
 
 namespace landfall {
 
+/// The attributes of a layer. Units, long name and flags that are empty are those of the dictionary
+/// (schemas/dictionary/layers.json).
+struct LayerText {
+  std::string units = {};
+  std::string long_name = {};
+  std::vector<std::int8_t> flag_values = {};
+  std::string flag_meanings = {};
+  std::vector<std::int8_t> flag_masks = {};    ///< bits that may be set together
+  std::string ancillary_variables = {};        ///< layers that qualify this one's values, in CF's form
+  std::string comment = {};                    ///< CF's comment
+  std::optional<double> epoch_s = {};          ///< of a time: what the clock shows at 0
+  std::optional<double> truth_spacing_m = {};  ///< of z_true: DemLayers::truth_spacing_m
+};
+
 /// The grid part of a file: coordinates /x and /y, /crs, and layers at the root (docs/user/files/README.md),
 /// so that GDAL, GMT, ncdump, xarray, QGIS and ParaView open every layer georeferenced.
 class GridLayerWriter {
@@ -28,19 +42,6 @@ class GridLayerWriter {
   GridLayerWriter(LandfallFileWriter& file, const GridSpec& spec, const std::string& crs_wkt,
                   const std::string& located_at = "bin centre");
 
-  /// The attributes of a layer. Units, long name and flags that are empty are those of the dictionary
-  /// (schemas/dictionary/layers.json).
-  struct LayerText {
-    std::string units = {};
-    std::string long_name = {};
-    std::vector<std::int8_t> flag_values = {};
-    std::string flag_meanings = {};
-    std::vector<std::int8_t> flag_masks = {};    ///< bits that may be set together
-    std::string ancillary_variables = {};        ///< layers that qualify this one's values, in CF's form
-    std::string comment = {};                    ///< CF's comment
-    std::optional<double> epoch_s = {};          ///< of a time: what the clock shows at 0
-    std::optional<double> truth_spacing_m = {};  ///< of z_true: DemLayers::truth_spacing_m
-  };
   /// T: double, float, std::int32_t or std::int8_t. Tiles are compressed in parallel. Throws IoError.
   template <class T>
   void write(const std::string& name, const Grid<T>& layer, const LayerText& text = {});

@@ -57,7 +57,7 @@ void LaterEchoReader::read_rows(std::size_t pixel_count) {
     if (!is_next(where, pixel_count))
       scan_.fail("/" + std::string(kEchoGroup) + " row " + std::to_string(next_row_) +
                  " is not the next echo of a pixel");
-    LaterEcho& echo = held_.emplace_back(where);
+    LaterEcho& echo = held_.emplace_back(LaterEcho{where, {}});
     for (const EchoMember& part : kEchoMembers) echo.echo.*part.member = (rows.*part.later)[i];
     last_ = where;
   }

@@ -123,9 +123,9 @@ void PulseSimulator::load_true_ranges(const PulseInput& pulse, const TrueRanges&
   ReceivedPulse& received = workspace.received;
   received.ranges_m.assign(truth.ranges_m.begin(), truth.ranges_m.end());
   received.echoes.assign(truth.echoes.begin(), truth.echoes.end());
-  const auto later = std::ranges::equal_range(truth.later, pulse.time.pulse, {},
-                                              [](const LaterEcho& echo) { return echo.where.pulse; });
-  received.later_echoes.assign(later.begin(), later.end());
+  const auto pulse_of = [](const LaterEcho& echo) { return echo.where.pulse; };
+  received.later_echoes.assign(std::ranges::lower_bound(truth.later, pulse.time.pulse, {}, pulse_of),
+                               std::ranges::upper_bound(truth.later, pulse.time.pulse, {}, pulse_of));
 }
 
 Transform<BodyFrame, LidarFrame> PulseSimulator::true_mount(std::int64_t pulse) const {
