@@ -57,6 +57,7 @@ std::string normalised(const std::string& text) {
   return name;
 }
 
+/// Without the blanks, brackets and quotes around it.
 std::string without_brackets(std::string_view text) {
   constexpr std::string_view kAround = " \t\r\n<>[]\"'";
   const std::size_t first = text.find_first_not_of(kAround);
