@@ -13,7 +13,7 @@
 namespace landfall {
 namespace {
 
-constexpr double kMaxSteps = 0x1p31 - 1024;  // room for the rounding of the centre
+constexpr double kMaxLasSteps = 0x1p31 - 1024;  // room for the rounding of the centre
 constexpr std::size_t kMaxPoints = 0xffffffffU;
 
 /// A text field of fixed length, filled with zeros.
@@ -93,15 +93,15 @@ void append_point(std::string& out, const LasGrid& grid, const PointBatch& batch
   if (others.time) append_raw(out, batch.real(*others.time)[row]);
 }
 
-struct Extent {
+struct LasExtent {
   PointBox box;
   std::size_t count = 0;
   std::array<std::size_t, 5> count_by_return{};
 };
 
-Extent extent_of(const PointReader& points, const PointReader::Pass& pass, const ReturnNumbers& numbers,
-                 const ProgressCallback& progress) {
-  Extent extent;
+LasExtent extent_of(const PointReader& points, const PointReader::Pass& pass, const ReturnNumbers& numbers,
+                    const ProgressCallback& progress) {
+  LasExtent extent;
   points.read(
       pass,
       [&](const PointBatch& batch) {
@@ -154,10 +154,11 @@ LasGrid LasGrid::fitting(const PointBox& box, const std::string& file, const std
   const std::string unit = map ? map->unit : "m";
   const auto finest = [&](double reach, const std::array<double, 3>& steps) {
     for (const double step : steps)
-      if (reach <= step * kMaxSteps) return step;
+      if (reach <= step * kMaxLasSteps) return step;
     throw FormatError(file + ": points reach " + number_text(reach) + " " + unit +
-                      " from their centre; LAS allows " + number_text(std::floor(steps.back() * kMaxSteps)) +
-                      " " + unit + "; export .ply, or remove the outliers");
+                      " from their centre; LAS allows " +
+                      number_text(std::floor(steps.back() * kMaxLasSteps)) + " " + unit +
+                      "; export .ply, or remove the outliers");
   };
   constexpr std::array kMetres = {1e-6, 1e-5, 1e-4};
   constexpr std::array kDegrees = {1e-9, 1e-8, 1e-7};
@@ -226,7 +227,7 @@ std::vector<std::string> write_points_las(const PointReader& points, const LasRe
   PointReader::Pass pass{position_columns(request.position), {true, request.every}, 3};
   pass.first_time_s = request.time == LasTime::gps ? points.pulse_times().epoch_s - 1e9 : 0;
   const ReturnNumbers numbers(points);
-  const Extent extent = extent_of(points, pass, numbers, [&](double f) { report(progress, f / 4); });
+  const LasExtent extent = extent_of(points, pass, numbers, [&](double f) { report(progress, f / 4); });
   if (extent.count == 0) points.file().fail("holds no return");
   if (extent.count > kMaxPoints)
     points.file().fail("has " + std::to_string(extent.count) +

@@ -4,13 +4,13 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
-#include <limits>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "app/exports/point_reader.h"
 #include "base/core/progress.h"
+#include "base/numerics/non_finite.h"
 #include "base/output/byte_sink.h"
 
 namespace landfall {
@@ -26,8 +26,6 @@ inline constexpr std::size_t kLasUntimedPointBytes = 20;
 struct PointBox {
   std::array<double, 3> low = {kInfinity, kInfinity, kInfinity};
   std::array<double, 3> high = {-kInfinity, -kInfinity, -kInfinity};
-
-  static constexpr double kInfinity = std::numeric_limits<double>::infinity();
 };
 
 /// How LAS stores coordinates: X = round((x - offset) / scale), 32 bits; metres, or the unit of a map.

@@ -17,8 +17,6 @@
 namespace landfall {
 namespace {
 
-/// Rows read at a time: 4 chunks of the file.
-constexpr std::size_t kBatchRows = 4 * kTableChunkRows;
 /// Rows that one thread encodes at a time.
 constexpr std::size_t kPieceRows = 8192;
 

@@ -6,18 +6,16 @@
 #include <array>
 #include <cmath>
 #include <cstdio>
-#include <limits>
 #include <stdexcept>
 #include <string_view>
 
 #include "base/dictionary/layers.h"
+#include "base/numerics/non_finite.h"
 #include "base/raster/by_rows.h"
 #include "formats/picture/color_map.h"
 
 namespace landfall::html_report {
 namespace {
-
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
 /// Chooses one of two values of a block.
 double chosen(double a, double b, Rule rule) {

@@ -3,13 +3,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <utility>
 
 #include "app/runs/geodetic_cloud.h"
 #include "app/runs/site_points.h"
 #include "base/core/error.h"
 #include "base/core/parallel.h"
+#include "base/numerics/non_finite.h"
 #include "base/text/joined.h"
 #include "chain/terrain/site_wkt.h"
 #include "formats/gdal/gdal_loader.h"
@@ -28,11 +28,10 @@ namespace {
 constexpr std::size_t kFewestPoints = 64;  // that show a shape
 constexpr const char* kBeyondHorizon =
     " points lie beyond the horizon of the site, 90 degrees or more from its centre";
-constexpr double kInfinite = std::numeric_limits<double>::infinity();
 
-struct Extent {
-  CloudBox box{.low = {kInfinite, kInfinite, kInfinite}, .high = {-kInfinite, -kInfinite, -kInfinite}};
-  TimeExtent times{.first = kInfinite, .last = -kInfinite};
+struct CloudExtent {
+  CloudBox box{.low = {kInfinity, kInfinity, kInfinity}, .high = {-kInfinity, -kInfinity, -kInfinity}};
+  TimeExtent times{.first = kInfinity, .last = -kInfinity};
   PointSample sample;
 
   [[nodiscard]] std::int64_t count() const { return sample.point_count(); }
@@ -50,7 +49,7 @@ void widen(const std::vector<double>& values, double& low, double& high) {
   high = greatest;
 }
 
-void add(const CloudBatch& batch, Extent& extent) {
+void add(const CloudBatch& batch, CloudExtent& extent) {
   parallel_for(4, 1, [&](std::size_t part, std::size_t) {
     if (part == 3) return extent.sample.add(batch);
     widen(batch.columns[part], extent.box.low[part], extent.box.high[part]);
@@ -62,15 +61,15 @@ void add(const CloudBatch& batch, Extent& extent) {
   }
 }
 
-Extent extent_of(SelectedCloud& cloud, const std::string& name, const ProgressCallback& progress) {
-  Extent extent;
+CloudExtent extent_of(SelectedCloud& cloud, const std::string& name, const ProgressCallback& progress) {
+  CloudExtent extent;
   for (CloudBatch batch; cloud.next(batch); report(progress, cloud.progress())) add(batch, extent);
   if (extent.count() > 0) return extent;
   const std::string left_out = joined(cloud.sentences(), "; ");
   throw FormatError(name + ": has no points" + (left_out.empty() ? "" : ": " + left_out));
 }
 
-std::string box_finding(const std::string& name, const CloudInfo& info, const Extent& extent) {
+std::string box_finding(const std::string& name, const CloudInfo& info, const CloudExtent& extent) {
   if (!info.box || !info.steps) return "";
   return compare_with_box(name, *info.box, extent.box, *info.steps);
 }
@@ -110,7 +109,7 @@ std::optional<TimeUnit> time_unit_of(const CloudImport& import, const CloudInfo&
 
 /// The scale of the times of a file, of which some are finite; an unused one without times.
 TimeScale times_of(const CloudImport& import, const CloudInfo& info, std::optional<TimeUnit> unit,
-                   const Extent& extent) {
+                   const CloudExtent& extent) {
   const bool has_times = info.has(CloudField::t);
   if (import.time_unit && info.steps)  // LAS
     throw UsageError("--time-unit is for text, PLY and PCD; " + import.path +
@@ -135,7 +134,7 @@ std::optional<StatedMapUnit> stated_unit(const CloudInfo& info) {
                        .text = x.text == y.text ? x.text : x.text + " and " + y.text};
 }
 
-PointFrame frame_of(const CloudImport& import, const CloudInfo& info, const Extent& extent,
+PointFrame frame_of(const CloudImport& import, const CloudInfo& info, const CloudExtent& extent,
                     const std::optional<GeodeticExtent>& across_seam, bool is_geodetic) {
   PointFrameRequest request{.name = import.path,
                             .crs = {},
@@ -169,8 +168,8 @@ std::optional<GeodeticExtent> extent_across_seam(SelectedCloud& cloud, const Poi
 
 /// The frame of the points, and their extent, which becomes that of their longitudes, latitudes and heights
 /// if they are body-fixed.
-PointFrame place_cloud(const CloudImport& import, const CloudInfo& info, SelectedCloud& cloud, Extent& extent,
-                       const ProgressCallback& progress) {
+PointFrame place_cloud(const CloudImport& import, const CloudInfo& info, SelectedCloud& cloud,
+                       CloudExtent& extent, const ProgressCallback& progress) {
   PointFrame frame = frame_of(import, info, extent, {}, false);
   const bool is_geodetic = frame.body_fixed.has_value();
   if (is_geodetic) {
@@ -251,7 +250,7 @@ ImportedCloud import_cloud(const CloudImport& import, ImportOutput output) {
   SelectedCloud cloud(converted(std::move(screened), conversion), import.path, import.selection, import.axes);
   info = cloud.info();
   info.notes.insert(info.notes.end(), conversion.notes.begin(), conversion.notes.end());
-  Extent extent;
+  CloudExtent extent;
   output.phase("measure",
                [&](const ProgressCallback& progress) { extent = extent_of(cloud, import.path, progress); });
   const std::string box_warning = box_finding(import.path, info, extent);
@@ -269,7 +268,7 @@ ImportedCloud import_cloud(const CloudImport& import, ImportOutput output) {
       .format = info.format,
       .crs_name = frame.crs_name,
       .left_out = counts};
-  result.bounds_m.fill({kInfinite, -kInfinite});
+  result.bounds_m.fill({kInfinity, -kInfinity});
   output.provenance.config = config_of(import, info, frame, result.center);
   std::vector<std::string> assumed = info.notes;
   assumed.insert(assumed.end(), frame.assumed.begin(), frame.assumed.end());

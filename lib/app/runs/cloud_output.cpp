@@ -14,11 +14,11 @@
 namespace landfall {
 namespace {
 
-constexpr const char* kTime = name_of(&PulseColumns::t);
+constexpr const char* kPulseTime = name_of(&PulseColumns::t);
 constexpr const char* kPageColumns[] = {
     name_of(&PointColumns::x_true),         name_of(&PointColumns::y_true),
     name_of(&PointColumns::z_true),         name_of(&PointColumns::range_true),
-    name_of(&PointColumns::range_measured), kTime,
+    name_of(&PointColumns::range_measured), kPulseTime,
     name_of(&PointColumns::status),         name_of(&PointColumns::intensity),
     name_of(&PointColumns::return_number),  name_of(&PointColumns::pulse),
     name_of(&PointColumns::pixel)};
@@ -120,7 +120,7 @@ html_report::CloudContent read_cloud(const PointReader& points, std::size_t max_
         }
       },
       [&](double f) { report(progress, (2 + f) / 5); });
-  if (!content.has_pulses && points.has(kTime)) from_zero(content.columns.at(kTime));
+  if (!content.has_pulses && points.has(kPulseTime)) from_zero(content.columns.at(kPulseTime));
   return content;
 }
 

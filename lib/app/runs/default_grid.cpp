@@ -46,7 +46,6 @@ using UsePoints = std::function<void(std::span<const double> x_m, std::span<cons
 
 /// The returns of scans in an area of the first one's frame, batch by batch, from its centre.
 void read_points(const DemSources& sources, const Area& area, const UsePoints& use) {
-  constexpr std::size_t kBatchRows = 4 * kTableChunkRows;
   Provenance unused;
   const Scans scans = open_scans(sources.scans, unused);
   const std::vector<Placement> placements = place_scans(scans, sources.rules).of;

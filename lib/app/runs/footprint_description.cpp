@@ -13,6 +13,7 @@
 #include "base/core/error.h"
 #include "base/dictionary/tables/requirements.h"
 #include "base/geometry/rotation_vector.h"
+#include "base/numerics/non_finite.h"
 #include "base/numerics/portable_math.h"
 #include "base/returns/point_status.h"
 #include "chain/evaluation/fail_flag.h"
@@ -34,7 +35,6 @@ namespace {
 
 using Described = nlohmann::ordered_json;
 
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 constexpr std::size_t kWorstBins = 5;
 /// The window of the rules reaches this many footprints to either side, and at least so many bins.
 constexpr std::int64_t kReachFootprints = 3;

@@ -20,7 +20,7 @@ namespace {
 constexpr std::uint64_t kUnlimited = std::numeric_limits<std::uint64_t>::max();
 
 /// The beginning of a small file of the system; empty if it cannot be read.
-std::string text_of(const char* path) {
+std::string file_text(const char* path) {
   std::string text(std::size_t{1} << 14U, '\0');
   const std::unique_ptr<std::FILE, int (*)(std::FILE*)> file(std::fopen(path, "r"), std::fclose);
   text.resize(file ? std::fread(text.data(), 1, text.size(), file.get()) : 0);
@@ -29,7 +29,7 @@ std::string text_of(const char* path) {
 
 /// The kibibytes of "NAME:   123 kB" in a file of /proc, in bytes; nothing without such a line.
 std::optional<std::uint64_t> proc_bytes(const char* path, const std::string& name) {
-  const std::string text = "\n" + text_of(path);
+  const std::string text = "\n" + file_text(path);
   const std::size_t at = text.find("\n" + name + ":");
   if (at == std::string::npos) return std::nullopt;
   return 1024 * std::strtoull(text.c_str() + at + name.size() + 2, nullptr, 10);
@@ -50,7 +50,7 @@ std::uint64_t address_space() {
 
 /// The rest of the limit of a container, whose own control group is the root that it sees.
 std::uint64_t container_memory() {
-  const std::uint64_t limit = std::strtoull(text_of("/sys/fs/cgroup/memory.max").c_str(), nullptr, 10);
+  const std::uint64_t limit = std::strtoull(file_text("/sys/fs/cgroup/memory.max").c_str(), nullptr, 10);
   const std::uint64_t used = used_memory().now;
   if (limit == 0) return kUnlimited;  // "max"
   return limit > used ? limit - used : 0;

@@ -7,16 +7,14 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
-#include <limits>
 #include <numbers>
 
 #include "base/numerics/exact_arithmetic.h"
+#include "base/numerics/non_finite.h"
 
 namespace landfall::portable {
 namespace {
 
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kPi = std::numbers::pi;
 constexpr double kHalfPi = kPi / 2;
 constexpr double kHalfPiRest = 0x1.1a62633145c07p-54;

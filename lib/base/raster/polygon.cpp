@@ -4,10 +4,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <string>
 
 #include "base/core/error.h"
+#include "base/numerics/non_finite.h"
 #include "base/numerics/portable_math.h"
 #include "base/raster/by_rows.h"
 #include "base/text/number_text.h"
@@ -127,7 +127,6 @@ struct Box {
 };
 
 Box box_of(const std::vector<Polygon>& polygons) {
-  constexpr double kInfinity = std::numeric_limits<double>::infinity();
   Box box{kInfinity, -kInfinity, kInfinity, -kInfinity};
   for (const Polygon& polygon : polygons)
     for (const Polygon::Ring& ring : polygon.rings())

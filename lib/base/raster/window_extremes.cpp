@@ -6,11 +6,11 @@
 #include <vector>
 
 #include "base/core/parallel.h"
+#include "base/numerics/non_finite.h"
 
 namespace landfall {
 namespace {
 
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 constexpr double kLowest = -std::numeric_limits<double>::infinity();
 constexpr std::size_t kRowsPerPiece = 32;
 constexpr std::size_t kColsPerPiece = 64;  // side by side in one pass along columns

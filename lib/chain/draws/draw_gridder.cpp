@@ -13,7 +13,7 @@ namespace {
 
 /// Enough points that a pass on all threads costs more than its start.
 constexpr std::int64_t kBatchPoints = std::int64_t{1} << 17U;
-constexpr std::int64_t kPointsPerPiece = 16384;
+constexpr std::int64_t kPointsPerDrawPiece = 16384;
 
 /// Memory for every bin; its values are not set.
 void require_layers(DrawnDem& dem, const GridSpec& grid) {
@@ -85,7 +85,8 @@ Accumulator& DrawGridder::empty_bins(Method method) {
 void DrawGridder::fill(const Simulation& simulation, PulseSpan pulses) {
   const std::size_t rows = simulation.rows_per_pulse();
   batch_.resize(static_cast<std::size_t>(pulses.count), rows, PointContent::all, simulation.columns());
-  const std::int64_t per_piece = std::max<std::int64_t>(1, kPointsPerPiece / static_cast<std::int64_t>(rows));
+  const std::int64_t per_piece =
+      std::max<std::int64_t>(1, kPointsPerDrawPiece / static_cast<std::int64_t>(rows));
   parallel_for(static_cast<std::size_t>((pulses.count + per_piece - 1) / per_piece), 1,
                [&](std::size_t begin, std::size_t end) {
                  const std::int64_t slot = static_cast<std::int64_t>(begin) * per_piece;
@@ -106,7 +107,7 @@ void DrawGridder::fill_slots(const Simulation& simulation, PulseSpan pulses, std
 GridPoints DrawGridder::take_returns() {
   const PointColumns& points = batch_.points;
   const std::size_t size = points.size();
-  constexpr auto kPerPiece = static_cast<std::size_t>(kPointsPerPiece);
+  constexpr auto kPerPiece = static_cast<std::size_t>(kPointsPerDrawPiece);
   const std::size_t pieces = (size + kPerPiece - 1) / kPerPiece;
   const auto end_of = [&](std::size_t piece) { return std::min((piece + 1) * kPerPiece, size); };
   const auto is_kept = [&](std::size_t row) {

@@ -1,15 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "chain/draws/draw_layers.h"
 
-#include <limits>
 #include <utility>
 
+#include "base/numerics/non_finite.h"
 #include "chain/evaluation/piecewise.h"
 
 namespace landfall {
 namespace {
-
-constexpr double kNoValue = std::numeric_limits<double>::quiet_NaN();
 
 Grid<float> layer_of(const GridSpec& spec, const auto& value) {
   auto layer = Grid<float>::unset(spec);
@@ -35,14 +33,14 @@ Grid<float> share_of_draws(const Grid<std::int32_t>& count, std::int64_t draws, 
   const auto n = static_cast<double>(draws);
   return layer_of(count.spec(), [&](std::size_t i) {
     const bool is_outside = region != nullptr && region->values()[i] == 0;
-    return is_outside || draws == 0 ? kNoValue : count.values()[i] / n;
+    return is_outside || draws == 0 ? kNan : count.values()[i] / n;
   });
 }
 
 Grid<float> share_of_known(const SafetyCounts& safety, const Grid<std::int32_t>& count) {
   return layer_of(count.spec(), [&](std::size_t i) {
     const std::int32_t known = safety.known.values()[i];
-    return known > 0 ? static_cast<double>(count.values()[i]) / known : kNoValue;
+    return known > 0 ? static_cast<double>(count.values()[i]) / known : kNan;
   });
 }
 
@@ -63,7 +61,7 @@ Grid<float> std_of(const ErrorSums& sums) {
 Grid<float> std_over_sigma(const ErrorSums& sums, const Grid<float>& sigma_m) {
   return layer_of(sigma_m.spec(), [&](std::size_t i) {
     const double predicted_m = sigma_m.values()[i];
-    return predicted_m > 0 ? sums.std_m(i) / predicted_m : kNoValue;
+    return predicted_m > 0 ? sums.std_m(i) / predicted_m : kNan;
   });
 }
 

@@ -3,11 +3,11 @@
 #include "chain/draws/draw_maps.h"
 
 #include <cmath>
-#include <limits>
 #include <string>
 #include <utility>
 
 #include "base/core/error.h"
+#include "base/numerics/non_finite.h"
 #include "chain/evaluation/piecewise.h"
 #include "chain/hazards/safety.h"
 
@@ -20,7 +20,6 @@ __extension__ using UInt128 = unsigned __int128;
 constexpr double kUnitsPerMetre = 0x1p30;
 /// So that n sum e^2 fits for 2^17 draws.
 constexpr double kLargest_m = 0x1p16;
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
 Int128 wide(const WideSum& sum) {
   return static_cast<Int128>((static_cast<UInt128>(static_cast<std::uint64_t>(sum.high)) << 64U) | sum.low);

@@ -10,7 +10,7 @@
 namespace landfall {
 namespace {
 
-constexpr double kTolerance = 1e-9;
+constexpr double kLogTolerance = 1e-9;
 
 }  // namespace
 
@@ -27,8 +27,8 @@ void check(const SprtParameters& parameters) {
 Sprt::Sprt(const SprtParameters& parameters)
     : pass_(portable::log(parameters.p1 / parameters.p0)),
       fail_(portable::log((1 - parameters.p1) / (1 - parameters.p0))),
-      accept_(portable::log(parameters.beta / (1 - parameters.alpha)) + kTolerance),
-      reject_(portable::log((1 - parameters.beta) / parameters.alpha) - kTolerance) {
+      accept_(portable::log(parameters.beta / (1 - parameters.alpha)) + kLogTolerance),
+      reject_(portable::log((1 - parameters.beta) / parameters.alpha) - kLogTolerance) {
   check(parameters);
 }
 

@@ -17,7 +17,7 @@ namespace {
 /// The quantile of the summaries over footprints, independent of EvaluationParameters::quantile.
 constexpr double kSummaryQuantile = 0.95;
 
-auto values_of(const Grid<double>& grid) {
+auto grid_values(const Grid<double>& grid) {
   return [values = grid.values()](std::size_t i) { return values[i]; };
 }
 
@@ -86,7 +86,7 @@ FootprintStatistics footprint_statistics(const Grid<double>& error, const BinMas
 
 AbsoluteMetrics summarise_absolute(const Grid<double>& mean) {
   const std::size_t bins = mean.spec().size();
-  const ValueSummary summary = summarize(bins, values_of(mean), HUGE_VAL);
+  const ValueSummary summary = summarize(bins, grid_values(mean), HUGE_VAL);
   if (summary.sum.count == 0) return {};
   return {.p95_m = p95(summary, bins, magnitudes_of(mean)),
           .mean_m = summary.sum.mean(),
@@ -95,19 +95,19 @@ AbsoluteMetrics summarise_absolute(const Grid<double>& mean) {
 
 RelativeMetrics summarise_relative(const Grid<double>& relative, double limit_m) {
   const std::size_t bins = relative.spec().size();
-  const ValueSummary summary = summarize(bins, values_of(relative), limit_m);
+  const ValueSummary summary = summarize(bins, grid_values(relative), limit_m);
   if (summary.sum.count == 0) return {.violation_count = 0};
-  return {.p95_m = p95(summary, bins, values_of(relative)),
+  return {.p95_m = p95(summary, bins, grid_values(relative)),
           .max_m = summary.largest,
           .violation_count = summary.above};
 }
 
 HorizontalMetrics summarise_horizontal(const Grid<double>& horizontal, double limit_m) {
   const std::size_t bins = horizontal.spec().size();
-  const ValueSummary summary = summarize(bins, values_of(horizontal), limit_m);
+  const ValueSummary summary = summarize(bins, grid_values(horizontal), limit_m);
   if (summary.sum.count == 0) return {};
   const auto count = static_cast<double>(summary.sum.count);
-  return {.p95_m = p95(summary, bins, values_of(horizontal)),
+  return {.p95_m = p95(summary, bins, grid_values(horizontal)),
           .within_limit_frac = (count - static_cast<double>(summary.above)) / count};
 }
 

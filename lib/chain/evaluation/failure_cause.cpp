@@ -9,6 +9,7 @@
 #include <numbers>
 #include <utility>
 
+#include "base/numerics/non_finite.h"
 #include "base/numerics/portable_math.h"
 #include "base/text/joined.h"
 #include "base/text/number_text.h"
@@ -17,7 +18,6 @@
 namespace landfall {
 namespace {
 
-constexpr double kNoValue = std::numeric_limits<double>::quiet_NaN();
 /// The tilt of the errors over the window must be known this well, as a share of the whole displacement.
 constexpr double kMaxTiltError = 0.1;
 
@@ -36,7 +36,7 @@ double rise_at(const Grid<double>& z, BinIndex bin, double x, double y) {
   const double here = z.at(bin);
   const auto elevation = [&](std::int64_t up, std::int64_t right) {
     const BinIndex other{bin.row + up, bin.col + right};
-    return z.spec().contains(other) ? z.at(other) : kNoValue;
+    return z.spec().contains(other) ? z.at(other) : kNan;
   };
   const auto beside = [&](std::int64_t up, std::int64_t right) {
     if (const double there = elevation(up, right); std::isfinite(there)) return there - here;
@@ -63,7 +63,7 @@ BinErrors errors_of_bin(const ErrorsAbout& errors, BinIndex bin) {
                   0,
                   0,
                   errors.z.at(bin),
-                  errors.count ? errors.count->at(bin) : kNoValue};
+                  errors.count ? errors.count->at(bin) : kNan};
   if (!errors.positions) return found;
   found.offset_x = errors.positions->x.at(bin) - spec.x(bin.col);
   found.offset_y = errors.positions->y.at(bin) - spec.y(bin.row);
@@ -223,7 +223,8 @@ std::optional<Displacement> displacement_of(const std::vector<BinErrors>& bins, 
 
 /// The displacement by a small rotation of the lidar about itself: phi x r of the points at r from it, and
 /// the tilt.
-Displacement turned(const std::array<double, 3>& phi, const std::array<double, 3>& r, double range_m) {
+Displacement displaced_by_turn(const std::array<double, 3>& phi, const std::array<double, 3>& r,
+                               double range_m) {
   return {phi[1] * r[2] - phi[2] * r[1], phi[2] * r[0] - phi[0] * r[2], phi[0] * r[1] - phi[1] * r[0],
           -range_m * phi[1], range_m * phi[0]};
 }
@@ -240,8 +241,9 @@ void measure_absolute(const std::vector<BinErrors>& bins, const GridSpec& spec, 
   const double range_m = std::sqrt(r[0] * r[0] + r[1] * r[1] + r[2] * r[2]);
   const auto found = displacement_of(bins, spec, range_m);
   if (!found) return;
-  set(Measure::turn_misfit, misfit(*found, {turned({1, 0, 0}, r, range_m), turned({0, 1, 0}, r, range_m)}));
-  Displacement late = turned(motion.rate_radps, r, range_m);
+  set(Measure::turn_misfit,
+      misfit(*found, {displaced_by_turn({1, 0, 0}, r, range_m), displaced_by_turn({0, 1, 0}, r, range_m)}));
+  Displacement late = displaced_by_turn(motion.rate_radps, r, range_m);
   for (std::size_t i = 0; i < 3; ++i) late[i] += motion.velocity_mps[i];
   set(Measure::clock_misfit, misfit(*found, {late}));
   set(Measure::shift_misfit, misfit(*found, {{1, 0, 0, 0, 0}, {0, 1, 0, 0, 0}, {0, 0, 1, 0, 0}}));
@@ -343,7 +345,7 @@ std::array<double, 2> gradient_at(const Grid<double>& z, BinIndex bin) {
   const auto along = [&](BinIndex step) {
     const BinIndex ends[] = {{bin.row - step.row, bin.col - step.col},
                              {bin.row + step.row, bin.col + step.col}};
-    double value[2] = {kNoValue, kNoValue};
+    double value[2] = {kNan, kNan};
     for (int k = 0; k < 2; ++k)
       if (z.spec().contains(ends[k])) value[k] = z.at(ends[k]);
     const double s = z.spec().resolution_m;

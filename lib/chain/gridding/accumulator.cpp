@@ -4,15 +4,15 @@
 #include "chain/gridding/accumulator.h"
 
 #include <cmath>
-#include <limits>
 #include <string>
 
 #include "base/core/error.h"
+#include "base/numerics/non_finite.h"
 
 namespace landfall {
 namespace {
 
-const GridSpec& checked(const GridSpec& spec) {
+const GridSpec& checked_grid(const GridSpec& spec) {
   if (!std::isfinite(spec.resolution_m) || spec.resolution_m <= 0)
     throw UsageError("grid: resolution_m " + std::to_string(spec.resolution_m) +
                      " is not finite and positive");
@@ -24,11 +24,8 @@ const GridSpec& checked(const GridSpec& spec) {
 
 }  // namespace
 
-BinValues empty_bin() {
-  constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
-  return {0, kNan, kNan, kNan, kNan, kNan, kNan, kNan, kNan, kNan, kNan};
-}
+BinValues empty_bin() { return {0, kNan, kNan, kNan, kNan, kNan, kNan, kNan, kNan, kNan, kNan}; }
 
-Accumulator::Accumulator(const GridSpec& spec) : spec_(checked(spec)) {}
+Accumulator::Accumulator(const GridSpec& spec) : spec_(checked_grid(spec)) {}
 
 }  // namespace landfall

@@ -11,9 +11,9 @@
 namespace landfall {
 namespace {
 
-constexpr std::size_t kMaxSteps = 16384;
+constexpr std::size_t kMaxTrackPoses = 16384;
 
-void check(const ScanPoses& scan) {
+void check_poses(const ScanPoses& scan) {
   if (scan.t_s.empty() || scan.t_s.size() != scan.position_m.size() ||
       scan.t_s.size() != scan.attitude.size())
     throw FormatError(scan.name + ": /pulses holds no poses, or columns of different lengths");
@@ -31,7 +31,7 @@ void check(const ScanPoses& scan) {
 ScanPoses estimated_poses(std::string name, const PulseColumns& pulses) {
   ScanPoses poses{std::move(name), {}, {}, {}};
   const std::size_t count = pulses.t.size();
-  const std::size_t stride = (count + kMaxSteps - 1) / kMaxSteps;
+  const std::size_t stride = (count + kMaxTrackPoses - 1) / kMaxTrackPoses;
   const auto keep = [&](std::size_t i) {
     poses.t_s.push_back(pulses.t[i]);
     poses.position_m.emplace_back(pulses.px_est[i], pulses.py_est[i], pulses.pz_est[i]);
@@ -52,7 +52,7 @@ bool operator==(const ScanPoses& a, const ScanPoses& b) {
 
 PoseTrack::PoseTrack(std::vector<ScanPoses> scans) {
   assert(!scans.empty());
-  for (const ScanPoses& scan : scans) check(scan);
+  for (const ScanPoses& scan : scans) check_poses(scan);
   std::stable_sort(scans.begin(), scans.end(),
                    [](const ScanPoses& a, const ScanPoses& b) { return a.t_s.front() < b.t_s.front(); });
   for (ScanPoses& scan : scans) {

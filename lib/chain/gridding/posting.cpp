@@ -10,6 +10,7 @@
 #include <limits>
 #include <utility>
 
+#include "base/numerics/rounding.h"
 #include "chain/gridding/convex_hull.h"
 
 namespace landfall {
@@ -19,8 +20,6 @@ constexpr double kEdge_bins = 1e-9;  // a bin centre on the hull lies within it
 constexpr double kMaxCells = 0x1p32;
 constexpr double kMaxIndex = 0x1p36;
 constexpr std::int64_t kOrigin = std::int64_t{1} << 31U;  // of a tile's row and column in its key
-
-std::int64_t floor_div(std::int64_t a, std::int64_t b) { return a / b - (a % b < 0 ? 1 : 0); }
 
 /// Bins of the rows of a hull whose centres lie in it.
 class HullRows {

@@ -57,14 +57,14 @@ PlaneSums window_sums(const WeightedMeanAccumulator& bins, BinIndex middle, std:
 
 /// The plane's slope, in metres per bin edge, the scatter of the centroids across their main direction, and
 /// their mean square distance from the plane.
-struct Plane {
+struct FittedPlane {
   double x;
   double y;
   double smallest_scatter;
   double misfit;
 };
 
-Plane fit(const PlaneSums& s) {
+FittedPlane fit(const PlaneSums& s) {
   const double xx = s.xx / s.w - s.x * s.x / (s.w * s.w);
   const double xy = s.xy / s.w - s.x * s.y / (s.w * s.w);
   const double yy = s.yy / s.w - s.y * s.y / (s.w * s.w);
@@ -97,7 +97,7 @@ PlaneFit fit_plane(const WeightedMeanAccumulator& bins, BinIndex bin) {
   for (std::int64_t radius = 1; radius <= kLargestRadius; ++radius) {
     const PlaneSums sums = window_sums(bins, bin, radius);
     if (sums.bins < (radius == kLargestRadius ? kFewestBins : kEnoughBins)) continue;
-    const Plane plane = fit(sums);
+    const FittedPlane plane = fit(sums);
     if (plane.smallest_scatter < kSmallestScatter) continue;
     return {.slope = {static_cast<float>(plane.x / bins.spec().resolution_m),
                       static_cast<float>(plane.y / bins.spec().resolution_m)},

@@ -9,15 +9,15 @@
 
 #include "base/core/error.h"
 #include "base/core/parallel.h"
+#include "base/numerics/non_finite.h"
 #include "base/numerics/portable_math.h"
 #include "base/text/number_text.h"
 
 namespace landfall {
 namespace {
 
-constexpr std::size_t kRowsPerPiece = 16;
+constexpr std::size_t kRowsPerUncertaintyPiece = 16;
 constexpr std::int64_t kRoughnessRadius = 3;
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
 Eigen::Vector3d squares(const Eigen::Vector3d& v) { return v.cwiseAbs2(); }
 
@@ -38,7 +38,7 @@ void for_each_filled_bin(const WeightedMeanAccumulator& bins, Visit visit, const
       for (std::int64_t col = 0; col < spec.cols; ++col)
         if (bins.bins()[spec.index({row, col})].count > 0) visit(BinIndex{row, col});
   };
-  parallel_for(static_cast<std::size_t>(spec.rows), kRowsPerPiece, visit_rows, progress);
+  parallel_for(static_cast<std::size_t>(spec.rows), kRowsPerUncertaintyPiece, visit_rows, progress);
 }
 
 /// visit(bin) for the (2 radius + 1)^2 bins around one, as far as they are in the grid, row by row.

@@ -30,7 +30,7 @@ Footprint disc(double radius_m, double resolution_m) {
   return Footprint::disc(static_cast<std::int64_t>(std::floor(bins * bins)));
 }
 
-const Lander& checked(const Lander& lander, double resolution_m) {
+const Lander& checked_lander(const Lander& lander, double resolution_m) {
   if (lander.legs != 3 && lander.legs != 4)
     throw UsageError("lander/legs: " + std::to_string(lander.legs) + " is not 3 or 4");
   require_positive({"lander", "leg_radius_m"}, lander.leg_radius_m);
@@ -69,7 +69,7 @@ void require_bins(const LengthInBins& length, double resolution_m) {
 }
 
 LanderStencil::LanderStencil(const Lander& lander, double resolution, double yaw_rad)
-    : legs(checked(lander, resolution).legs),
+    : legs(checked_lander(lander, resolution).legs),
       resolution_m(resolution),
       pad_height(lander.pad_height),
       yaws({pads(lander, resolution, yaw_rad)}),

@@ -12,7 +12,7 @@
 namespace landfall {
 namespace {
 
-constexpr double kTolerance = 1e-9;  // bins, and metres
+constexpr double kLengthTolerance = 1e-9;  // bins, and metres
 
 struct Width {
   const char* key;
@@ -22,13 +22,13 @@ struct Width {
 
 /// The part of the lander or of the windows that reaches furthest.
 Width widest(const HazardParameters& parameters, double resolution_m) {
-  const auto bins = [&](double radius_m) { return std::floor((radius_m + kTolerance) / resolution_m); };
+  const auto bins = [&](double radius_m) { return std::floor((radius_m + kLengthTolerance) / resolution_m); };
   const Lander& lander = parameters.lander;
   const Width body = {"lander/body_radius_m", "a lander", bins(lander.body_radius_m)};
   if (parameters.method == HazardMethod::contact) {
-    const Width legs = {
-        "lander/leg_radius_m", "a lander",
-        std::floor(lander.leg_radius_m / resolution_m + 0.5 + kTolerance) + bins(lander.pad_diameter_m / 2)};
+    const Width legs = {"lander/leg_radius_m", "a lander",
+                        std::floor(lander.leg_radius_m / resolution_m + 0.5 + kLengthTolerance) +
+                            bins(lander.pad_diameter_m / 2)};
     return legs.bins > body.bins ? legs : body;
   }
   if (parameters.method != HazardMethod::range_difference) return body;

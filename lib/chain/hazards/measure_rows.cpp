@@ -1,14 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "chain/hazards/measure_rows.h"
 
-#include <limits>
-
 #include "base/core/parallel.h"
+#include "base/numerics/non_finite.h"
 
 namespace landfall {
 
 PlaceMeasures measure_rows(const GridSpec& spec, const MeasureRows& rows, const ProgressCallback& progress) {
-  constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
   PlaceMeasures result{Grid<double>(spec, kNan), Grid<double>(spec, kNan)};
   parallel_for(
       static_cast<std::size_t>(spec.rows), kRowsPerPiece,

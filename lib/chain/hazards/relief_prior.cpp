@@ -11,6 +11,7 @@
 
 #include "base/core/parallel.h"
 #include "base/numerics/portable_math.h"
+#include "base/numerics/rounding.h"
 #include "chain/hazards/scale_filter.h"
 
 namespace landfall {
@@ -89,8 +90,6 @@ const RatioTable& redness_table() {
   static const RatioTable kTable(redness);
   return kTable;
 }
-
-std::int64_t floor_div(std::int64_t a, std::int64_t b) { return a >= 0 ? a / b : -((-a + b - 1) / b); }
 
 /// Square groups of bins whose edges are at multiples of `bins` from bin (0, 0).
 class Cells {

@@ -17,7 +17,7 @@ namespace landfall {
 namespace {
 
 constexpr double kTolerance_m = 1e-9;
-constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
+constexpr float kUnmeasured = std::numeric_limits<float>::quiet_NaN();
 
 /// Weights of offsets 0, 1, ..; their sum over both sides is 1.
 std::vector<double> kernel(double sigma_m, double resolution_m) {
@@ -66,7 +66,7 @@ Grid<float> touchdown_probability(const Grid<float>& p, double sigma_m, const Bi
     for (std::size_t k = 0; k < weights.size(); ++k)
       add_neighbours(values, static_cast<std::int64_t>(k), weights[k], along_x.row(row));
   });
-  Grid<float> result(spec, kNan);
+  Grid<float> result(spec, kUnmeasured);
   by_rows(spec, [&](std::int64_t row) {
     std::vector<double> sums(static_cast<std::size_t>(spec.cols));
     const auto add = [&](std::int64_t from, double weight) {
@@ -91,7 +91,7 @@ ReachableArea reachable_area(const SiteParameters& parameters) {
 
 Grid<float> landing_cost(const Grid<float>& p_touchdown, const SiteParameters& parameters) {
   const GridSpec& spec = p_touchdown.spec();
-  Grid<float> cost(spec, kNan);
+  Grid<float> cost(spec, kUnmeasured);
   const ReachableArea area = reachable_area(parameters);
   by_rows(spec, [&](std::int64_t row) {
     for (std::int64_t col = 0; col < spec.cols; ++col) {
@@ -112,7 +112,7 @@ Grid<float> hazard_distance(const Grid<std::int8_t>& safe, const BinMask& region
     hazards.values()[i] =
         region.values()[i] != 0 && safe.values()[i] != static_cast<std::int8_t>(Safety::safe) ? 1 : 0;
   const Grid<std::int64_t> squared = squared_distance(hazards);
-  Grid<float> distance(spec, kNan);
+  Grid<float> distance(spec, kUnmeasured);
   for (std::size_t i = 0; i < spec.size(); ++i)
     if (region.values()[i] != 0 && squared.values()[i] != kNoValidBin)
       distance.values()[i] = static_cast<float>(bins_apart(squared.values()[i]) * spec.resolution_m);

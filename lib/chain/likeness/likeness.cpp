@@ -20,7 +20,7 @@ namespace {
 constexpr std::size_t kMinReturns = 100;
 constexpr std::size_t kPositions = 2048;
 constexpr double kSpacingsPerBin = 2;
-constexpr int kMaxSteps = 20;  // of the shift between the scans as they are
+constexpr int kMaxShiftSteps = 20;  // of the shift between the scans as they are
 constexpr double kMinOverlap = 0.5;
 constexpr double kSignificantP = 0.01;
 constexpr double kNmadPerMad = 1.4826;
@@ -150,7 +150,7 @@ class Comparison {
  public:
   [[nodiscard]] const BinnedScans& bins() const { return bins_; }
   [[nodiscard]] SurfaceDifference surface() const {
-    return surface_difference(bins_, gradients_, bins_.sums(original_sides()), kMaxSteps);
+    return surface_difference(bins_, gradients_, bins_.sums(original_sides()), kMaxShiftSteps);
   }
 
   /// The statistics without distances and chance levels.

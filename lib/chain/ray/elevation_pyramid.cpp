@@ -7,17 +7,14 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/numerics/rounding.h"
+
 namespace landfall {
 namespace {
 
 using Bounds = ElevationPyramid::Bounds;
 
-float rounded_down(double value) {
-  const auto nearest = static_cast<float>(value);
-  return double{nearest} > value ? std::nextafter(nearest, -std::numeric_limits<float>::infinity()) : nearest;
-}
-
-Bounds joined(Bounds a, Bounds b) { return {std::min(a.low, b.low), std::max(a.high, b.high)}; }
+Bounds joined_bounds(Bounds a, Bounds b) { return {std::min(a.low, b.low), std::max(a.high, b.high)}; }
 
 /// The elevations of the nodes as bounds. A hole (NaN) has empty bounds.
 void bound_nodes(std::span<const double> nodes, std::vector<Bounds>& bounds) {
@@ -54,7 +51,8 @@ void ElevationPyramid::bound_cells(const Grid<double>& nodes, const ProgressCall
     bound_nodes(nodes.row(row + 1), north);
     const std::size_t first = cells.index({row, 0});
     for (std::size_t col = 0; col < cols; ++col)
-      set(first + col, joined(joined(south[col], south[col + 1]), joined(north[col], north[col + 1])));
+      set(first + col, joined_bounds(joined_bounds(south[col], south[col + 1]),
+                                     joined_bounds(north[col], north[col + 1])));
     std::swap(south, north);
     if (row % kRowsPerReport == 0)
       report(progress, static_cast<double>(row) / static_cast<double>(cells.rows));
@@ -69,7 +67,7 @@ void ElevationPyramid::bound_blocks(int level) {
   for (std::int64_t row = 0; row < finer.rows; ++row)
     for (std::int64_t col = 0; col < finer.cols; ++col) {
       const std::size_t to = blocks.index({row / factor, col / factor});
-      set(to, joined(at(to), bounds(level - 1, {row, col})));
+      set(to, joined_bounds(at(to), bounds(level - 1, {row, col})));
     }
 }
 
@@ -91,7 +89,7 @@ ElevationPyramid::Bounds ElevationPyramid::over(const CellBox& box) const {
   Bounds bounds_over;
   for (std::int64_t row = first.row; row <= last.row; ++row)
     for (std::int64_t col = first.col; col <= last.col; ++col)
-      bounds_over = joined(bounds_over, bounds(finest, {row, col}));
+      bounds_over = joined_bounds(bounds_over, bounds(finest, {row, col}));
   return bounds_over;
 }
 

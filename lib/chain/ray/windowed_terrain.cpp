@@ -16,11 +16,11 @@
 
 #include "base/core/error.h"
 #include "base/core/parallel.h"
+#include "base/numerics/non_finite.h"
 
 namespace landfall {
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr TerrainBox kEverywhere{-kInfinity, kInfinity, -kInfinity, kInfinity};
 
 /// The range, in metres, in which nodes [begin, end) of an axis with `count` nodes certainly decide.

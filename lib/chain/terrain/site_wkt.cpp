@@ -34,7 +34,7 @@ std::string unquoted(std::string_view text) {
 }
 
 /// The text between a label and the next separator; empty: no such label.
-std::string_view part(std::string_view remark, std::string_view label, char separator = ';') {
+std::string_view part_after(std::string_view remark, std::string_view label, char separator = ';') {
   const std::size_t at = remark.find(label);
   if (at == std::string_view::npos) return {};
   remark.remove_prefix(at + label.size());
@@ -73,13 +73,13 @@ std::optional<MapPlace> place_of(const std::string& site_wkt) {
   const std::string_view remark = remark_of(site_wkt);
   if (!remark.starts_with(kCenter)) return std::nullopt;
   MapPlace place{.center = {}, .metres_per_unit = 1, .vertical = {}, .map_wkt = map_wkt_of(site_wkt)};
-  std::string_view center = part(remark, kCenter);
+  std::string_view center = part_after(remark, kCenter);
   for (double& coordinate : place.center)
     if (!read_number(center, coordinate)) return std::nullopt;
   const std::string_view before_map = remark.substr(0, remark.find(kMap));
-  std::string_view unit = part(before_map, "unit: ");
+  std::string_view unit = part_after(before_map, "unit: ");
   if (!read_number(unit, place.metres_per_unit)) return std::nullopt;
-  place.vertical = unquoted(part(before_map, "heights: "));
+  place.vertical = unquoted(part_after(before_map, "heights: "));
   return place;
 }
 

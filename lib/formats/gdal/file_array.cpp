@@ -9,6 +9,7 @@
 #include <memory>
 
 #include "base/core/error.h"
+#include "base/numerics/non_finite.h"
 #include "base/text/characters.h"
 #include "base/text/number_text.h"
 #include "formats/gdal/raster_files.h"
@@ -137,7 +138,6 @@ FileAxis axis_of(const GDALDimension& dimension) {
 }
 
 std::optional<ValidRange> valid_range(const GDALMDArray& array) {
-  constexpr double kInfinity = std::numeric_limits<double>::infinity();
   ValidRange range{-kInfinity, kInfinity};
   const GDALDataType packed = array.GetDataType().GetNumericDataType();
   const auto take = [&](const Numbers& numbers) {

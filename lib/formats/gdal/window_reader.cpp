@@ -7,6 +7,7 @@
 #include <span>
 
 #include "base/core/error.h"
+#include "base/numerics/non_finite.h"
 
 namespace landfall {
 namespace {
@@ -46,7 +47,6 @@ DemSamples WindowReader::read(const Window& window) {
 }
 
 double WindowReader::elevation_of(double raw) const {
-  constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
   if (std::ranges::find(nodata_, raw) != nodata_.end()) return kNan;
   const double z = statement_.elevation.scale * raw + statement_.elevation.offset;
   if (!std::isfinite(z)) return kNan;

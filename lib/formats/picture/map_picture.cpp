@@ -21,7 +21,7 @@ constexpr std::int64_t kTick = 6;
 constexpr std::int64_t kGap = 8;
 constexpr std::int64_t kBarWidth = 22;
 
-std::string text_of(double value, int digits) {
+std::string rounded_text(double value, int digits) {
   std::array<char, 64> text{};
   std::snprintf(text.data(), text.size(), "%.*g", digits, value == 0 ? 0.0 : value);  // no "-0"
   return text.data();
@@ -133,14 +133,14 @@ void draw_axes(RgbImage& image, const PixelMap& map, const Layout& layout) {
   for (const double x : ticks(map.west_m, map.west_m + width_m, static_cast<int>(layout.map_width / 110))) {
     const std::int64_t col = layout.left + std::llround((x - map.west_m) * pixels_per_m);
     fill(image, {bottom, col, kTick, 1}, kInk);
-    const std::string text = text_of(x, 8);
+    const std::string text = rounded_text(x, 8);
     draw_text(image, {bottom + kTick + kGap / 2, col - text_width(text) / 2}, text, kInk);
   }
   for (const double y :
        ticks(map.north_m - height_m, map.north_m, static_cast<int>(layout.map_height / 80))) {
     const std::int64_t row = layout.top + std::llround((map.north_m - y) * pixels_per_m);
     fill(image, {row, layout.left - kTick, 1, kTick}, kInk);
-    const std::string text = text_of(y, 8);
+    const std::string text = rounded_text(y, 8);
     draw_text(image, {row - text_height() / 2, layout.left - kTick - kGap / 2 - text_width(text)}, text,
               kInk);
   }
@@ -187,8 +187,8 @@ void draw_bar(RgbImage& image, const MapStyle& style, const Layout& layout,
     const double part = (range[1] - value) / (range[1] - range[0]);
     const std::int64_t row = bar.top + std::llround(part * last);
     fill(image, {row, bar.left + bar.width, 1, kTick}, kInk);
-    draw_text(image, {row - text_height() / 2, bar.left + bar.width + kTick + kGap / 2}, text_of(value, 8),
-              kInk);
+    draw_text(image, {row - text_height() / 2, bar.left + bar.width + kTick + kGap / 2},
+              rounded_text(value, 8), kInk);
   }
   for (const double limit : limits_on(style, range)) {
     const std::int64_t row = bar.top + std::llround((range[1] - limit) / (range[1] - range[0]) * last);
@@ -225,13 +225,13 @@ std::string range_text(const PixelMap& map, const MapStyle& style, const std::ar
   std::string text = "no value anywhere";
   if (!values.empty()) {
     const auto [minimum, maximum] = std::minmax_element(values.begin(), values.end());
-    text = text_of(*minimum, 4) + " to " + text_of(*maximum, 4);
+    text = rounded_text(*minimum, 4) + " to " + rounded_text(*maximum, 4);
     if (*minimum < range[0] || *maximum > range[1])
-      text += ", colours end at " + text_of(range[0], 4) + " and " + text_of(range[1], 4);
+      text += ", colours end at " + rounded_text(range[0], 4) + " and " + rounded_text(range[1], 4);
   }
   if (style.limit)
-    text +=
-        std::string(", limit ") + (style.colors == Colors::error ? "\u00b1" : "") + text_of(*style.limit, 4);
+    text += std::string(", limit ") + (style.colors == Colors::error ? "\u00b1" : "") +
+            rounded_text(*style.limit, 4);
   return text;
 }
 
@@ -293,8 +293,9 @@ RgbImage map_picture(const PixelMap& map, const MapStyle& style) {
     draw_legend(image, legend, layout);
   else
     draw_bar(image, style, layout, range);
-  draw_titles(image, style,
-              has_classes ? "pixels of " + text_of(map.pixel_m, 4) + " m" : range_text(map, style, range));
+  draw_titles(
+      image, style,
+      has_classes ? "pixels of " + rounded_text(map.pixel_m, 4) + " m" : range_text(map, style, range));
   return image;
 }
 

@@ -7,11 +7,11 @@
 #include <numbers>
 
 #include "base/core/parallel.h"
+#include "base/numerics/non_finite.h"
 
 namespace landfall {
 namespace {
 
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 constexpr double kPointsPerPixel = 4;
 
 std::int64_t divided_up(std::int64_t a, std::int64_t b) { return (a + b - 1) / b; }

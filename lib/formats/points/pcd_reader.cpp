@@ -29,7 +29,7 @@ struct PcdHeader {
   std::size_t lines = 0;
 };
 
-std::vector<std::string> words_of(const std::string& line) {
+std::vector<std::string> words_in(const std::string& line) {
   std::istringstream stream(line);
   std::vector<std::string> words;
   for (std::string word; stream >> word;) words.push_back(word);
@@ -74,7 +74,7 @@ PcdHeader read_pcd_header(const CloudBytes& file) {
   while (pcd.data.empty()) {
     const std::size_t end = text.find('\n', pcd.end);
     if (end == std::string::npos) file.fail("ends within its PCD header: it has no line DATA");
-    const std::vector<std::string> words = words_of(text.substr(pcd.end, end - pcd.end));
+    const std::vector<std::string> words = words_in(text.substr(pcd.end, end - pcd.end));
     pcd.end = end + 1;
     ++pcd.lines;
     if (!words.empty() && words[0][0] != '#') take_line(file, words, pcd);
@@ -240,7 +240,7 @@ std::unique_ptr<CloudReader> open_pcd(std::unique_ptr<CloudBytes> file, const Co
   const std::vector<Field> fields = fields_of(*file, pcd);
   CloudInfo info = info_of("PCD, " + abbreviated(pcd.data), cloud_columns(pcd.fields, choice, file->name()));
   info.is_float32 = float32_axes(info.columns, [&](std::size_t i) { return fields[i].column.type; });
-  if (!pcd.viewpoint.empty() && pcd.viewpoint != words_of("0 0 0 1 0 0 0"))
+  if (!pcd.viewpoint.empty() && pcd.viewpoint != words_in("0 0 0 1 0 0 0"))
     info.notes.emplace_back("its VIEWPOINT is ignored: the points are taken as they are stored");
   if (pcd.data == "binary_compressed") return open_compressed(std::move(file), pcd, fields, std::move(info));
   RowLayout rows{.begin = pcd.end, .row_size = 0, .count = pcd.points, .columns = {}};

@@ -6,12 +6,12 @@
 #include <cmath>
 #include <deque>
 #include <functional>
-#include <limits>
 #include <memory>
 #include <utility>
 #include <vector>
 
 #include "base/dictionary/tables/stages.h"
+#include "base/numerics/non_finite.h"
 #include "base/text/key_unit.h"
 #include "base/text/number_text.h"
 #include "chain/draws/draw_layers.h"
@@ -28,7 +28,6 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 constexpr const char* kFirstDraw = "first_draw";
 
 /// The column of /state: p_NAME is the share of NAME.

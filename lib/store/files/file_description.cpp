@@ -4,11 +4,11 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "base/numerics/non_finite.h"
 #include "base/returns/columns.h"
 #include "base/text/netcdf_name.h"
 #include "base/text/number_text.h"
@@ -236,9 +236,8 @@ Json scan_json(const LandfallFileReader& file, const Json& datasets, const Json&
 std::array<std::array<double, 2>, 3> mesh_bounds(const LandfallFileReader& file,
                                                  const DatasetEntry& vertices) {
   constexpr hsize_t kRows = 65536;
-  constexpr double kInfinite = std::numeric_limits<double>::infinity();
   std::array<std::array<double, 2>, 3> bounds;
-  bounds.fill({kInfinite, -kInfinite});
+  bounds.fill({kInfinity, -kInfinity});
   std::vector<double> values;
   const h5::Handle space(H5Dget_space(vertices.dataset.get()), H5Sclose);
   for (hsize_t row = 0; row < vertices.shape[0]; row += kRows) {

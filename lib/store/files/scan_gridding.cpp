@@ -26,9 +26,6 @@
 namespace landfall {
 namespace {
 
-/// Rows read at a time: 4 chunks of the file, 15 MB.
-constexpr std::size_t kBatchRows = 4 * kTableChunkRows;
-
 struct Batch {
   ScanReader* scan;
   std::size_t number;  ///< of the scan

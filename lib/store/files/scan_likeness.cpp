@@ -4,12 +4,12 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
 #include <numeric>
 #include <string>
 #include <vector>
 
 #include "base/core/error.h"
+#include "base/numerics/non_finite.h"
 #include "base/text/joined.h"
 #include "base/text/number_text.h"
 #include "chain/likeness/likeness.h"
@@ -25,11 +25,10 @@ using Json = nlohmann::ordered_json;
 using Kind = ReturnQuantity::Kind;
 
 constexpr std::size_t kMaxReturns = std::size_t{1} << 20U;
-constexpr double kInfinite = std::numeric_limits<double>::infinity();
 
 /// A rectangle of the frame of A.
 struct Extent {
-  std::array<double, 2> low{kInfinite, kInfinite}, high{-kInfinite, -kInfinite};
+  std::array<double, 2> low{kInfinity, kInfinity}, high{-kInfinity, -kInfinity};
 
   void add(double x, double y) {
     low = {std::min(low[0], x), std::min(low[1], y)};
@@ -71,7 +70,6 @@ class ComparedScanReader {
       found_.quantities.push_back({.name = "range_error", .unit = "m", .kind = Kind::error});
     seen_ = {};
     count_ = 0;
-    constexpr std::size_t kBatchRows = 4 * kTableChunkRows;
     for (std::size_t begin = 0; begin < scan_.row_count(); begin += kBatchRows)
       read_batch(begin, std::min(kBatchRows, scan_.row_count() - begin), within);
     if (!scan_.has_times()) found_.t.clear();
@@ -179,11 +177,11 @@ struct ScanPair {
 };
 
 ScanPair read_pair(ComparedScanReader& a, ComparedScanReader& b) {
-  const Extent everywhere{{-kInfinite, -kInfinite}, {kInfinite, kInfinite}};
+  const Extent everywhere{{-kInfinity, -kInfinity}, {kInfinity, kInfinity}};
   ScanPair pair{a.read(everywhere), b.read(everywhere), ""};
   const std::size_t total = std::max(a.count(), b.count());
   std::array<double, 2> middle{};
-  double half = kInfinite;
+  double half = kInfinity;
   for (std::size_t axis = 0; axis < 2; ++axis) {
     const double low = std::max(a.seen().low.at(axis), b.seen().low.at(axis));
     const double high = std::min(a.seen().high.at(axis), b.seen().high.at(axis));

@@ -19,6 +19,8 @@ namespace landfall {
 
 /// Rows per chunk of a table column; a shorter table has one chunk, of all its rows.
 inline constexpr std::size_t kTableChunkRows = 65536;
+/// Rows of a long table that are read at a time, 15 MB of a scan.
+inline constexpr std::size_t kBatchRows = 4 * kTableChunkRows;
 
 /// How the chunks of a column with so many rows can be decoded without HDF5; nothing for chunks of other
 /// sizes, which other programs may write. Short tables of earlier versions have chunks of kTableChunkRows

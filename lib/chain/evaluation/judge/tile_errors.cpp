@@ -7,6 +7,7 @@
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "chain/evaluation/judge/tile_errors.cpp"
 #include "base/numerics/lanes-inl.h"
+#include "base/numerics/non_finite.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace landfall::HWY_NAMESPACE {
@@ -39,13 +40,11 @@ class RowErrors {
     range_.lowest = hn::GetLane(hn::MinOfLanes(d, lowest));
     range_.highest = hn::GetLane(hn::MaxOfLanes(d, highest));
     range_.valid += static_cast<std::int64_t>(valid);
-    if (hn::GetLane(hn::MaxOfLanes(d, largest)) == kInfinite) range_.has_infinite = true;
+    if (hn::GetLane(hn::MaxOfLanes(d, largest)) == kInfinity) range_.has_infinite = true;
     for (std::size_t i = whole; i < count; ++i) add_one(truth[i], estimates[i], errors[i], filled[i]);
   }
 
  private:
-  static constexpr double kInfinite = std::numeric_limits<double>::infinity();
-
   void add_one(double truth, double estimate, double& error, double& filled) {
     error = truth - estimate;
     filled = std::isnan(error) ? 0.0 : error;

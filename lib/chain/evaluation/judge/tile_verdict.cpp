@@ -13,7 +13,7 @@ namespace {
 constexpr double kLargestUsual = 0x1p900;
 
 template <class T>
-View<T> part(T* values, const GridSpec& spec, const Tile& tile) {
+View<T> part_of_tile(T* values, const GridSpec& spec, const Tile& tile) {
   return {values + spec.index({tile.first_row, tile.first_col}), spec.cols, tile.rows, tile.cols};
 }
 
@@ -79,8 +79,8 @@ TileVerdict TileJudge::judge(const Tile& tile) {
   }
   if (result.has_unusual) return result;
   const GridSpec& spec = region_.spec();
-  const View<const std::int8_t> region = part(region_.values().data(), spec, tile);
-  const View<std::int8_t> fail = part(fail_.values().data(), spec, tile);
+  const View<const std::int8_t> region = part_of_tile(region_.values().data(), spec, tile);
+  const View<std::int8_t> fail = part_of_tile(fail_.values().data(), spec, tile);
   result.x = judge_x_.judge(x_, region, fail);
   result.y = judge_y_.judge(y_, region, fail);
   result.z = judge_z_.judge(z_, region, fail);
@@ -116,8 +116,8 @@ void TileJudge::judge_horizontal(const Tile& tile, std::int64_t footprints, Wind
     return;
   }
   const GridSpec& spec = region_.spec();
-  const View<const std::int8_t> region = part(region_.values().data(), spec, tile);
-  const View<std::int8_t> fail = part(fail_.values().data(), spec, tile);
+  const View<const std::int8_t> region = part_of_tile(region_.values().data(), spec, tile);
+  const View<std::int8_t> fail = part_of_tile(fail_.values().data(), spec, tile);
   for (std::int64_t row = 0; row < tile.rows; ++row) {
     for (std::int64_t col = 0; col < tile.cols; ++col) {
       if (region.at(row, col) == 0 || !judge_x_.has_value(row, col) || !judge_y_.has_value(row, col))

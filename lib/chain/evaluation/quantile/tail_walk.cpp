@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include "base/numerics/non_finite.h"
 #include "chain/evaluation/quantile/quantile.h"
 #include "chain/evaluation/quantile/tail_cursor.h"
 
@@ -12,8 +13,6 @@
 
 HWY_BEFORE_NAMESPACE();
 namespace landfall::HWY_NAMESPACE {
-
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 /// Moves a rank so that exactly the values before it deviate from the centre by more than the limit, which is
 /// finite. Both tails are split by the rounded deviation itself: a sum like centre + limit has a rounding

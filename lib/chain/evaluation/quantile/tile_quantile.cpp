@@ -3,17 +3,16 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
+
+#include "base/numerics/non_finite.h"
 
 namespace landfall {
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
-
 // Chosen for speed; none of them changes a result.
 constexpr double kCaution = 0.93;  // first floor, as a fraction of the smallest known answer
 constexpr double kRetreat = 0.5;   // second floor, as a fraction of the first, if that left too few bins
-constexpr int kAttempts = 3;       // before a tile is split
+constexpr int kWalkAttempts = 3;   // before a tile is split
 constexpr double kCrowded = 20;    // split if the tails are this many times as large as needed
 constexpr std::int64_t kSmallestEdge = 4;  // of a tile that is not split further
 
@@ -88,7 +87,7 @@ double TileQuantile::guess_from(BinIndex bin) {
 }
 
 void TileQuantile::compute_above(const Tile& tile, double floor) {
-  for (int attempt = 0; attempt < kAttempts; ++attempt) {
+  for (int attempt = 0; attempt < kWalkAttempts; ++attempt) {
     WalkOutcome outcome;
     if (!walk_above(tile, floor, outcome)) break;
     if (outcome.uncertified == 0) return;

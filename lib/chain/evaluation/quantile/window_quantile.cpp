@@ -2,16 +2,15 @@
 #include "chain/evaluation/quantile/window_quantile.h"
 
 #include <algorithm>
-#include <limits>
 
 #include "base/core/parallel.h"
+#include "base/numerics/non_finite.h"
 #include "chain/evaluation/quantile/tile_quantile.h"
 #include "chain/evaluation/quantile/window_selection.h"
 
 namespace landfall {
 namespace {
 
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 constexpr std::size_t kQuantileRows = 4;
 
 /// Below this bound no sum of errors and no difference from a mean overflows.

@@ -71,7 +71,7 @@ Pitch pitch_of(const PerspectiveParameters& p) {
   return {pitch_of(fov.x_rad, p.columns), pitch_of(fov.y_rad, p.rows)};
 }
 
-void check(const PerspectiveParameters& p) {
+void check_perspective(const PerspectiveParameters& p) {
   require(p.rows >= 1 && p.rows <= kMaxPixelsPerAxis, {"", "rows"}, p.rows, "in 1..4096");
   require(p.columns >= 1 && p.columns <= kMaxPixelsPerAxis, {"", "columns"}, p.columns, "in 1..4096");
   require(p.subpixels >= 1 && p.subpixels <= kMaxSubpixels, {"", "subpixels"}, p.subpixels, "in 1..64");
@@ -184,7 +184,7 @@ std::optional<double> fold_radius(const RadialDistortion& distortion, double rad
 }
 
 Detector perspective_detector(const PerspectiveParameters& parameters) {
-  check(parameters);
+  check_perspective(parameters);
   const PixelGrid grid(parameters);
   require_no_fold(parameters, grid);
   const Optics optics(parameters.distortion, parameters.roll_rad);

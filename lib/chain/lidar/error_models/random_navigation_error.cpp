@@ -21,14 +21,14 @@ void require_sigmas(const ParameterName& name, const Eigen::Vector3d& sigmas) {
     require_not_negative({name.owner, name.key + "/" + std::to_string(i)}, sigmas[i]);
 }
 
-void check(const RandomWalkParameters& p) {
+void check_random(const RandomWalkParameters& p) {
   const std::string owner = "random_walk";
   require_sigmas({owner, "position_m_per_sqrt_s"}, p.position_m_per_sqrt_s.v);
   require_sigmas({owner, "velocity_mps_per_sqrt_s"}, p.velocity_mps_per_sqrt_s.v);
   require_sigmas({owner, "rpy_rad_per_sqrt_s"}, as_vector(p.rpy_rad_per_sqrt_s));
 }
 
-void check(const GaussMarkovParameters& p) {
+void check_random(const GaussMarkovParameters& p) {
   const std::string owner = "gauss_markov";
   require_sigmas({owner, "position_sigma_m"}, p.position_sigma_m.v);
   require_sigmas({owner, "velocity_sigma_mps"}, p.velocity_sigma_mps.v);
@@ -65,8 +65,8 @@ RandomNavigationError::Process RandomNavigationError::markov(const GaussMarkovPa
 }
 
 void RandomNavigationError::require_valid(const RandomNavigationParameters& random, double duration_s) {
-  check(random.random_walk);
-  check(random.gauss_markov);
+  check_random(random.random_walk);
+  check_random(random.gauss_markov);
   static_cast<void>(TimeGrid::covering(duration_s, random.interval_s));
 }
 

@@ -14,7 +14,7 @@
 namespace landfall {
 namespace {
 
-constexpr double kMaxSteps = 1e6;  // 24 MB per path
+constexpr double kMaxPathSteps = 1e6;  // 24 MB per path
 
 }  // namespace
 
@@ -24,7 +24,7 @@ TimeGrid TimeGrid::covering(double duration_s, double interval_s) {
   const double steps = std::max(1.0, std::ceil(duration_s / interval_s));
   const std::string bound = "long enough: " + number_text(duration_s) +
                             " s, the scan and its time-stamp errors, would have more than a million steps";
-  require(steps <= kMaxSteps, name, interval_s, bound.c_str());
+  require(steps <= kMaxPathSteps, name, interval_s, bound.c_str());
   return {interval_s, static_cast<std::size_t>(steps)};
 }
 

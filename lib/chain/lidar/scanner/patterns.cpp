@@ -86,7 +86,7 @@ double share_of_way(double periods) {
   return in_cycle <= 1 ? in_cycle : 2 - in_cycle;
 }
 
-constexpr double kTimeSlack_s = 1e-9;
+constexpr double kTableSlack_s = 1e-9;
 constexpr double kClosed_m = 1e-3;
 
 void check_table(const TablePatternParameters& parameters, const std::string& name) {
@@ -243,7 +243,7 @@ std::optional<Point<DemFrame>> TablePattern::aim_point(const PulseTime& pulse) c
   const double end_s = samples.back().t_s;
   double t = pulse.since_start_s;
   if (parameters_.at_end == AtTableEnd::wrap) t = std::fmod(t, end_s);
-  if (parameters_.at_end == AtTableEnd::stop && t > end_s + kTimeSlack_s) return std::nullopt;
+  if (parameters_.at_end == AtTableEnd::stop && t > end_s + kTableSlack_s) return std::nullopt;
   t = std::min(t, end_s);
   // The piece that begins at or before t. The last time belongs to the last piece.
   const auto next = std::upper_bound(samples.begin() + 1, samples.end() - 1, t,

@@ -23,7 +23,7 @@ struct TurnedFace {
   double index_ratio;
 };
 
-const RisleyParameters& checked(const RisleyParameters& parameters) {
+const RisleyParameters& checked_prisms(const RisleyParameters& parameters) {
   check(parameters.optics);
   if (const auto* rotation = std::get_if<RisleyRotation>(&parameters.drive))
     for (std::size_t i = 0; i < 2; ++i) {
@@ -53,7 +53,7 @@ double degrees(double angle_rad) { return std::round(angle_rad * (180 / pi) * 1e
 }
 
 /// The angle in [-pi, pi]. Whole turns are removed first, so that a long scan loses no digits.
-double turned(double rate_hz, double phase_rad, double t_s) {
+double angle_at(double rate_hz, double phase_rad, double t_s) {
   const double turns = rate_hz * t_s;
   return std::remainder(2 * pi * (turns - std::round(turns)) + phase_rad, 2 * pi);
 }
@@ -88,7 +88,7 @@ Beam traced(const std::array<TurnedFace, 4>& faces, const Vector3d& pixel) {
 }  // namespace
 
 Risley::Risley(const RisleyParameters& parameters)
-    : drive_(checked(parameters).drive),
+    : drive_(checked_prisms(parameters).drive),
       encoder_sigma_rad_(parameters.encoder_sigma_rad),
       encoder_(parameters.seed, RandomStream::risley_encoder),
       steering_(parameters.optics) {
@@ -114,8 +114,8 @@ RisleyAngles Risley::commanded(const PulseContext& pulse) const {
   if (const auto* branch = std::get_if<RisleyBranch>(&drive_)) return follow(pulse, *branch);
   const auto& rotation = std::get<RisleyRotation>(drive_);
   const double t_s = pulse.time.since_start_s;
-  return {turned(rotation.rates_hz[0], rotation.phases_rad[0], t_s),
-          turned(rotation.rates_hz[1], rotation.phases_rad[1], t_s)};
+  return {angle_at(rotation.rates_hz[0], rotation.phases_rad[0], t_s),
+          angle_at(rotation.rates_hz[1], rotation.phases_rad[1], t_s)};
 }
 
 ScannerState Risley::state(const PulseContext& pulse) const {

@@ -17,6 +17,7 @@
 
 #include "base/core/error.h"
 #include "base/numerics/light.h"
+#include "base/numerics/non_finite.h"
 #include "chain/lidar/simulation/echo_columns.h"
 #include "chain/lidar/simulation/incidence.h"
 #include "chain/lidar/simulation/pattern_aim.h"
@@ -24,7 +25,6 @@
 namespace landfall {
 namespace {
 
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 constexpr float kNoIntensity = std::numeric_limits<float>::quiet_NaN();
 
 [[noreturn]] void refuse_origin(std::int64_t pulse, const Point<DemFrame>& origin, double terrain_m) {

@@ -153,15 +153,15 @@ Blocks count_blocks(const SetBins& inside, const SetBins& seen, const GridSpec& 
 
 }  // namespace
 
-std::optional<Posting> finest_posting(const Grid<std::int32_t>& count, const Grid<std::int8_t>& region,
-                                      double filled_frac) {
+std::optional<FilledPosting> finest_posting(const Grid<std::int32_t>& count, const Grid<std::int8_t>& region,
+                                            double filled_frac) {
   const SetBins inside(region);
   const SetBins seen(count);
   for (std::int64_t bins = 1;; ++bins) {
     const Blocks blocks = count_blocks(inside, seen, region.spec(), bins);
     if (blocks.all < kMinBlocks) return std::nullopt;
     const double share = static_cast<double>(blocks.filled) / static_cast<double>(blocks.all);
-    if (share >= filled_frac) return Posting{bins, share};
+    if (share >= filled_frac) return FilledPosting{bins, share};
   }
 }
 

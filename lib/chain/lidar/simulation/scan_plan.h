@@ -76,7 +76,7 @@ struct BinSpread {
 [[nodiscard]] BinSpread spread_over_region(const Grid<std::int32_t>& values, const Grid<std::int8_t>& region);
 
 /// A posting of a DEM, in bins of a plan, and the share of its bins that have a return.
-struct Posting {
+struct FilledPosting {
   std::int64_t bins = 0;
   double filled_frac = 0;
 };
@@ -84,7 +84,8 @@ struct Posting {
 /// The finest posting of which at least filled_frac of the bins have a return: blocks of k x k bins, about
 /// the origin as those of a DEM, that lie wholly in the region. None if fewer than 100 blocks of every such k
 /// lie in it.
-[[nodiscard]] std::optional<Posting> finest_posting(const Grid<std::int32_t>& count,
-                                                    const Grid<std::int8_t>& region, double filled_frac);
+[[nodiscard]] std::optional<FilledPosting> finest_posting(const Grid<std::int32_t>& count,
+                                                          const Grid<std::int8_t>& region,
+                                                          double filled_frac);
 
 }  // namespace landfall

@@ -33,7 +33,7 @@ std::int64_t pulse_count(const ScanModel& model) {
 namespace {
 
 /// A pose that is not finite would turn all pixels of the pulse into misses.
-void require_finite(const Pose& pose, const PulseTime& pulse, const char* which) {
+void require_finite_pose(const Pose& pose, const PulseTime& pulse, const char* which) {
   if (pose.rotation.m.allFinite() && pose.position.v.allFinite()) return;
   throw FormatError("pulse " + std::to_string(pulse.pulse) + ", " + number_text(pulse.since_start_s) +
                     " s after the first: the " + which +
@@ -93,9 +93,9 @@ PulseInput Simulation::pulse(std::int64_t k) const {
   input.truth = trajectory_->pose(since_start_s);
   input.estimate = estimated_pose(stamped_time_s(input.time));
   if (simulator_.lidar().pattern) input.nominal = aiming_pose(since_start_s);
-  require_finite(input.truth, input.time, "true");
-  require_finite(input.estimate, input.time, "estimated");
-  require_finite(input.nominal, input.time, "nominal");
+  require_finite_pose(input.truth, input.time, "true");
+  require_finite_pose(input.estimate, input.time, "estimated");
+  require_finite_pose(input.nominal, input.time, "nominal");
   return input;
 }
 

@@ -21,7 +21,7 @@ double period_count(const DynamicsParameters& p) {
   return std::max(1.0, std::ceil(p.duration_s / p.control_period_s - 1e-9));
 }
 
-void check(const DynamicsParameters& p) {
+void check_dynamics(const DynamicsParameters& p) {
   require_finite({"", "position_m"}, p.position_m.v);
   require_finite({"", "velocity_mps"}, p.velocity_mps.v);
   require_finite({"", "rpy_deg"}, p.rpy);
@@ -96,7 +96,7 @@ Eigen::Quaterniond attitude_between(double u, double h, const RigidBodyState& a,
 }  // namespace
 
 DynamicsTrajectory::DynamicsTrajectory(const DynamicsParameters& parameters) : parameters_(parameters) {
-  check(parameters_);
+  check_dynamics(parameters_);
   states_ = integrate(parameters_);
 }
 

@@ -5,17 +5,14 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <utility>
 
 #include "base/numerics/exact_arithmetic.h"
+#include "base/numerics/non_finite.h"
 #include "chain/terrain/mesh/orient2d.h"
 
 namespace landfall {
 namespace {
-
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 using Corners = std::array<Eigen::Vector3d, 3>;
 
@@ -95,7 +92,7 @@ Eigen::Vector3d unit_normal(const Corners& t) {
 }
 
 /// Throws unless the mesh is sound; otherwise returns it.
-IndexedTriangles checked(IndexedTriangles mesh, const std::string& name) {
+IndexedTriangles checked_mesh(IndexedTriangles mesh, const std::string& name) {
   require_sound(mesh, name);
   return mesh;
 }
@@ -103,7 +100,7 @@ IndexedTriangles checked(IndexedTriangles mesh, const std::string& name) {
 }  // namespace
 
 TriangleMesh::TriangleMesh(IndexedTriangles mesh, const std::string& name)
-    : mesh_(checked(std::move(mesh), name)), tree_(mesh_) {}
+    : mesh_(checked_mesh(std::move(mesh), name)), tree_(mesh_) {}
 
 double TriangleMesh::elevation(double x_m, double y_m) const {
   const Eigen::Vector2d point(x_m, y_m);

@@ -5,6 +5,7 @@
 #include <numeric>
 
 #include "base/core/parallel.h"
+#include "base/numerics/rounding.h"
 
 namespace landfall {
 namespace {
@@ -12,11 +13,6 @@ namespace {
 constexpr std::size_t kLeafSize = 4;
 constexpr std::size_t kWorthAThread = 1U << 14U;
 constexpr std::size_t kGrain = 1U << 12U;
-
-float rounded_down(double value) {
-  const auto nearest = static_cast<float>(value);
-  return double{nearest} > value ? std::nextafter(nearest, -std::numeric_limits<float>::infinity()) : nearest;
-}
 
 TriangleBox box_of(const std::array<Eigen::Vector3d, 3>& corners) {
   const Eigen::Vector3d low = corners[0].cwiseMin(corners[1]).cwiseMin(corners[2]);
@@ -30,7 +26,7 @@ TriangleBox box_of(const std::array<Eigen::Vector3d, 3>& corners) {
   return box;
 }
 
-TriangleBox joined(const TriangleBox& a, const TriangleBox& b) {
+TriangleBox joined_box(const TriangleBox& a, const TriangleBox& b) {
   TriangleBox box{};
   for (std::size_t axis = 0; axis < 3; ++axis) {
     box.low[axis] = std::min(a.low[axis], b.low[axis]);
@@ -48,7 +44,7 @@ struct TriangleTree::Builder {
   [[nodiscard]] TriangleBox box_around(const Branch& branch) const {
     TriangleBox box = triangle_boxes[tree.order_[branch.begin]];
     for (std::size_t i = branch.begin + 1; i < branch.end; ++i)
-      box = joined(box, triangle_boxes[tree.order_[i]]);
+      box = joined_box(box, triangle_boxes[tree.order_[i]]);
     return box;
   }
 

@@ -38,7 +38,7 @@ struct Validator {
   }
 };
 
-struct Bounds {
+struct BoundsWithin {
   const Box& site;
 
   Box operator()(const SiteRegion& /*region*/) const { return site; }
@@ -68,7 +68,7 @@ Box Box::common(const Box& other) const {
 
 void validate(const Region& region, const std::string& owner) { std::visit(Validator{owner}, region); }
 
-Box bounds(const Region& region, const Box& site) { return std::visit(Bounds{site}, region); }
+Box bounds(const Region& region, const Box& site) { return std::visit(BoundsWithin{site}, region); }
 
 bool contains(const Region& region, const SitePoint& point) { return std::visit(Contains{point}, region); }
 

@@ -9,13 +9,13 @@
 namespace landfall {
 namespace {
 
-constexpr std::int64_t kHalfLimit = 4095;  // 8191 x 8191 nodes < 2^26
-constexpr double kTolerance = 1e-9;        // of a multiple, as in GridSpec::centered()
+constexpr std::int64_t kHalfLimit = 4095;    // 8191 x 8191 nodes < 2^26
+constexpr double kMultipleTolerance = 1e-9;  // of a multiple, as in GridSpec::centered()
 
 double dividing(double half_width_m, double posting_m) {
   const double steps = half_width_m / posting_m;
   const double whole = std::round(steps);
-  if (whole >= 1 && std::abs(steps - whole) <= kTolerance) return posting_m;
+  if (whole >= 1 && std::abs(steps - whole) <= kMultipleTolerance) return posting_m;
   return half_width_m / std::ceil(steps);
 }
 

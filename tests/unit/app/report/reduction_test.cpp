@@ -118,8 +118,6 @@ TEST(Histogram, IsTheSameForAnyNumberOfThreads) {
   EXPECT_EQ(std::accumulate(one.begin(), one.end(), std::int64_t{0}), 630000);
 }
 
-constexpr double kInfinite = std::numeric_limits<double>::infinity();
-
 double value_of(const Quantised& q, std::size_t i) { return q.offset + q.codes[i] * q.step; }
 
 std::vector<std::uint8_t> bytes_of_base64(const std::string& text) {
@@ -178,7 +176,7 @@ TEST(Quantise, KeepsMultiplesOfTheStep) {
 }
 
 TEST(Quantise, HasACodeForNoValue) {
-  const std::array<double, 4> values = {kNan, 1, kInfinite, 2};
+  const std::array<double, 4> values = {kNan, 1, kInfinity, 2};
   const Quantised q = quantise(values, 100);
   EXPECT_EQ(q.codes[0], kNoValueCode);
   EXPECT_EQ(q.codes[2], kNoValueCode);

@@ -7,13 +7,13 @@
 #include <boost/math/distributions/normal.hpp>
 #include <boost/math/special_functions/expint.hpp>
 #include <cmath>
-#include <limits>
 #include <numbers>
+
+#include "base/numerics/non_finite.h"
 
 namespace landfall::portable {
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kPi = std::numbers::pi;
 constexpr int kSteps = 100000;
 

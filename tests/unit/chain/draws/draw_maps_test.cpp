@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -49,7 +48,6 @@ TEST(DrawTable, FindsMetrics) {
 }
 
 TEST(DrawTable, SixPassedTellsUnjudgedDraws) {
-  constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
   DrawTable table{0, {1, 1, 1, 1}, {0, 1, 2, 3}, {}, {}, {1, 0, -1, 0}};
   for (const auto& words : dictionary::kRequirements)
     table.metrics.push_back({"requirements." + std::string(words.name) + ".pass", {1, 1, 1, 1}});

@@ -7,7 +7,6 @@
 
 #include <bit>
 #include <cmath>
-#include <limits>
 #include <optional>
 #include <string>
 #include <vector>
@@ -17,6 +16,7 @@
 #include "base/raster/grid.h"
 #include "bins.h"
 #include "chain/hazards/site_search.h"
+#include "constants.h"
 #include "refusal.h"
 
 namespace landfall {
@@ -29,7 +29,6 @@ const PhaseRunner kPhases = [](const std::string& /*name*/, const auto& part) { 
 
 /// Bumpy ground with rocks of 3 x 3 bins and missing bins, more of them at a lower `holes`.
 Grid<double> rocky_terrain(const GridSpec& spec, double holes) {
-  constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
   const RandomField field(5, RandomStream::range_noise);
   Grid<double> z(spec);
   for (const auto [row, col] : bins_of(spec)) {
@@ -155,7 +154,7 @@ TEST(StripMap, HolesAreThoseOfTheWholeMap) {
 
 TEST(StripMap, WhatHasNoPlaceIsRefusedAsInOnePiece) {
   const GridSpec spec = GridSpec::centered(3, 0.1);
-  const Grid<double> empty(spec, std::numeric_limits<double>::quiet_NaN());
+  const Grid<double> empty(spec, kNan);
   const auto refusal = [&](const auto& judged) -> std::string {
     return landfall::refusal<FormatError>([&] { return judged(); });
   };
