@@ -52,7 +52,7 @@ target_link_options(landfall_flags INTERFACE ${landfall_instrumentation})
 
 # landfall_precompiled(name HEADERS <a> ... LINKS ...): headers that many units of the libraries include, parsed once. A static
 # library, because a precompiled header fits only units that are compiled for the same kind of target.
-# CMAKE_DISABLE_PRECOMPILE_HEADERS=ON does without.
+# CMAKE_DISABLE_PRECOMPILE_HEADERS=ON does without, and LANDFALL_UNITY, of whose few units it would not be worth the time.
 function(landfall_precompiled name)
   cmake_parse_arguments(arg "" "" "HEADERS;LINKS" ${ARGN})
   file(CONFIGURE OUTPUT ${CMAKE_CURRENT_BINARY_DIR}/precompiled_${name}.cpp CONTENT "extern int landfall_${name};\n")
@@ -78,7 +78,7 @@ function(landfall_builds_fast target)
   target_compile_options(${target} PRIVATE $<$<CONFIG:Release>:$<IF:$<BOOL:${arg_LOOPS}>,-O1,-Og>>)
 endfunction()
 
-# landfall_unity_groups(target SOURCES a.cpp ... APART b.cpp ... ALONE c.cpp ...): with LANDFALL_UNITY compiles up to 24
+# landfall_unity_groups(target SOURCES a.cpp ... APART b.cpp ... ALONE c.cpp ...): with LANDFALL_UNITY compiles up to 48
 # sources at a time.
 function(landfall_unity_groups target)
   if(NOT LANDFALL_UNITY)
@@ -89,7 +89,7 @@ function(landfall_unity_groups target)
   list(REMOVE_ITEM arg_APART ${arg_ALONE})
   foreach(group SOURCES APART)
     list(LENGTH arg_${group} count)
-    math(EXPR groups "(${count} + 23) / 24")
+    math(EXPR groups "(${count} + 47) / 48")
     set(place 0)
     foreach(source IN LISTS arg_${group})
       math(EXPR number "${place} * ${groups} / ${count}")
@@ -104,28 +104,33 @@ function(landfall_unity_groups target)
                                            $<$<CXX_COMPILER_ID:GNU>:--param=ggc-min-expand=1000>)
 endfunction()
 
-# landfall_library(module [UNITY [APART b.cpp ...] [ALONE c.cpp ...]] [FAST | LOOPS] [FOLDERS ...] [EXCEPT d.cpp ...] [GENERATED e.cpp ...]
-#                  LINKS landfall::geometry ... [PRIVATE_LINKS ...] [PRECOMPILED name])
-# A static library landfall::<module> that may include exactly what it links, of all units of the folder, or of those FOLDERS in it, but EXCEPT, and of those that
-# the build makes. UNITY: most of its time is that of headers, so that LANDFALL_UNITY compiles several of its units together;
-# scripts/check_unity.py finds names that would collide. APART: units that the lidar of a host simulator (lib/app/host) does not need, for
-# they need libraries that it has not: they are compiled apart from those that it needs, and its archive is without them. ALONE: units
-# that include themselves once per instruction set, or a header that no other unit shall see. FAST, LOOPS: landfall_builds_fast.
+# landfall_library(module [FAST | LOOPS] [FOLDERS ...] [EXCEPT a.cpp ...] [GENERATED b.h ...] LINKS landfall::base ... [PRIVATE_LINKS ...]
+#                  [PRECOMPILED name] [APART c.cpp folder ...] [ALONE d.cpp ...])
+# A static library landfall::<module> of all units of the folder, or of those FOLDERS in it, but EXCEPT, and of those that the build makes.
+# LANDFALL_UNITY compiles its units together; scripts/check_unity.py finds names that would collide. APART: units that the lidar of a
+# host simulator (lib/app/host) does not need, for they need libraries that it has not: they are compiled apart from those that it
+# needs, and its archive is without them. ALONE: units that include themselves once per instruction set, or a header that no other unit
+# shall see. FAST, LOOPS: landfall_builds_fast.
 function(landfall_library module)
-  cmake_parse_arguments(arg "UNITY;FAST;LOOPS" "PRECOMPILED" "FOLDERS;EXCEPT;GENERATED;LINKS;PRIVATE_LINKS;APART;ALONE" ${ARGN})
+  cmake_parse_arguments(arg "FAST;LOOPS" "PRECOMPILED" "FOLDERS;EXCEPT;GENERATED;LINKS;PRIVATE_LINKS;APART;ALONE" ${ARGN})
   set(patterns *.cpp)
   if(arg_FOLDERS)
     list(TRANSFORM arg_FOLDERS APPEND /*.cpp OUTPUT_VARIABLE patterns)
   endif()
   file(GLOB_RECURSE sources CONFIGURE_DEPENDS RELATIVE ${CMAKE_CURRENT_SOURCE_DIR} ${patterns})
   list(REMOVE_ITEM sources ${arg_EXCEPT})
-  list(PREPEND sources ${arg_GENERATED})
-  add_library(landfall_${module} STATIC ${sources})
+  set(apart)
+  foreach(name IN LISTS arg_APART)
+    set(of_name ${sources})
+    list(FILTER of_name INCLUDE REGEX "^${name}(/|$)")
+    list(APPEND apart ${of_name})
+  endforeach()
+  add_library(landfall_${module} STATIC ${arg_GENERATED} ${sources})
   add_library(landfall::${module} ALIAS landfall_${module})
   target_link_libraries(landfall_${module} PUBLIC landfall_flags ${arg_LINKS} PRIVATE ${arg_PRIVATE_LINKS})
   set_property(GLOBAL APPEND PROPERTY LANDFALL_MODULES landfall_${module})
-  set_target_properties(landfall_${module} PROPERTIES LANDFALL_APART "${arg_APART}")
-  if(arg_PRECOMPILED)
+  set_target_properties(landfall_${module} PROPERTIES LANDFALL_APART "${apart}")
+  if(arg_PRECOMPILED AND NOT LANDFALL_UNITY)
     target_precompile_headers(landfall_${module} REUSE_FROM precompiled_${arg_PRECOMPILED})
     landfall_uses_precompiled_strings(landfall_${module})
   endif()
@@ -134,17 +139,7 @@ function(landfall_library module)
   elseif(arg_LOOPS)
     landfall_builds_fast(landfall_${module} LOOPS)
   endif()
-  if(arg_UNITY)
-    landfall_unity_groups(landfall_${module} SOURCES ${sources} APART ${arg_APART} ALONE ${arg_ALONE})
-  endif()
-endfunction()
-
-# landfall_header_library(module LINKS ...): the same for a folder that is headers only.
-function(landfall_header_library module)
-  cmake_parse_arguments(arg "" "" "LINKS" ${ARGN})
-  add_library(landfall_${module} INTERFACE)
-  add_library(landfall::${module} ALIAS landfall_${module})
-  target_link_libraries(landfall_${module} INTERFACE landfall_flags ${arg_LINKS})
+  landfall_unity_groups(landfall_${module} SOURCES ${sources} APART ${apart} ALONE ${arg_ALONE})
 endfunction()
 
 # landfall_uses_regex(a.cpp ...): sources with std::regex, whose states g++ 12 takes for uninitialised when a sanitizer is on
@@ -170,7 +165,7 @@ endfunction()
 
 # landfall_gtest(raster_test LABEL unit SOURCES a_test.cpp ... LINKS landfall::raster ... [ALONE b.cpp ...])
 # A program of unit tests; ctest runs it as one test, unit_raster.
-# With LANDFALL_UNITY up to 24 of its units are compiled together, as those of a library; ALONE: not these.
+# With LANDFALL_UNITY up to 48 of its units are compiled together, as those of a library; ALONE: not these.
 function(landfall_gtest name)
   cmake_parse_arguments(arg "" "LABEL" "SOURCES;LINKS;ALONE" ${ARGN})
   add_executable(${name} ${arg_SOURCES})

@@ -1,6 +1,6 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Writes the version script of a shared library that exports what some objects need of it, and hides all else.
+"""Writes the version script of liblandfall.so: it exports the tools' start functions and what some objects need, and hides all else.
 
 usage: exported_symbols.py NM OUTPUT OBJECT...
 
@@ -15,12 +15,13 @@ SHARED = "UuVB"
 
 def main():
     nm, output, *objects = sys.argv[1:]
-    listing = subprocess.run([nm, "--format=posix", *objects], capture_output=True, text=True, check=True).stdout
+    # Without objects nm would take a.out.
+    listing = subprocess.run([nm, "--format=posix", *objects], capture_output=True, text=True, check=True).stdout if objects else ""
     rows = (line.split() for line in listing.splitlines())
     names = {row[0] for row in rows if len(row) > 1 and row[1] in SHARED and "8landfall" in row[0]}
     with open(output, "w", encoding="utf-8") as file:
         file.write("{\nglobal:\n" + "".join(f"  {name};\n" for name in sorted(names)) +
-                   "  _ZN3hwy8platform15TimerResolutionEv;\nlocal:\n  *;\n};\n")
+                   "  _ZN8landfall*5startE*;\n  _ZN3hwy8platform15TimerResolutionEv;\nlocal:\n  *;\n};\n")
 
 
 if __name__ == "__main__":

@@ -14,7 +14,7 @@ import pathlib
 import re
 import sys
 
-TARGET = re.compile(r"(?:landfall_library\((?=\w+\s+UNITY\b)|landfall_unity_groups\(|landfall_gtest\()(\w+)(.*?)\)", re.S)
+TARGET = re.compile(r"(?:landfall_library\(|landfall_unity_groups\(|landfall_gtest\()(\w+)(.*?)\)", re.S)
 SETTING = re.compile(r"set\((\w+)([^)]*)\)")
 GLOB = re.compile(r"file\(GLOB (\w+) CONFIGURE_DEPENDS RELATIVE \S+ (\S+)\)\s*list\(REMOVE_ITEM \1 ([^)]*)\)")
 INCLUDE = re.compile(r'^#include "([^"]+)"', re.M)
@@ -109,10 +109,10 @@ def collisions(library: str, files, headers):
             known[namespace, name].append((file, what))
 
 
-def shared_headers(folder: pathlib.Path, files):
-    """The headers of a folder, and those of other folders of unit tests that the files include."""
-    included = {folder.parent / name for file in files for name in INCLUDE.findall(file.read_text())}
-    return sorted({*folder.rglob("*.h"), *(header for header in included if header.exists())})
+def shared_headers(folders, files):
+    """The headers of the folders, and those of other folders of unit tests that the files include."""
+    included = {folder.parent / name for folder in folders for file in files for name in INCLUDE.findall(file.read_text())}
+    return sorted({*(header for folder in folders for header in folder.rglob("*.h")), *(header for header in included if header.exists())})
 
 
 def violations(root: pathlib.Path):
@@ -128,10 +128,12 @@ def violations(root: pathlib.Path):
             alone = re.search(r"ALONE((?:\s+[^\s)]+\.cpp)+)", arguments)
             excepted = re.search(r"EXCEPT((?:\s+[^\s)]+\.cpp)+)", arguments)
             named = [list_file.parent / name for name in sources[1].split() if name.endswith(".cpp")] if sources else []
-            units = named or sorted(list_file.parent.rglob("*.cpp"))
+            folders = re.search(r"FOLDERS((?:\s+[a-z_/.]+)+)", arguments)
+            rooms = [list_file.parent / name for name in folders[1].split()] if folders else [list_file.parent]
+            units = named or sorted(unit for room in rooms for unit in room.rglob("*.cpp"))
             apart = [list_file.parent / name for found in (alone, excepted) if found for name in found[1].split()]
             files = [unit for unit in units if unit not in apart]
-            yield from collisions(library, files, shared_headers(list_file.parent, files))
+            yield from collisions(library, files, shared_headers(rooms, files))
 
 
 def main():

@@ -39,7 +39,7 @@ class ElementaryFunctions(unittest.TestCase):
         """By the symbols of each archive, which no pattern of the source finds: Boost, CGAL and Eigen call functions as well."""
         rows = re.findall(r"^\| `(lib/[^`]+)` \| (.*?) \|", read(PAGE), re.MULTILINE)
         archives = glob.glob(os.path.join(BUILD, "lib", "**", "liblandfall_*.a"), recursive=True)
-        self.assertGreater(len(archives), 20)
+        self.assertGreater(len(archives), 10)
         for archive in archives:
             folder = os.path.relpath(os.path.dirname(archive), BUILD) + "/"
             listed = {name for file, names in rows if file.startswith(folder) for name in re.findall(r"`(\w+)`", names)}

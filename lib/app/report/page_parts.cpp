@@ -7,7 +7,7 @@
 #include <cstdio>
 #include <stdexcept>
 
-#include "app/report/embedded_pages.h"
+#include "app/embedded_pages.h"
 #include "app/report/escape.h"
 #include "app/report/heading.h"
 #include "base/core/parallel.h"
