@@ -21,6 +21,7 @@
 #include "base/core/standard_streams.h"
 #include "base/dictionary/tables/tools.h"
 #include "base/text/shown_text.h"
+#include "landfall_study.h"
 #include "store/config/schema.h"
 #include "store/files/provenance.h"
 #include "tools.h"

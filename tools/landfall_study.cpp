@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // landfall study: calls make for a parameter study, and ends with all that it started.
+#include "landfall_study.h"
+
 #include <sys/prctl.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -21,7 +23,6 @@
 #include "base/core/error.h"
 #include "base/core/standard_streams.h"
 #include "base/text/shown_text.h"
-#include "tools.h"
 #include "watched_child.h"
 
 namespace landfall::landfall_study {

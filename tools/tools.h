@@ -1,22 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include <filesystem>
-#include <string>
-#include <vector>
-
 namespace landfall {
 
 namespace cli {
 struct Invocation;
 }
-
-/// The folder of this program.
-std::filesystem::path own_folder();
-
-/// The folder of landfall's data, which has this file: of the installation, or of the repository that this
-/// program was built in. Throws IoError if there is none.
-std::filesystem::path shared_folder(const std::filesystem::path& file);
 
 /// A tool as a function: its program and `landfall run` call it. Returns the exit code. `invocation` may be
 /// null.
@@ -56,10 +45,5 @@ ToolFunction start;
 namespace landfall_run {  // `landfall run`
 ToolFunction start;
 }
-
-namespace landfall_study {  // `landfall study`, which calls make
-/// Returns the exit code of make; ends by the signal that ended it or this process.
-int run(const std::vector<std::string>& words);
-}  // namespace landfall_study
 
 }  // namespace landfall
