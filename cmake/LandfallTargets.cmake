@@ -104,15 +104,32 @@ function(landfall_unity_groups target)
                                            $<$<CXX_COMPILER_ID:GNU>:--param=ggc-min-expand=1000>)
 endfunction()
 
+# landfall_kernel_unit(target a.cpp ...): sources of this folder that include themselves once per instruction set. With LANDFALL_UNITY
+# one unit does so, and includes them.
+function(landfall_kernel_unit target)
+  if(NOT LANDFALL_UNITY)
+    return()
+  endif()
+  set(unit ${CMAKE_CURRENT_BINARY_DIR}/${target}_kernels.cpp)
+  set(again "#undef HWY_TARGET_INCLUDE\n#define HWY_TARGET_INCLUDE \"${unit}\"\n")
+  set(text "${again}#include \"base/numerics/lanes-inl.h\"\n")
+  foreach(source IN LISTS ARGN)
+    string(APPEND text "#include \"${CMAKE_CURRENT_SOURCE_DIR}/${source}\"\n${again}")
+  endforeach()
+  file(CONFIGURE OUTPUT ${unit} CONTENT "${text}" @ONLY)
+  target_sources(${target} PRIVATE ${unit})
+  set_source_files_properties(${ARGN} PROPERTIES HEADER_FILE_ONLY ON)
+endfunction()
+
 # landfall_library(module [FAST | LOOPS] [FOLDERS ...] [EXCEPT a.cpp ...] [GENERATED b.h ...] LINKS landfall::base ... [PRIVATE_LINKS ...]
-#                  [PRECOMPILED name] [APART c.cpp folder ...] [ALONE d.cpp ...])
+#                  [PRECOMPILED name] [APART c.cpp folder ...] [ALONE d.cpp ...] [KERNELS e.cpp ...])
 # A static library landfall::<module> of all units of the folder, or of those FOLDERS in it, but EXCEPT, and of those that the build makes.
 # LANDFALL_UNITY compiles its units together; scripts/check_unity.py finds names that would collide. APART: units that the lidar of a
 # host simulator (lib/app/host) does not need, for they need libraries that it has not: they are compiled apart from those that it
-# needs, and its archive is without them. ALONE: units that include themselves once per instruction set, or a header that no other unit
-# shall see. FAST, LOOPS: landfall_builds_fast.
+# needs, and its archive is without them. ALONE: units that include a header that no other unit shall see. KERNELS:
+# landfall_kernel_unit. FAST, LOOPS: landfall_builds_fast.
 function(landfall_library module)
-  cmake_parse_arguments(arg "FAST;LOOPS" "PRECOMPILED" "FOLDERS;EXCEPT;GENERATED;LINKS;PRIVATE_LINKS;APART;ALONE" ${ARGN})
+  cmake_parse_arguments(arg "FAST;LOOPS" "PRECOMPILED" "FOLDERS;EXCEPT;GENERATED;LINKS;PRIVATE_LINKS;APART;ALONE;KERNELS" ${ARGN})
   set(patterns *.cpp)
   if(arg_FOLDERS)
     list(TRANSFORM arg_FOLDERS APPEND /*.cpp OUTPUT_VARIABLE patterns)
@@ -139,7 +156,10 @@ function(landfall_library module)
   elseif(arg_LOOPS)
     landfall_builds_fast(landfall_${module} LOOPS)
   endif()
-  landfall_unity_groups(landfall_${module} SOURCES ${sources} APART ${apart} ALONE ${arg_ALONE})
+  landfall_unity_groups(landfall_${module} SOURCES ${sources} APART ${apart} ALONE ${arg_ALONE} ${arg_KERNELS})
+  if(arg_KERNELS)
+    landfall_kernel_unit(landfall_${module} ${arg_KERNELS})
+  endif()
 endfunction()
 
 # landfall_uses_regex(a.cpp ...): sources with std::regex, whose states g++ 12 takes for uninitialised when a sanitizer is on

@@ -172,7 +172,7 @@ std::size_t AddReturns(const GridPoints& points, const GridSpec& spec, BinWeight
   return outside + AddReadable(GridPoints::of(columns), rest.size(), grid, weights, bins);
 }
 
-using Tile = hn::Rebind<std::uint32_t, D>;
+using TileNumbers = hn::Rebind<std::uint32_t, D>;
 using Part = hn::Rebind<std::uint8_t, D>;
 using Bytes = hn::CappedTag<std::uint8_t, kPointsPerWord>;
 
@@ -181,15 +181,15 @@ using Bytes = hn::CappedTag<std::uint8_t, kPointsPerWord>;
 /// and columns.
 HWY_INLINE void FindPartsOfWord(const double* x, const double* y, const LaneGrid& grid, const Tiling& tiling,
                                 std::uint8_t* parts) {
-  const auto across = hn::Set(Tile(), 3242174889U);
-  const auto up = hn::Set(Tile(), 2447445414U);
+  const auto across = hn::Set(TileNumbers(), 3242174889U);
+  const auto up = hn::Set(TileNumbers(), 2447445414U);
   for (std::size_t i = 0; i < kPointsPerWord; i += hn::Lanes(D())) {
     const V u = hn::Div(hn::LoadU(D(), x + i), grid.resolution);
     const V v = hn::Div(hn::LoadU(D(), y + i), grid.resolution);
     const auto col = hn::DemoteTo(Whole(), hn::Sub(LaneGrid::nearest(u), grid.first_col));
     const auto row = hn::DemoteTo(Whole(), hn::Sub(LaneGrid::nearest(v), grid.first_row));
-    const auto tile_col = hn::ShiftRightSame(hn::BitCast(Tile(), col), tiling.tile_bits);
-    const auto tile_row = hn::ShiftRightSame(hn::BitCast(Tile(), row), tiling.tile_bits);
+    const auto tile_col = hn::ShiftRightSame(hn::BitCast(TileNumbers(), col), tiling.tile_bits);
+    const auto tile_row = hn::ShiftRightSame(hn::BitCast(TileNumbers(), row), tiling.tile_bits);
     const auto mixed = hn::Add(hn::Mul(tile_col, across), hn::Mul(tile_row, up));
     // Two shifts, since a shift by all 32 bits is undefined.
     const auto part = hn::ShiftRightSame(hn::ShiftRight<1>(mixed), 31 - tiling.part_bits);

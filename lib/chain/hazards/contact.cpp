@@ -25,8 +25,8 @@ class ContactLanes {
 
   void MeasureRow(std::int64_t row, PlaceMeasures& result) {
     const auto wanted = in_.places.row(row);
-    for (std::size_t col = 0; col < wanted.size(); col += kPlaces) {
-      const std::size_t end = std::min(col + kPlaces, wanted.size());
+    for (std::size_t col = 0; col < wanted.size(); col += kContactPlaces) {
+      const std::size_t end = std::min(col + kContactPlaces, wanted.size());
       const auto begin_of = wanted.begin() + static_cast<std::ptrdiff_t>(col);
       const auto first = std::find(begin_of, wanted.begin() + static_cast<std::ptrdiff_t>(end), 1);
       const auto at = static_cast<std::size_t>(first - wanted.begin());

@@ -17,11 +17,11 @@
 HWY_BEFORE_NAMESPACE();
 namespace landfall::HWY_NAMESPACE {
 
-constexpr std::size_t kPlaces =
+constexpr std::size_t kContactPlaces =
     hn::MaxLanes(hn::CappedTag<float, PaddedMap::kLanes>());  ///< in one group, neighbours in a row
 
 template <class T>
-using AtPlaces = std::array<T, kPlaces>;
+using AtPlaces = std::array<T, kContactPlaces>;
 
 /// A plane z = height + east dc + north dr about each place of a group; dc, dr in bins.
 struct Plane {
@@ -37,11 +37,11 @@ class ContactPlanes {
   /// The planes of the last group.
   [[nodiscard]] const std::vector<Plane>& planes() const { return planes_; }
 
-  /// The planes about the kPlaces places from (row, col) on. Returns their largest squared gradients, in
-  /// metres per bin.
+  /// The planes about the kContactPlaces places from (row, col) on. Returns their largest squared gradients,
+  /// in metres per bin.
   AtPlaces<double> Find(std::int64_t row, std::int64_t col) {
     AtPlaces<double> steepest{};
-    for (std::size_t half = 0; half < kPlaces / hn::MaxLanes(D()); ++half) {
+    for (std::size_t half = 0; half < kContactPlaces / hn::MaxLanes(D()); ++half) {
       const std::size_t lane = half * hn::MaxLanes(D());
       V maximum = hn::Zero(D());
       std::size_t plane = 0;

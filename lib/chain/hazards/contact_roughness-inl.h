@@ -47,7 +47,7 @@ struct Bin {
 };
 
 /// The part of a square of kSide bins that lies in the body.
-struct Tile {
+struct BodyTile {
   Bin corner;  ///< of lowest row and column; may lie outside
   std::vector<Bin> bins;
 };
@@ -55,7 +55,7 @@ struct Tile {
 constexpr std::int64_t kSide = 4;
 
 /// Covers the body, row of tiles by row of tiles.
-std::vector<std::vector<Tile>> cover(const Footprint& body, std::size_t patch_pitch) {
+std::vector<std::vector<BodyTile>> cover(const Footprint& body, std::size_t patch_pitch) {
   const std::int64_t reach = body.half_bins();
   const auto bin = [&](std::int64_t row, std::int64_t col) {
     return Bin{{row, col},
@@ -63,11 +63,11 @@ std::vector<std::vector<Tile>> cover(const Footprint& body, std::size_t patch_pi
                static_cast<float>(col),
                static_cast<std::size_t>(row + reach) * patch_pitch + static_cast<std::size_t>(col + reach)};
   };
-  std::vector<std::vector<Tile>> rows;
+  std::vector<std::vector<BodyTile>> rows;
   for (std::int64_t row = -reach; row <= reach; row += kSide) {
     rows.emplace_back();
     for (std::int64_t col = -reach; col <= reach; col += kSide) {
-      Tile tile{bin(row, col), {}};
+      BodyTile tile{bin(row, col), {}};
       for (std::int64_t r = row; r < std::min(row + kSide, reach + 1); ++r)
         for (std::int64_t c = col; c < col + kSide; ++c)
           if (std::abs(c) <= body.half_width(r)) tile.bins.push_back(bin(r, c));
@@ -87,10 +87,10 @@ class ContactRoughness {
         rough_planes_((planes.size() + kPlanesAtOnce - 1) / kPlanesAtOnce * kPlanesAtOnce),
         max_(rough_planes_.size()),
         rises_(static_cast<std::size_t>(2 * body_.half_bins() + 1) * kPlanesAtOnce),
-        patch_pitch_((static_cast<std::size_t>(2 * body_.half_bins()) / kPlaces + 2) * kPlaces),
+        patch_pitch_((static_cast<std::size_t>(2 * body_.half_bins()) / kContactPlaces + 2) * kContactPlaces),
         patch_(patch_pitch_ * static_cast<std::size_t>(2 * body_.half_bins() + 1)),
         cover_(cover(body_, patch_pitch_)) {
-    for (const std::vector<Tile>& tiles : cover_) tops_.resize(tops_.size() + tiles.size());
+    for (const std::vector<BodyTile>& tiles : cover_) tops_.resize(tops_.size() + tiles.size());
   }
 
   /// The largest roughness of the planes at each wanted place of the group from (row, col) on; the first of
@@ -130,8 +130,8 @@ class ContactRoughness {
       const double* const from = in_.z.at(row + r, col - reach);
       float* const to = &patch_[static_cast<std::size_t>(r + reach) * patch_pitch_];
       const V in_row = constant(trend.base + trend.north * static_cast<double>(r));
-      for (std::size_t c = 0; c < patch_pitch_; c += kPlaces) {
-        for (std::size_t i = c; i < c + kPlaces; i += hn::MaxLanes(d)) {
+      for (std::size_t c = 0; c < patch_pitch_; c += kContactPlaces) {
+        for (std::size_t i = c; i < c + kContactPlaces; i += hn::MaxLanes(d)) {
           const V rise = hn::Mul(east, hn::Iota(d, static_cast<double>(i) - static_cast<double>(reach)));
           hn::StoreU(hn::DemoteTo(half, hn::Sub(hn::Sub(hn::LoadU(d, from + i), in_row), rise)), half,
                      to + i);
@@ -149,8 +149,8 @@ class ContactRoughness {
   void FindTops() {
     const F f;
     std::size_t next = 0;
-    for (const std::vector<Tile>& tiles : cover_)
-      for (const Tile& tile : tiles) {
+    for (const std::vector<BodyTile>& tiles : cover_)
+      for (const BodyTile& tile : tiles) {
         VF top = hn::Set(f, -std::numeric_limits<float>::infinity());
         for (const Bin& bin : tile.bins) top = hn::Max(top, hn::LoadU(f, &patch_[bin.in_patch]));
         hn::Store(top, f, tops_[next++].data());
@@ -171,7 +171,7 @@ class ContactRoughness {
       const Plane& before = planes_[std::min(std::max<std::size_t>(plane, 1), planes_.size()) - 1];
       RoughPlane& rough = rough_planes_[plane];
       bool is_again = false;  // at some place
-      for (std::size_t i = 0; i < kPlaces; i += hn::MaxLanes(d)) {
+      for (std::size_t i = 0; i < kContactPlaces; i += hn::MaxLanes(d)) {
         const V east = hn::Load(d, &exact.east[i]);
         const V north = hn::Load(d, &exact.north[i]);
         const V height = hn::Load(d, &exact.height[i]);
@@ -193,7 +193,7 @@ class ContactRoughness {
           hn::Add(hn::Abs(hn::Load(f, rough.east.data())), hn::Abs(hn::Load(f, rough.north.data())));
       maximum = hn::Max(maximum, hn::MulAdd(gradient, reach, hn::Abs(hn::Load(f, rough.height.data()))));
       if (is_again && plane > 0)
-        for (std::size_t k = 0; k < kPlaces; ++k)
+        for (std::size_t k = 0; k < kContactPlaces; ++k)
           if (exact.east[k] == before.east[k] && exact.north[k] == before.north[k] &&
               exact.height[k] == before.height[k])
             rough.height[k] = std::numeric_limits<float>::infinity();
@@ -201,7 +201,7 @@ class ContactRoughness {
     alignas(64) AtPlaces<float> at_edge;
     hn::Store(maximum, f, at_edge.data());
     float largest = 0;
-    for (std::size_t k = 0; k < kPlaces; ++k)
+    for (std::size_t k = 0; k < kContactPlaces; ++k)
       if (is_wanted[k] != 0) largest = std::max(largest, at_edge[k]);
     return largest;
   }
@@ -233,9 +233,9 @@ class ContactRoughness {
                   f, rises_[c * kPlanesAtOnce + i].data());
     VF all0 = lowest, all1 = lowest, all2 = lowest, all3 = lowest, all4 = lowest, all5 = lowest;
     const Rough* top = tops_.data();
-    for (const std::vector<Tile>& tiles : cover_) {
+    for (const std::vector<BodyTile>& tiles : cover_) {
       VF m0 = lowest, m1 = lowest, m2 = lowest, m3 = lowest, m4 = lowest, m5 = lowest;
-      for (const Tile& tile : tiles) {
+      for (const BodyTile& tile : tiles) {
         const VF here = hn::Load(f, (top++)->data());
         const Rough* const rise =
             &rises_[static_cast<std::size_t>(tile.corner.offset.cols + reach) * kPlanesAtOnce];
@@ -296,7 +296,7 @@ class ContactRoughness {
     const VF lowest = hn::Set(f, -std::numeric_limits<float>::infinity());
     const VF error = hn::Set(f, error_of_z);
     alignas(64) AtPlaces<float> not_wanted{};
-    for (std::size_t k = 0; k < kPlaces; ++k) not_wanted[k] = is_wanted[k] != 0 ? 0 : 1;
+    for (std::size_t k = 0; k < kContactPlaces; ++k) not_wanted[k] = is_wanted[k] != 0 ? 0 : 1;
     const MF is_done = hn::Gt(hn::Load(f, not_wanted.data()), hn::Zero(f));
     VF needed = lowest;
     alignas(64) AtPlaces<double> roughness;
@@ -315,7 +315,7 @@ class ContactRoughness {
       hn::Store(plane, f, number.data());
       Plane exact;
       RoughPlane rough;
-      for (std::size_t k = 0; k < kPlaces; ++k) {
+      for (std::size_t k = 0; k < kContactPlaces; ++k) {
         const auto i = static_cast<std::size_t>(number[k]);
         exact.east[k] = planes_[i].east[k];
         exact.north[k] = planes_[i].north[k];
@@ -335,7 +335,7 @@ class ContactRoughness {
 
   [[nodiscard]] static VF Narrow(const AtPlaces<double>& values) {
     alignas(64) AtPlaces<float> narrow;
-    for (std::size_t k = 0; k < kPlaces; ++k) narrow[k] = static_cast<float>(values[k]);
+    for (std::size_t k = 0; k < kContactPlaces; ++k) narrow[k] = static_cast<float>(values[k]);
     return hn::Load(F(), narrow.data());
   }
 
@@ -344,8 +344,8 @@ class ContactRoughness {
     const F f;
     VF highest = hn::Set(f, -std::numeric_limits<float>::infinity());
     const Rough* top = tops_.data();
-    for (const std::vector<Tile>& tiles : cover_)
-      for (const Tile& tile : tiles)
+    for (const std::vector<BodyTile>& tiles : cover_)
+      for (const BodyTile& tile : tiles)
         highest = hn::Max(highest, Above(hn::Load(f, (top++)->data()), plane, tile.corner));
     return RoughnessAt(hn::Sub(highest, Rise(plane)), plane);
   }
@@ -371,14 +371,14 @@ class ContactRoughness {
     alignas(64) AtPlaces<double> highest;
     highest.fill(-std::numeric_limits<double>::infinity());
     const Rough* top = tops_.data();
-    for (const std::vector<Tile>& tiles : cover_)
-      for (const Tile& tile : tiles) {
+    for (const std::vector<BodyTile>& tiles : cover_)
+      for (const BodyTile& tile : tiles) {
         if (is_low(Above(hn::Load(f, (top++)->data()), rough, tile.corner), min_top)) continue;
         for (const Bin& bin : tile.bins)
           if (!is_low(Above(hn::LoadU(f, &patch_[bin.in_patch]), rough, bin), minimum))
             CompareBin(group, bin.offset, exact, highest);
       }
-    for (std::size_t k = 0; k < kPlaces; k += hn::MaxLanes(d)) {
+    for (std::size_t k = 0; k < kContactPlaces; k += hn::MaxLanes(d)) {
       const V east = hn::Load(d, &exact.east[k]);
       const V north = hn::Load(d, &exact.north[k]);
       const V square = hn::Add(hn::Mul(east, east), hn::Mul(north, north));
@@ -395,7 +395,7 @@ class ContactRoughness {
     const double* const z = in_.z.at(group.row + bin.rows, group.col + bin.cols);
     const V rows = constant(static_cast<double>(bin.rows));
     const V cols = constant(static_cast<double>(bin.cols));
-    for (std::size_t k = 0; k < kPlaces; k += hn::MaxLanes(d)) {
+    for (std::size_t k = 0; k < kContactPlaces; k += hn::MaxLanes(d)) {
       const V in_row = hn::Add(hn::Load(d, &plane.height[k]), hn::Mul(hn::Load(d, &plane.north[k]), rows));
       const V above =
           hn::Sub(hn::Sub(hn::LoadU(d, z + k), in_row), hn::Mul(hn::Load(d, &plane.east[k]), cols));
@@ -412,7 +412,7 @@ class ContactRoughness {
   std::vector<Rough> rises_;  ///< of kPlanesAtOnce planes, eastwards, by column under the body
   std::size_t patch_pitch_;
   std::vector<float> patch_;  ///< elevations under the bodies less the trend
-  std::vector<std::vector<Tile>> cover_;
+  std::vector<std::vector<BodyTile>> cover_;
   std::vector<Rough> tops_;  ///< of the tiles of cover_
 };
 

@@ -18,7 +18,7 @@
 HWY_BEFORE_NAMESPACE();
 namespace landfall::HWY_NAMESPACE {
 
-using AtPlaces = std::array<double, kPlaces>;
+using PlaceLanes = std::array<double, kPlaces>;
 
 /// On a grid the planes through two triples that share two bins often have equal medians: each is the misfit
 /// of the other's third bin, as far from the line through both. Rounding must not choose between them.
@@ -54,7 +54,7 @@ class Lmeds {
   }
 
  private:
-  struct alignas(64) Lanes : AtPlaces {};
+  struct alignas(64) Lanes : PlaceLanes {};
 
   static V Load(const Lanes& lanes) { return hn::Load(D(), lanes.data()); }
   static void Store(V values, Lanes& lanes) { hn::Store(values, D(), lanes.data()); }
