@@ -98,8 +98,8 @@ function(landfall_unity_groups target)
     endforeach()
   endforeach()
   set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_MODE GROUP)
-  # g++ takes unnamed namespaces of files that another one includes for those of headers. It would take a tenth of a group's
-  # time to free memory: the largest takes 1.7 GB, and would take 1.2.
+  # g++ takes unnamed namespaces of files that another one includes for those of headers. It would take up to a
+  # sixteenth of a group's time to free memory: the largest takes 2.0 GB, and would take 1.75.
   target_compile_options(${target} PRIVATE $<$<CXX_COMPILER_ID:GNU>:-Wno-subobject-linkage>
                                            $<$<CXX_COMPILER_ID:GNU>:--param=ggc-min-expand=1000>)
 endfunction()
