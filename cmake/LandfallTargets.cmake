@@ -166,6 +166,13 @@ function(landfall_library module)
   endif()
 endfunction()
 
+# landfall_lacks_nothing(plugin): a symbol that it lacks is an error of the linker, not of the program that loads it.
+function(landfall_lacks_nothing plugin)
+  if(NOT LANDFALL_SANITIZE)
+    target_link_options(${plugin} PRIVATE LINKER:-z,defs)
+  endif()
+endfunction()
+
 # landfall_uses_regex(a.cpp ...): sources with std::regex, whose states g++ 12 takes for uninitialised when a sanitizer is on
 # (GCC bug 105562).
 function(landfall_uses_regex)
