@@ -15,6 +15,7 @@ import re
 import sys
 
 TARGET = re.compile(r"(?:landfall_library\(|landfall_unity_groups\(|landfall_gtest\()(\w+)(.*?)\)", re.S)
+APART = re.compile(r"(?:ALONE|KERNELS|EXCEPT)((?:\s+[^\s)]+\.cpp)+)")
 SETTING = re.compile(r"set\((\w+)([^)]*)\)")
 GLOB = re.compile(r"file\(GLOB (\w+) CONFIGURE_DEPENDS RELATIVE \S+ (\S+)\)\s*list\(REMOVE_ITEM \1 ([^)]*)\)")
 INCLUDE = re.compile(r'^#include "([^"]+)"', re.M)
@@ -125,14 +126,11 @@ def violations(root: pathlib.Path):
             text = text.replace("${" + name + "}", " ".join(sorted(units - set(others.split()))))
         for library, arguments in TARGET.findall(text):
             sources = re.search(r"SOURCES\b(.*?)(\bLINKS|$)", arguments, re.S)
-            alone = re.search(r"ALONE((?:\s+[^\s)]+\.cpp)+)", arguments)
-            kernels = re.search(r"KERNELS((?:\s+[^\s)]+\.cpp)+)", arguments)
-            excepted = re.search(r"EXCEPT((?:\s+[^\s)]+\.cpp)+)", arguments)
             named = [list_file.parent / name for name in sources[1].split() if name.endswith(".cpp")] if sources else []
             folders = re.search(r"FOLDERS((?:\s+[a-z_/.]+)+)", arguments)
             rooms = [list_file.parent / name for name in folders[1].split()] if folders else [list_file.parent]
             units = named or sorted(unit for room in rooms for unit in room.rglob("*.cpp"))
-            apart = [list_file.parent / name for found in (alone, kernels, excepted) if found for name in found[1].split()]
+            apart = [list_file.parent / name for names in APART.findall(arguments) for name in names.split()]
             files = [unit for unit in units if unit not in apart]
             yield from collisions(library, files, shared_headers(rooms, files))
 

@@ -71,6 +71,7 @@ class Unity(unittest.TestCase):
         self.assertEqual(self.checked("int f() { return 1; }", "int f() { return 2; }", plugin), 1)
         for library in ["landfall_library(some FOLDERS room LINKS)",
                         alone_first.format("other.cpp"),
+                        "landfall_library(some LINKS ALONE third.cpp KERNELS other.cpp)",
                         "landfall_library(some LINKS ALONE other.cpp)"]:
             self.assertEqual(self.checked("int f() { return 1; }", "int f() { return 2; }", library), 0, library)
 
