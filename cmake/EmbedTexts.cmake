@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 # landfall_embed_texts(NAME assets FILES a.html b.css ...): files as raw string literals in a header that CMake makes, so
-# that a tool needs no file beside it. The target of this folder's library adds the header to its sources:
-#   #include "app/report/embedded_assets.h"  // namespace landfall::embedded: kAssets[i].name, kAssets[i].text
+# that a tool needs no file beside it. The library of this folder names it as GENERATED:
+#   #include "app/embedded_assets.h"  // namespace landfall::embedded: kAssets[i].name, kAssets[i].text
 # The header's path is left in embedded_assets; its include folder must be added to the target. The file is also the script
 # that writes it: cmake -DOUTPUT=... -DNAME=assets "-DTEXTS=a.html;b.css" -P EmbedTexts.cmake
 if(CMAKE_SCRIPT_MODE_FILE)

@@ -104,12 +104,9 @@ function(landfall_unity_groups target)
                                            $<$<CXX_COMPILER_ID:GNU>:--param=ggc-min-expand=1000>)
 endfunction()
 
-# landfall_kernel_unit(target a.cpp ...): sources of this folder that include themselves once per instruction set. With LANDFALL_UNITY
-# one unit does so, and includes them.
+# landfall_kernel_unit(target a.cpp ...): in place of sources of this folder that include themselves once per instruction set, one unit
+# that does so and includes them.
 function(landfall_kernel_unit target)
-  if(NOT LANDFALL_UNITY)
-    return()
-  endif()
   set(unit ${CMAKE_CURRENT_BINARY_DIR}/${target}_kernels.cpp)
   set(again "#undef HWY_TARGET_INCLUDE\n#define HWY_TARGET_INCLUDE \"${unit}\"\n")
   set(text "${again}#include \"base/numerics/lanes-inl.h\"\n")
@@ -123,11 +120,12 @@ endfunction()
 
 # landfall_library(module [FAST | LOOPS] [FOLDERS ...] [EXCEPT a.cpp ...] [GENERATED b.h ...] LINKS landfall::base ... [PRIVATE_LINKS ...]
 #                  [PRECOMPILED name] [APART c.cpp folder ...] [ALONE d.cpp ...] [KERNELS e.cpp ...])
-# A static library landfall::<module> of all units of the folder, or of those FOLDERS in it, but EXCEPT, and of those that the build makes.
+# A static library landfall::<module> of all units of the folder, or of those FOLDERS in it, but EXCEPT. GENERATED: headers that the
+# build makes.
 # LANDFALL_UNITY compiles its units together; scripts/check_unity.py finds names that would collide. APART: units that the lidar of a
 # host simulator (lib/app/host) does not need, for they need libraries that it has not: they are compiled apart from those that it
-# needs, and its archive is without them. ALONE: units that include a header that no other unit shall see. KERNELS:
-# landfall_kernel_unit. FAST, LOOPS: landfall_builds_fast.
+# needs, and its archive is without them. ALONE: units that include themselves once per instruction set, or a header that no other unit
+# shall see. KERNELS: those of the first kind that may be one unit, landfall_kernel_unit. FAST, LOOPS: landfall_builds_fast.
 function(landfall_library module)
   cmake_parse_arguments(arg "FAST;LOOPS" "PRECOMPILED" "FOLDERS;EXCEPT;GENERATED;LINKS;PRIVATE_LINKS;APART;ALONE;KERNELS" ${ARGN})
   set(patterns *.cpp)
@@ -161,7 +159,7 @@ function(landfall_library module)
     landfall_builds_fast(landfall_${module} LOOPS)
   endif()
   landfall_unity_groups(landfall_${module} SOURCES ${sources} APART ${apart} ALONE ${arg_ALONE} ${arg_KERNELS})
-  if(arg_KERNELS)
+  if(arg_KERNELS AND LANDFALL_UNITY)
     landfall_kernel_unit(landfall_${module} ${arg_KERNELS})
   endif()
 endfunction()
@@ -194,7 +192,7 @@ function(landfall_precompiled_tests)
   set_target_properties(precompiled_tests PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/tests)
 endfunction()
 
-# landfall_gtest(raster_test LABEL unit SOURCES a_test.cpp ... LINKS landfall::raster ... [ALONE b.cpp ...])
+# landfall_gtest(raster_test LABEL unit SOURCES a_test.cpp ... LINKS landfall::base ... [ALONE b.cpp ...])
 # A program of unit tests; ctest runs it as one test, unit_raster.
 # With LANDFALL_UNITY up to 48 of its units are compiled together, as those of a library; ALONE: not these.
 function(landfall_gtest name)

@@ -10,8 +10,8 @@ namespace landfall {
 /// The folder of this program.
 std::filesystem::path own_folder();
 
-/// The folder of landfall's data, which has this file: of the installation, or of the repository that this
-/// program was built in. Throws IoError if there is none.
+/// The folder of landfall's data that has this file: in the installation, or in the repository in which this
+/// program was built. Throws IoError if no folder has it.
 std::filesystem::path shared_folder(const std::filesystem::path& file);
 
 namespace landfall_study {  // `landfall study`, which calls make
