@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <memory>
-#include <numeric>
 #include <type_traits>
 
 #include "base/core/parallel.h"
@@ -67,7 +66,7 @@ void DrawGridder::draw(const Simulation& simulation, Method method, TruthAt trut
   do {
     for (std::int64_t first = 0; first < simulation.pulse_count(); first += pulses_per_pass) {
       fill(simulation, {first, std::min(pulses_per_pass, simulation.pulse_count() - first)});
-      bins.add(take_returns());
+      bins.add(points());
     }
   } while (bins.end_pass());
   take_values(bins, truth_at, truth, dem);
@@ -104,46 +103,9 @@ void DrawGridder::fill_slots(const Simulation& simulation, PulseSpan pulses, std
   simulation.replay_slots(pulses, seen, first_slot, batch_);
 }
 
-GridPoints DrawGridder::take_returns() {
-  const PointColumns& points = batch_.points;
-  const std::size_t size = points.size();
-  constexpr auto kPerPiece = static_cast<std::size_t>(kPointsPerDrawPiece);
-  const std::size_t pieces = (size + kPerPiece - 1) / kPerPiece;
-  const auto end_of = [&](std::size_t piece) { return std::min((piece + 1) * kPerPiece, size); };
-  const auto is_kept = [&](std::size_t row) {
-    return is_return(points.status[row]) &&
-           (points.return_number.empty() || points.return_number[row] != PulseBatch::kNoSuchReturn);
-  };
-  std::vector<std::size_t> first(pieces + 1);  // return of each piece
-  parallel_for(pieces, 1, [&](std::size_t piece, std::size_t) {
-    for (std::size_t row = piece * kPerPiece; row < end_of(piece); ++row)
-      first[piece + 1] += is_kept(row) ? 1U : 0U;
-  });
-  std::partial_sum(first.begin(), first.end(), first.begin());
-  const bool all_kept = first.back() == size;  // which need no copy
-  if (!all_kept) {
-    for (std::vector<double>& column : returns_) column.resize(std::max(column.size(), first.back()));
-    parallel_for(pieces, 1, [&](std::size_t piece, std::size_t) {
-      for (std::size_t i = 0; i < kCoordinates.size(); ++i) {
-        const std::vector<double>& from = points.*kCoordinates[i];
-        double* to = returns_[i].data() + first[piece];
-        for (std::size_t row = piece * kPerPiece; row < end_of(piece); ++row)
-          if (is_kept(row)) *to++ = from[row];
-      }
-    });
-  }
-  // No layer of the DEM that is judged needs the times of the returns.
-  no_times_.resize(std::max(no_times_.size(), first.back()));
-  const auto column = [&](std::size_t i) {
-    return std::span<const double>(all_kept ? points.*kCoordinates[i] : returns_[i]).first(first.back());
-  };
-  return {column(0),
-          column(1),
-          column(2),
-          column(3),
-          column(4),
-          column(5),
-          std::span(no_times_).first(first.back())};
+GridPoints DrawGridder::points() {
+  no_times_.resize(batch_.points.size());
+  return GridPoints::of(batch_.points, no_times_);
 }
 
 }  // namespace landfall

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <memory>
 #include <optional>
@@ -10,7 +9,6 @@
 #include <vector>
 
 #include "base/raster/grid.h"
-#include "base/returns/columns.h"
 #include "chain/draws/device_gridder.h"
 #include "chain/evaluation/dem_layers.h"
 #include "chain/gridding/accumulator.h"
@@ -65,8 +63,9 @@ class DrawGridder {
   [[nodiscard]] Accumulator& empty_bins(Method method);
   void fill(const Simulation& simulation, PulseSpan pulses);
   void fill_slots(const Simulation& simulation, PulseSpan pulses, std::size_t first_slot);
-  /// The returns of the batch, in order; valid until the next call or change of the batch.
-  [[nodiscard]] GridPoints take_returns();
+  /// All points of the batch, in order: those without an estimate are NaN, which reach no bin. Valid until
+  /// the batch changes. The times are zeros: no layer of the DEM that is judged needs them.
+  [[nodiscard]] GridPoints points();
   /// `bins` are those of the device, or an Accumulator.
   template <class Bins>
   void take_values(const Bins& bins, TruthAt truth_at, const TerrainSurface& truth, DrawnDem& dem) const;
@@ -75,7 +74,6 @@ class DrawGridder {
   GridSpec grid_;
   // Reused by all draws: the system clears fresh memory, which costs as much as gridding.
   PulseBatch batch_;
-  std::array<std::vector<double>, kCoordinates.size()> returns_;
   std::vector<double> no_times_;
   std::unique_ptr<DeviceGridder> device_;
   std::unique_ptr<Accumulator> bins_;

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <limits>
 #include <numeric>
 #include <stdexcept>
 #include <tuple>
@@ -98,6 +99,30 @@ TEST_P(Methods, EveryReturnIsCountedOnceInsideOrOutside) {
   // Four centres reach half a metre beyond the outer ones, bins a quarter.
   EXPECT_EQ(map->inside_count(), GetParam() == Method::bilinear4 ? 3 : 1);
   EXPECT_EQ(map->inside_count() + map->outside_count(), 6);
+}
+
+// Points without an estimate are skipped, wherever they stand between the returns.
+TEST_P(Methods, APointThatIsNotANumberReachesNoBin) {
+  const GridSpec spec = GridSpec::centered(2, 0.25);
+  std::vector<ReturnPoint> points = random_points(spec, 5000);
+  const ReturnColumns returns(points);
+  constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+  for (std::size_t i = 0; i < points.size(); i += 3 + i % 5)
+    points.insert(points.begin() + static_cast<std::ptrdiff_t>(i),
+                  {.x_est = kNaN, .y_est = kNaN, .z_est = kNaN});
+  const ReturnColumns with_gaps(points);
+  for (const std::size_t threads : {1U, 2U}) {
+    const ThreadLimit limit(threads);
+    const auto expected = gathered(make_accumulator(GetParam(), spec), returns.view(), 5000);
+    const auto found = gathered(make_accumulator(GetParam(), spec), with_gaps.view(), 999);
+    EXPECT_EQ(found->inside_count(), expected->inside_count());
+    const std::vector<BinValues> a = all_values(*expected);
+    const std::vector<BinValues> b = all_values(*found);
+    for (std::size_t i = 0; i < a.size(); ++i) {
+      ASSERT_EQ(a[i].count, b[i].count);
+      ASSERT_EQ(std::memcmp(&a[i].weight_sum, &b[i].weight_sum, 10 * sizeof(double)), 0) << i;
+    }
+  }
 }
 
 TEST_P(Methods, SameBitsAtAnyThreadCountAndBatchSize) {
