@@ -7,6 +7,26 @@
 #include "base/numerics/box_muller.h"
 
 namespace landfall {
+namespace {
+
+constexpr std::size_t kPiece = 256;  // fits in the L1 cache
+using Piece = std::array<double, kPiece>;
+
+/// Calls use(begin, count) for the pieces of `size` draws.
+void for_each_piece(std::size_t size, const auto& use) {
+  for (std::size_t begin = 0; begin < size; begin += kPiece) use(begin, std::min(kPiece, size - begin));
+}
+
+}  // namespace
+
+void RandomField::find_less(std::uint64_t i, std::uint64_t first_j, double limit,
+                            std::span<std::int8_t> out) const {
+  Piece u;
+  for_each_piece(out.size(), [&](std::size_t begin, std::size_t count) {
+    philox_uniforms({key_, i, first_j + begin, draw_}, std::span(u).first(count), {});
+    for (std::size_t k = 0; k < count; ++k) out[begin + k] = u[k] < limit ? 1 : 0;
+  });
+}
 
 double RandomField::normal(std::uint64_t i, std::uint64_t j) const {
   double value = 0;
@@ -15,26 +35,25 @@ double RandomField::normal(std::uint64_t i, std::uint64_t j) const {
 }
 
 void RandomField::normals(std::uint64_t i, std::uint64_t first_j, std::span<double> out) const {
-  normals({i, first_j}, {0, 1}, out);
+  Piece u;
+  Piece v;
+  for_each_piece(out.size(), [&](std::size_t begin, std::size_t count) {
+    philox_uniforms({key_, i, first_j + begin, draw_}, std::span(u).first(count), std::span(v).first(count));
+    box_muller(std::span(u).first(count), std::span(v).first(count), out.subspan(begin, count));
+  });
 }
 
 void RandomField::normals_along_i(std::uint64_t first_i, std::uint64_t j, std::span<double> out) const {
-  normals({first_i, j}, {1, 0}, out);
-}
-
-void RandomField::normals(Counter first, Counter step, std::span<double> out) const {
-  constexpr std::size_t kBlock = 256;  // fits in the L1 cache
-  std::array<double, kBlock> u;
-  std::array<double, kBlock> v;
-  for (std::size_t begin = 0; begin < out.size(); begin += kBlock) {
-    const std::size_t count = std::min(kBlock, out.size() - begin);
+  Piece u;
+  Piece v;
+  for_each_piece(out.size(), [&](std::size_t begin, std::size_t count) {
     for (std::size_t k = 0; k < count; ++k) {
-      const auto words = block(first.i + step.i * (begin + k), first.j + step.j * (begin + k));
-      u[k] = unit(words[0]);
-      v[k] = unit(words[1]);
+      const auto words = block(first_i + begin + k, j);
+      u[k] = uniform_of(words[0]);
+      v[k] = uniform_of(words[1]);
     }
     box_muller(std::span(u).first(count), std::span(v).first(count), out.subspan(begin, count));
-  }
+  });
 }
 
 }  // namespace landfall

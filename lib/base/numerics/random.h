@@ -1,12 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include <Random123/philox.h>
-
-#include <array>
 #include <cstdint>
 #include <span>
 
+#include "base/numerics/philox.h"
 #include "base/numerics/random_seed.h"
 
 namespace landfall {
@@ -55,7 +53,11 @@ class RandomField {
       : key_{{seed.seed, static_cast<std::uint64_t>(stream)}}, draw_(seed.draw) {}
 
   /// Uniform in [0, 1), a multiple of 2^-53.
-  [[nodiscard]] double uniform(std::uint64_t i, std::uint64_t j = 0) const { return unit(block(i, j)[0]); }
+  [[nodiscard]] double uniform(std::uint64_t i, std::uint64_t j = 0) const {
+    return uniform_of(block(i, j)[0]);
+  }
+  /// out[k] = 1 where uniform(i, first_j + k) < limit, otherwise 0.
+  void find_less(std::uint64_t i, std::uint64_t first_j, double limit, std::span<std::int8_t> out) const;
 
   /// Standard normal by Box-Muller; |value| <= 8.6. The same bits on every machine.
   [[nodiscard]] double normal(std::uint64_t i, std::uint64_t j = 0) const;
@@ -67,16 +69,8 @@ class RandomField {
  private:
   using Generator = r123::Philox4x64;
 
-  struct Counter {
-    std::uint64_t i, j;
-  };
-  void normals(Counter first, Counter step, std::span<double> out) const;
-
   [[nodiscard]] Generator::ctr_type block(std::uint64_t i, std::uint64_t j) const {
     return Generator{}(Generator::ctr_type{{i, j, draw_, 0}}, key_);
-  }
-  [[nodiscard]] static double unit(std::uint64_t word) {
-    return static_cast<double>(static_cast<std::int64_t>(word >> 11U)) * 0x1p-53;
   }
 
   Generator::key_type key_;

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "base/numerics/box_muller.h"
+#include "base/numerics/philox.h"
 #include "base/numerics/poisson.h"
 #include "base/numerics/random.h"
 #include "targets.h"
@@ -66,6 +67,37 @@ TEST(RandomField, ManyNormalsAreTheSingleOnes) {
     for (std::size_t k = 0; k < count; ++k) ASSERT_EQ(many[k], field.normal(5, 11 + k)) << count << ' ' << k;
     field.normals_along_i(5, 11, many);
     for (std::size_t k = 0; k < count; ++k) ASSERT_EQ(many[k], field.normal(5 + k, 11)) << count << ' ' << k;
+  }
+}
+
+// Against Random123, one block at a time, also where j passes the end of its word.
+TEST(Philox, EveryInstructionSetGivesTheWordsOfTheGenerator) {
+  const PhiloxRow row{
+      .key = {{0xfedcba9876543210, 2}}, .i = 5, .first_j = ~std::uint64_t{0} - 100, .draw = 77};
+  on_every_target([&] {
+    for (const std::size_t count : {0U, 1U, 15U, 16U, 17U, 32U, 324U, 1000U}) {
+      std::vector<double> first(count);
+      std::vector<double> second(count);
+      std::vector<double> alone(count);
+      philox_uniforms(row, first, second);
+      philox_uniforms(row, alone, {});
+      for (std::size_t k = 0; k < count; ++k) {
+        const auto words = r123::Philox4x64()({{row.i, row.first_j + k, row.draw, 0}}, row.key);
+        ASSERT_EQ(first[k], static_cast<double>(words[0] >> 11U) * 0x1p-53) << count << ' ' << k;
+        ASSERT_EQ(second[k], static_cast<double>(words[1] >> 11U) * 0x1p-53) << count << ' ' << k;
+        ASSERT_EQ(alone[k], first[k]) << count << ' ' << k;
+      }
+    }
+  });
+}
+
+TEST(RandomField, LessIsBelowTheLimit) {
+  const RandomField field({7, 3}, RandomStream::dropout);
+  std::vector<std::int8_t> found(600);
+  for (const double limit : {0.0, field.uniform(5, 300), 0.25, 1.0}) {
+    field.find_less(5, 11, limit, found);
+    for (std::size_t k = 0; k < found.size(); ++k)
+      ASSERT_EQ(found[k], field.uniform(5, 11 + k) < limit ? 1 : 0) << limit << ' ' << k;
   }
 }
 
