@@ -45,8 +45,9 @@ bool RangeErrors::is_dead(std::int64_t pixel) const {
   return dead_.uniform(static_cast<std::uint64_t>(pixel)) < parameters_.dead_pixel_frac;
 }
 
-bool RangeErrors::draws_dropout(PulsePixel where) const {
-  return draw_uniform(dropout_, where) < parameters_.dropout_frac;
+void RangeErrors::find_dropouts(std::int64_t pulse, std::span<std::int8_t> is_dropped) const {
+  const PulsePixel first{pulse, 0};
+  dropout_.find_less(first.i(), first.j(), parameters_.dropout_frac, is_dropped);
 }
 
 double RangeErrors::sigma_m(double range_m, double tan_incidence) const {

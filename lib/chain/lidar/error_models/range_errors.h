@@ -41,10 +41,11 @@ class RangeErrors {
   [[nodiscard]] bool is_noisy() const { return is_noisy_; }
   /// Whether the pixel is dead: one Bernoulli draw per pixel, for all pulses.
   [[nodiscard]] bool is_dead(std::int64_t pixel) const;
-  /// Whether the pixel misses the pulse: one Bernoulli draw per pixel and pulse.
-  [[nodiscard]] bool is_dropped(PulsePixel where) const {
-    return parameters_.dropout_frac > 0 && draws_dropout(where);  // inline: called for every pixel
-  }
+  /// False: no pixel misses a pulse.
+  [[nodiscard]] bool has_dropouts() const { return parameters_.dropout_frac > 0; }
+  /// Whether each pixel of a pulse, from pixel 0 on, misses it: one Bernoulli draw per pixel and pulse. All
+  /// at once, for single draws take more than twice as long.
+  void find_dropouts(std::int64_t pulse, std::span<std::int8_t> is_dropped) const;
   /// sigma^2 = range_sigma_m^2 + (range_sigma_per_m r)^2 + (incidence_sigma_rad r tan(incidence))^2. The last
   /// term is the depth of the ground patch under a pixel's beam, which stretches the pulse.
   [[nodiscard]] double sigma_m(double range_m, double tan_incidence) const;
@@ -62,8 +63,6 @@ class RangeErrors {
   [[nodiscard]] std::optional<double> false_return_m(PulsePixel where) const;
 
  private:
-  [[nodiscard]] bool draws_dropout(PulsePixel where) const;
-
   RangeErrorParameters parameters_;
   RandomSeed seed_;
   RandomField dead_;

@@ -305,7 +305,7 @@ PointStatus PulseSimulator::status(PulsePixel where, const PulseWorkspace& works
   if (!workspace.measured.detections.empty() &&
       std::isnan(workspace.measured.detections[i * lidar_.receiver.max_returns()].range_m))
     return PointStatus::undetected;
-  return lidar_.range_errors.is_dropped(where) ? PointStatus::dropout : PointStatus::returned;
+  return workspace.measured.is_dropped[i] != 0 ? PointStatus::dropout : PointStatus::returned;
 }
 
 PulseSimulator::Report PulseSimulator::echo_report(PointStatus what, double measured_m) {
@@ -356,6 +356,8 @@ void PulseSimulator::measure(std::int64_t pulse, const AimedPulse& aimed, const 
   const std::size_t pixels = aimed.beams.size();
   const std::size_t max_count = lidar_.receiver.max_returns();
   receive(pulse, aimed, received, m);
+  m.is_dropped.assign(pixels, 0);
+  if (lidar_.range_errors.has_dropouts()) lidar_.range_errors.find_dropouts(pulse, m.is_dropped);
   m.measured_m.resize(pixels * max_count);
   for (std::size_t number = 0; number < max_count; ++number) {
     const std::span<double> measured_m = std::span(m.measured_m).subspan(number * pixels, pixels);

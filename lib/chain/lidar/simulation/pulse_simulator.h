@@ -93,10 +93,11 @@ struct ReceivedPulse {
 
 /// The ranges that the instrument reports.
 struct MeasuredPulse {
-  std::vector<double> tan_incidences;  ///< empty where the noise does not depend on them; 0 for a miss
-  std::vector<Detection> detections;   ///< by pixel, then return; empty without a receiver
-  std::vector<double> reported_m;      ///< the ranges of one return of each pixel, before range errors
-  std::vector<double> measured_m;      ///< by return, then pixel
+  std::vector<double> tan_incidences;   ///< empty where the noise does not depend on them; 0 for a miss
+  std::vector<Detection> detections;    ///< by pixel, then return; empty without a receiver
+  std::vector<double> reported_m;       ///< the ranges of one return of each pixel, before range errors
+  std::vector<double> measured_m;       ///< by return, then pixel
+  std::vector<std::int8_t> is_dropped;  ///< of the pixels; all 0 unless the lidar has dropouts
 };
 
 /// Memory that a thread reuses between pulses.
