@@ -90,7 +90,7 @@ struct PointColumns {
   std::vector<double> echo_signal, echo_peak, echo_edge, echo_width, echo_range;  ///< Echo's members
 
   [[nodiscard]] std::size_t size() const { return status.size(); }
-  [[nodiscard]] bool holds_truth() const { return !pixel.empty(); }
+  [[nodiscard]] bool holds_truth() const { return !x_true.empty(); }
   [[nodiscard]] bool holds_echoes() const { return !echo_signal.empty(); }
   friend bool operator==(const PointColumns&, const PointColumns&) = default;
 };

@@ -83,7 +83,7 @@ Accumulator& DrawGridder::empty_bins(Method method) {
 
 void DrawGridder::fill(const Simulation& simulation, PulseSpan pulses) {
   const std::size_t rows = simulation.rows_per_pulse();
-  batch_.resize(static_cast<std::size_t>(pulses.count), rows, PointContent::all, simulation.columns());
+  batch_.resize(static_cast<std::size_t>(pulses.count), rows, PointContent::places, simulation.columns());
   const std::int64_t per_piece =
       std::max<std::int64_t>(1, kPointsPerDrawPiece / static_cast<std::int64_t>(rows));
   parallel_for(static_cast<std::size_t>((pulses.count + per_piece - 1) / per_piece), 1,

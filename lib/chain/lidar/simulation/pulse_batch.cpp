@@ -2,15 +2,27 @@
 #include "chain/lidar/simulation/pulse_batch.h"
 
 #include <algorithm>
+#include <type_traits>
+#include <vector>
 
 namespace landfall {
+namespace {
+
+template <class T>
+bool is_place(std::vector<T> PointColumns::*rows) {
+  if constexpr (std::is_same_v<T, double>) return std::ranges::find(kCoordinates, rows) != kCoordinates.end();
+  return std::is_same_v<T, PointStatus>;
+}
+
+}  // namespace
 
 void PulseBatch::resize(std::size_t pulse_count, std::size_t rows_per_pulse, PointContent content,
                         const OptionalColumns& optional) {
   for_each_column(kPointColumns, [&](const auto& column) {
-    const bool wanted =
-        (content == PointContent::all || column.effect == ErrorEffect::changed) && optional.has(column.group);
-    (points.*column.rows).resize(wanted ? pulse_count * rows_per_pulse : 0);
+    const bool wanted = content == PointContent::all ||
+                        (content == PointContent::estimate && column.effect == ErrorEffect::changed) ||
+                        (content == PointContent::places && is_place(column.rows));
+    (points.*column.rows).resize(wanted && optional.has(column.group) ? pulse_count * rows_per_pulse : 0);
   });
   for_each_column(kPulseColumns, [&](const auto& column) { (pulses.*column.rows).resize(pulse_count); });
   for_each_column(kEchoColumns, [&](const auto& column) { (later_echoes.*column.rows).clear(); });

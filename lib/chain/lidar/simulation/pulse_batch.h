@@ -13,6 +13,7 @@ namespace landfall {
 enum class PointContent {
   all,
   estimate,  ///< only the columns that errors change (ErrorEffect)
+  places,    ///< only the status and the coordinates (kCoordinates)
 };
 
 /// Consecutive pulses with all their pixels. The memory is reused between batches.

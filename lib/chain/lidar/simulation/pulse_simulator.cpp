@@ -70,6 +70,29 @@ void spread_over(std::span<const Beam> beams, std::vector<double>& hits_m) {
   for (std::size_t i = beams.size(); i-- > 0;) hits_m[i] = beams[i].lost ? kNan : hits_m[--from];
 }
 
+/// The columns of a point.
+struct PlaceColumns {
+  double *x, *y, *z;
+};
+
+/// Points T (b + r n) of the beams, as many for each as there are ranges of it, one after the other. A NaN
+/// range gives a NaN point.
+void place_points(const Transform<DemFrame, LidarFrame>& T_dem_lidar, std::span<const Beam> beams,
+                  std::span<const double> ranges_m, const PlaceColumns& out) {
+  const std::size_t per_beam = ranges_m.size() / beams.size();
+  const auto place = [&](const Beam& beam, std::size_t row) {
+    const Point<DemFrame> point = T_dem_lidar * (beam.exit + ranges_m[row] * beam.direction);
+    out.x[row] = point.v.x();
+    out.y[row] = point.v.y();
+    out.z[row] = point.v.z();
+  };
+  if (per_beam == 1) {
+    for (std::size_t i = 0; i < beams.size(); ++i) place(beams[i], i);
+    return;
+  }
+  for (std::size_t row = 0; row < ranges_m.size(); ++row) place(beams[row / per_beam], row);
+}
+
 std::vector<std::int8_t> dead_map_of(const Lidar& lidar) {
   std::vector<std::int8_t> dead(lidar.detector.pixel_count());
   for (std::size_t i = 0; i < dead.size(); ++i)
@@ -296,26 +319,30 @@ void PulseSimulator::require_above_terrain(const PulseInput& pulse, std::span<co
   }
 }
 
-PointStatus PulseSimulator::status(PulsePixel where, const PulseWorkspace& workspace) const {
-  const auto i = static_cast<std::size_t>(where.pixel);
-  if (dead_map_[i] != 0) return PointStatus::dead;
-  if (workspace.aimed.state.blanked) return PointStatus::blanked;
-  if (workspace.aimed.beams[i].lost) return PointStatus::lost_in_optics;
-  if (std::isnan(workspace.received.ranges_m[i])) return PointStatus::miss;
-  if (!workspace.measured.detections.empty() &&
-      std::isnan(workspace.measured.detections[i * lidar_.receiver.max_returns()].range_m))
-    return PointStatus::undetected;
-  return workspace.measured.is_dropped[i] != 0 ? PointStatus::dropout : PointStatus::returned;
-}
-
-PulseSimulator::Report PulseSimulator::echo_report(PointStatus what, double measured_m) {
-  return {what, what == PointStatus::returned ? measured_m : kNan, kNoIntensity};
+void PulseSimulator::find_statuses(std::int64_t pulse, const AimedPulse& aimed, const ReceivedPulse& received,
+                                   MeasuredPulse& measured) const {
+  const std::size_t pixels = aimed.beams.size();
+  measured.is_dropped.assign(pixels, 0);
+  if (lidar_.range_errors.has_dropouts()) lidar_.range_errors.find_dropouts(pulse, measured.is_dropped);
+  measured.statuses.resize(pixels);
+  const std::span<PointStatus> statuses = measured.statuses;
+  const std::size_t max_count = lidar_.receiver.max_returns();
+  for (std::size_t i = 0; i < pixels; ++i) {  // the last that applies stays
+    PointStatus what = measured.is_dropped[i] != 0 ? PointStatus::dropout : PointStatus::returned;
+    if (!measured.detections.empty() && std::isnan(measured.detections[i * max_count].range_m))
+      what = PointStatus::undetected;
+    if (std::isnan(received.ranges_m[i])) what = PointStatus::miss;
+    if (aimed.beams[i].lost) what = PointStatus::lost_in_optics;
+    if (aimed.state.blanked) what = PointStatus::blanked;
+    if (dead_map_[i] != 0) what = PointStatus::dead;
+    statuses[i] = what;
+  }
 }
 
 PulseSimulator::Report PulseSimulator::report(PulsePixel where, const PulseWorkspace& workspace) const {
   const auto i = static_cast<std::size_t>(where.pixel);
   const auto number = static_cast<std::size_t>(where.number);
-  const PointStatus what = status({where.pulse, where.pixel}, workspace);
+  const PointStatus what = workspace.measured.statuses[i];
   const bool has_echo = what == PointStatus::returned;
   const bool may_be_false = has_echo || what == PointStatus::miss || what == PointStatus::undetected ||
                             what == PointStatus::dropout;
@@ -325,7 +352,8 @@ PulseSimulator::Report PulseSimulator::report(PulsePixel where, const PulseWorks
     if (false_m && !(has_echo && *false_m >= workspace.received.ranges_m[i]))
       return {PointStatus::false_return, *false_m, kNoIntensity, 1};
   }
-  if (workspace.measured.detections.empty()) return echo_report(what, workspace.measured.measured_m[i]);
+  if (workspace.measured.detections.empty())
+    return {what, has_echo ? workspace.measured.measured_m[i] : kNan, kNoIntensity};
   const Detection& detection = workspace.measured.detections[i * lidar_.receiver.max_returns() + number];
   const bool is_background = detection.is_background && (has_echo || what == PointStatus::miss);
   if (!is_background && (!has_echo || std::isnan(detection.range_m)))
@@ -356,8 +384,7 @@ void PulseSimulator::measure(std::int64_t pulse, const AimedPulse& aimed, const 
   const std::size_t pixels = aimed.beams.size();
   const std::size_t max_count = lidar_.receiver.max_returns();
   receive(pulse, aimed, received, m);
-  m.is_dropped.assign(pixels, 0);
-  if (lidar_.range_errors.has_dropouts()) lidar_.range_errors.find_dropouts(pulse, m.is_dropped);
+  find_statuses(pulse, aimed, received, m);
   m.measured_m.resize(pixels * max_count);
   for (std::size_t number = 0; number < max_count; ++number) {
     const std::span<double> measured_m = std::span(m.measured_m).subspan(number * pixels, pixels);
@@ -417,52 +444,54 @@ void PulseSimulator::record_later_echoes(EchoColumns& out, const ReceivedPulse& 
   }
 }
 
-// A NaN range gives a NaN point.
 void PulseSimulator::record_estimate(const PulseInput& pulse, std::size_t first_row, PointColumns& out,
-                                     const PulseWorkspace& workspace) const {
-  const Transform<DemFrame, LidarFrame> T_dem_lidar_est = pulse.estimate * lidar_.mount;
-  const std::vector<Beam>& beams =
-      workspace.aimed.estimated_beams.empty() ? workspace.aimed.beams : workspace.aimed.estimated_beams;
+                                     PulseWorkspace& workspace) const {
+  const MeasuredPulse& measured = workspace.measured;
+  const std::size_t pixels = dead_map_.size();
   const std::size_t max_count = lidar_.receiver.max_returns();
-  const bool is_plain = workspace.measured.detections.empty() && !lidar_.range_errors.has_false_returns();
-  for (std::size_t i = 0; i < beams.size(); ++i) {
-    const Beam& beam = beams[i];
-    for (std::size_t number = 0; number < max_count; ++number) {
-      const PulsePixel where{pulse.time.pulse, static_cast<std::int64_t>(i),
-                             static_cast<std::int64_t>(number)};
-      const Report said = is_plain ? echo_report(status(where, workspace), workspace.measured.measured_m[i])
-                                   : report(where, workspace);
-      const Point<DemFrame> estimate = T_dem_lidar_est * (beam.exit + said.range_m * beam.direction);
-      const std::size_t row = first_row + i * max_count + number;
-      out.x_est[row] = estimate.v.x();
-      out.y_est[row] = estimate.v.y();
-      out.z_est[row] = estimate.v.z();
-      out.range_measured[row] = said.range_m;
+  std::vector<double>& ranges_m = workspace.reported_m;
+  ranges_m.resize(rows_per_pulse());
+  if (measured.detections.empty() && !lidar_.range_errors.has_false_returns()) {
+    std::ranges::copy(measured.statuses, &out.status[first_row]);
+    for (std::size_t i = 0; i < pixels; ++i)
+      ranges_m[i] = measured.statuses[i] == PointStatus::returned ? measured.measured_m[i] : kNan;
+  } else {
+    for (std::size_t k = 0; k < ranges_m.size(); ++k) {
+      const Report said = report({pulse.time.pulse, static_cast<std::int64_t>(k / max_count),
+                                  static_cast<std::int64_t>(k % max_count)},
+                                 workspace);
+      const std::size_t row = first_row + k;
+      ranges_m[k] = said.range_m;
       out.status[row] = said.status;
       if (!out.intensity.empty()) out.intensity[row] = said.intensity_pe;
       if (!out.return_number.empty()) out.return_number[row] = said.number;
     }
   }
+  if (!out.range_measured.empty()) std::ranges::copy(ranges_m, &out.range_measured[first_row]);
+  const AimedPulse& aimed = workspace.aimed;
+  place_points(pulse.estimate * lidar_.mount,
+               aimed.estimated_beams.empty() ? aimed.beams : aimed.estimated_beams, ranges_m,
+               {&out.x_est[first_row], &out.y_est[first_row], &out.z_est[first_row]});
 }
 
 void PulseSimulator::record_truth(const PulseInput& pulse, std::size_t first_row, PointColumns& out,
-                                  const PulseWorkspace& workspace) const {
+                                  PulseWorkspace& workspace) const {
   const std::size_t max_count = lidar_.receiver.max_returns();
-  std::size_t row = first_row;
-  for (std::size_t i = 0; i < workspace.aimed.beams.size(); ++i) {
-    const Beam& beam = workspace.aimed.beams[i];
-    const double range = workspace.received.ranges_m[i];
-    for (const std::size_t end = row + max_count; row < end; ++row) {
-      const bool has_no_hit = out.status[row] == PointStatus::false_return && std::isnan(range);
-      const double shown = has_no_hit ? out.range_measured[row] : range;
-      const Point<DemFrame> truth = workspace.aimed.T_dem_lidar * (beam.exit + shown * beam.direction);
-      out.x_true[row] = truth.v.x();
-      out.y_true[row] = truth.v.y();
-      out.z_true[row] = truth.v.z();
-      out.range_true[row] = range;
-      out.pulse[row] = static_cast<std::int32_t>(pulse.time.pulse);
-      out.pixel[row] = static_cast<std::int32_t>(i);
-    }
+  std::vector<double>& shown_m = workspace.shown_m;
+  shown_m.resize(rows_per_pulse());
+  for (std::size_t k = 0; k < shown_m.size(); ++k) {
+    const double range_m = workspace.received.ranges_m[k / max_count];
+    const bool has_no_hit = std::isnan(range_m) && out.status[first_row + k] == PointStatus::false_return;
+    shown_m[k] = has_no_hit ? workspace.reported_m[k] : range_m;
+  }
+  place_points(workspace.aimed.T_dem_lidar, workspace.aimed.beams, shown_m,
+               {&out.x_true[first_row], &out.y_true[first_row], &out.z_true[first_row]});
+  if (out.range_true.empty()) return;
+  for (std::size_t k = 0; k < shown_m.size(); ++k) {
+    const std::size_t row = first_row + k;
+    out.range_true[row] = workspace.received.ranges_m[k / max_count];
+    out.pulse[row] = static_cast<std::int32_t>(pulse.time.pulse);
+    out.pixel[row] = static_cast<std::int32_t>(k / max_count);
   }
 }
 

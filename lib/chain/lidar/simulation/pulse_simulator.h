@@ -98,6 +98,7 @@ struct MeasuredPulse {
   std::vector<double> reported_m;       ///< the ranges of one return of each pixel, before range errors
   std::vector<double> measured_m;       ///< by return, then pixel
   std::vector<std::int8_t> is_dropped;  ///< of the pixels; all 0 unless the lidar has dropouts
+  std::vector<PointStatus> statuses;    ///< of the pixels, without false returns
 };
 
 /// Memory that a thread reuses between pulses.
@@ -106,6 +107,8 @@ struct PulseWorkspace {
   TracedPulse traced;
   ReceivedPulse received;
   MeasuredPulse measured;
+  std::vector<double> reported_m;  ///< the measured range of each row; NaN without a return
+  std::vector<double> shown_m;     ///< the range of each row's true point
 };
 
 /// One pulse from poses to points, independent of a Trajectory: a host simulator can step it with its own
@@ -197,16 +200,17 @@ class PulseSimulator {
   void find_incidences(const AimedPulse& aimed, const ReceivedPulse& received, MeasuredPulse& measured) const;
   void receive(std::int64_t pulse, const AimedPulse& aimed, const ReceivedPulse& received,
                MeasuredPulse& measured) const;
+  void find_statuses(std::int64_t pulse, const AimedPulse& aimed, const ReceivedPulse& received,
+                     MeasuredPulse& measured) const;
   void measure(std::int64_t pulse, const AimedPulse& aimed, const ReceivedPulse& received,
                MeasuredPulse& measured) const;
   void record(const PulseInput& pulse, std::size_t slot, PulseBatch& batch, PulseWorkspace& workspace) const;
   void record_estimate(const PulseInput& pulse, std::size_t first_row, PointColumns& out,
-                       const PulseWorkspace& workspace) const;
+                       PulseWorkspace& workspace) const;
   void record_truth(const PulseInput& pulse, std::size_t first_row, PointColumns& out,
-                    const PulseWorkspace& workspace) const;
+                    PulseWorkspace& workspace) const;
   static void record_echoes(std::size_t first_row, PointColumns& out, const ReceivedPulse& received);
   static void record_later_echoes(EchoColumns& out, const ReceivedPulse& received);
-  [[nodiscard]] PointStatus status(PulsePixel where, const PulseWorkspace& workspace) const;
   /// The report of the receiver for a pixel.
   struct Report {
     PointStatus status;
@@ -215,8 +219,6 @@ class PulseSimulator {
     std::int8_t number = 0;  ///< return_number
   };
   [[nodiscard]] Report report(PulsePixel where, const PulseWorkspace& workspace) const;
-  /// The same without detections and false returns, by the pixel's status and measured range.
-  [[nodiscard]] static Report echo_report(PointStatus what, double measured_m);
 
   Lidar lidar_;
   const RayEngine* engine_;

@@ -91,6 +91,17 @@ TEST(PulseBatch, ResizesTheColumnsOfTheScan) {
   });
 }
 
+TEST(PulseBatch, CanHoldOnlyThePlaces) {
+  PulseBatch batch;
+  batch.resize(4, 3, PointContent::places, OptionalColumns{true, true, true});
+  std::vector<std::string> filled;
+  for_each_column(kPointColumns, [&](const auto& column) {
+    if (!(batch.points.*column.rows).empty()) filled.emplace_back(column.name);
+  });
+  EXPECT_THAT(filled, ElementsAre("x_est", "y_est", "z_est", "x_true", "y_true", "z_true", "status"));
+  EXPECT_TRUE(batch.points.holds_truth());
+}
+
 TEST(PulseBatch, CanLeaveOutTheTruth) {
   PulseBatch batch;
   batch.resize(4, 3);
