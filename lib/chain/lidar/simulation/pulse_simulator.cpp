@@ -7,7 +7,6 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
-#include <array>
 #include <cassert>
 #include <cmath>
 #include <limits>
@@ -211,8 +210,7 @@ std::span<const Beam> PulseSimulator::traced_beams(const AimedPulse& aimed, cons
 }
 
 void PulseSimulator::make_rays(const PulseInput& pulse, const AimedPulse& aimed, TracedPulse& traced) const {
-  traced.rays.clear();
-  if (aimed.state.blanked) return;
+  if (aimed.state.blanked) return traced.rays.clear();
   if (lidar_.detector.samples_per_pixel() > 1) {
     std::vector<Beam>& samples = traced.sample_beams;
     samples.resize(lidar_.detector.samples().size());
@@ -220,10 +218,22 @@ void PulseSimulator::make_rays(const PulseInput& pulse, const AimedPulse& aimed,
     if (lidar_.receiver.uses_waveforms())
       samples.insert(samples.end(), aimed.beams.begin(), aimed.beams.end());
   }
-  for (const Beam& beam : traced_beams(aimed, traced))
-    if (!beam.lost)
-      traced.rays.push_back({aimed.T_dem_lidar * beam.exit, aimed.T_dem_lidar.rotation * beam.direction});
-  require_above_terrain(pulse, traced.rays);
+  const std::span<const Beam> beams = traced_beams(aimed, traced);
+  traced.rays.resize(beams.size());
+  std::size_t count = 0;
+  const Beam* other =
+      nullptr;  // the last one that left from another place: most scanners' beams leave from one
+  Point<DemFrame> origin;
+  for (const Beam& beam : beams) {
+    if (beam.lost) continue;
+    if (other == nullptr || beam.exit != other->exit) {
+      other = &beam;
+      origin = aimed.T_dem_lidar * beam.exit;
+      require_above_terrain(pulse, origin);
+    }
+    traced.rays[count++] = {origin, aimed.T_dem_lidar.rotation * beam.direction};
+  }
+  traced.rays.resize(count);
 }
 
 void PulseSimulator::trace(std::span<const Ray> rays, std::vector<double>& hits_m) const {
@@ -300,23 +310,15 @@ void PulseSimulator::steer_to_trace(const PulseInput& pulse, AimedPulse& aimed) 
   try {
     steer(pulse, aimed);
   } catch (const FormatError&) {
-    const std::array boresight = {Ray{(pulse.truth * true_mount(pulse.time.pulse)).position, {}}};
-    require_above_terrain(pulse, boresight);
+    require_above_terrain(pulse, (pulse.truth * true_mount(pulse.time.pulse)).position);
     throw;
   }
 }
 
-void PulseSimulator::require_above_terrain(const PulseInput& pulse, std::span<const Ray> rays) const {
-  if (terrain_ == nullptr || !terrain_->is_terrain_below()) return;
-  const double highest_m = terrain_->highest_m();
-  const Point<DemFrame>* checked = nullptr;
-  for (const Ray& ray : rays) {
-    if (checked != nullptr && ray.origin == *checked) continue;
-    checked = &ray.origin;
-    if (ray.origin.v.z() > highest_m) continue;
-    const double terrain_m = terrain_->elevation(ray.origin.v.x(), ray.origin.v.y());
-    if (ray.origin.v.z() <= terrain_m) refuse_origin(pulse.time.pulse, ray.origin, terrain_m);
-  }
+void PulseSimulator::require_above_terrain(const PulseInput& pulse, const Point<DemFrame>& origin) const {
+  if (terrain_ == nullptr || !terrain_->is_terrain_below() || origin.v.z() > terrain_->highest_m()) return;
+  const double terrain_m = terrain_->elevation(origin.v.x(), origin.v.y());
+  if (origin.v.z() <= terrain_m) refuse_origin(pulse.time.pulse, origin, terrain_m);
 }
 
 void PulseSimulator::find_statuses(std::int64_t pulse, const AimedPulse& aimed, const ReceivedPulse& received,
@@ -477,21 +479,25 @@ void PulseSimulator::record_estimate(const PulseInput& pulse, std::size_t first_
 void PulseSimulator::record_truth(const PulseInput& pulse, std::size_t first_row, PointColumns& out,
                                   PulseWorkspace& workspace) const {
   const std::size_t max_count = lidar_.receiver.max_returns();
+  const std::size_t rows = rows_per_pulse();
   std::vector<double>& shown_m = workspace.shown_m;
-  shown_m.resize(rows_per_pulse());
-  for (std::size_t k = 0; k < shown_m.size(); ++k) {
-    const double range_m = workspace.received.ranges_m[k / max_count];
-    const bool has_no_hit = std::isnan(range_m) && out.status[first_row + k] == PointStatus::false_return;
-    shown_m[k] = has_no_hit ? workspace.reported_m[k] : range_m;
+  shown_m.resize(rows);
+  for (std::size_t i = 0, k = 0; k < rows; ++i) {
+    const double range_m = workspace.received.ranges_m[i];
+    for (const std::size_t end = k + max_count; k < end; ++k) {
+      const bool has_no_hit = std::isnan(range_m) && out.status[first_row + k] == PointStatus::false_return;
+      shown_m[k] = has_no_hit ? workspace.reported_m[k] : range_m;
+    }
   }
   place_points(workspace.aimed.T_dem_lidar, workspace.aimed.beams, shown_m,
                {&out.x_true[first_row], &out.y_true[first_row], &out.z_true[first_row]});
   if (out.range_true.empty()) return;
-  for (std::size_t k = 0; k < shown_m.size(); ++k) {
-    const std::size_t row = first_row + k;
-    out.range_true[row] = workspace.received.ranges_m[k / max_count];
-    out.pulse[row] = static_cast<std::int32_t>(pulse.time.pulse);
-    out.pixel[row] = static_cast<std::int32_t>(k / max_count);
+  for (std::size_t i = 0, row = first_row; row < first_row + rows; ++i) {
+    for (const std::size_t end = row + max_count; row < end; ++row) {
+      out.range_true[row] = workspace.received.ranges_m[i];
+      out.pulse[row] = static_cast<std::int32_t>(pulse.time.pulse);
+      out.pixel[row] = static_cast<std::int32_t>(i);
+    }
   }
 }
 

@@ -189,7 +189,7 @@ class PulseSimulator {
   /// The beams of the pulse's rays, in order: those of the samples, then the pixels' own where they differ.
   [[nodiscard]] std::span<const Beam> traced_beams(const AimedPulse& aimed, const TracedPulse& traced) const;
   void make_rays(const PulseInput& pulse, const AimedPulse& aimed, TracedPulse& traced) const;
-  void require_above_terrain(const PulseInput& pulse, std::span<const Ray> rays) const;
+  void require_above_terrain(const PulseInput& pulse, const Point<DemFrame>& origin) const;
   void trace(std::span<const Ray> rays, std::vector<double>& hits_m) const;
   /// Uses up the hits: they are sorted in place.
   void combine_samples(std::int64_t pulse, const AimedPulse& aimed, TracedPulse& traced,
