@@ -2,7 +2,6 @@
 // Decisions: D5
 #pragma once
 
-#include <functional>
 #include <limits>
 
 #include "chain/gridding/accumulator.h"
@@ -15,13 +14,11 @@ enum class TruthAt {
   centroid,    ///< at the weighted mean of the true positions
 };
 
-/// H(x, y), metres, frame D; NaN off the terrain. Called from several threads at once.
-using ElevationFunction = std::function<double(double x_m, double y_m)>;
-
 /// The true elevation of a bin of returns. bin_center: H(X + dx, Y + dy), (X, Y) the bin's centre, (dx, dy)
 /// the bin's x_offset, y_offset. centroid: H(x_true, y_true). NaN off the terrain and where the bin is empty.
+/// `elevation`: H(x, y), metres, frame D.
 [[nodiscard]] inline double true_elevation(const BinValues& values, const GridSpec& spec, BinIndex bin,
-                                           const ElevationFunction& elevation, TruthAt truth_at) {
+                                           const auto& elevation, TruthAt truth_at) {
   if (values.count == 0) return std::numeric_limits<double>::quiet_NaN();
   if (truth_at == TruthAt::centroid) return elevation(values.x_true, values.y_true);
   return elevation(spec.x(bin.col) + values.x_offset, spec.y(bin.row) + values.y_offset);

@@ -38,7 +38,7 @@ TriangulatedGrid::TriangulatedGrid(Grid<double> nodes, const CellOrigin& origin)
     throw FormatError("a terrain grid needs at least 2 x 2 nodes");
 }
 
-double TriangulatedGrid::elevation_in_cell(const CellPosition& position) const {
+[[gnu::always_inline]] inline double TriangulatedGrid::elevation_in_cell(const CellPosition& position) const {
   const auto [cell, u, v] = position;
   const double b = nodes_.at({cell.row, cell.col + 1});
   const double c = nodes_.at({cell.row + 1, cell.col});

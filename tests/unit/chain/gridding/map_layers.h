@@ -54,8 +54,7 @@ inline Grid<float> t_mean_layer(const Accumulator& map) {
 inline Grid<float> z_spread_layer(const Accumulator& map) {
   return layer_of<float>(map, [](const BinValues& v) { return v.spread; });
 }
-inline Grid<double> z_true_layer(const Accumulator& map, const ElevationFunction& elevation,
-                                 TruthAt truth_at) {
+inline Grid<double> z_true_layer(const Accumulator& map, const auto& elevation, TruthAt truth_at) {
   Grid<double> layer(map.spec());
   const std::vector<BinValues> values = all_values(map);
   for (const BinIndex bin : bins_of(map.spec())) {
