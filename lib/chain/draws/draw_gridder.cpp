@@ -10,9 +10,10 @@
 namespace landfall {
 namespace {
 
-/// Enough points that a pass on all threads costs more than its start.
-constexpr std::int64_t kBatchPoints = std::int64_t{1} << 17U;
-constexpr std::int64_t kPointsPerDrawPiece = 16384;
+/// Points that a pass makes and grids: on one thread as many as stay in its cache of the second level in
+/// between, on several enough that the pass costs more than its start.
+std::int64_t points_per_pass() { return std::int64_t{1} << (thread_count() == 1 ? 14U : 17U); }
+constexpr std::int64_t kPointsPerDrawPiece = 8192;
 
 /// Memory for every bin; its values are not set.
 void require_layers(DrawnDem& dem, const GridSpec& grid) {
@@ -62,7 +63,7 @@ void DrawGridder::draw(const Simulation& simulation, Method method, TruthAt trut
   if (device_ && device_->draw(simulation, method)) return take_values(*device_, truth_at, truth, dem);
   Accumulator& bins = empty_bins(method);
   const auto rows = static_cast<std::int64_t>(simulation.rows_per_pulse());
-  const std::int64_t pulses_per_pass = std::max<std::int64_t>(1, kBatchPoints / rows);
+  const std::int64_t pulses_per_pass = std::max<std::int64_t>(1, points_per_pass() / rows);
   do {
     for (std::int64_t first = 0; first < simulation.pulse_count(); first += pulses_per_pass) {
       fill(simulation, {first, std::min(pulses_per_pass, simulation.pulse_count() - first)});

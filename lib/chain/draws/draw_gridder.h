@@ -41,7 +41,7 @@ struct DrawTerrain {
 
 /// Makes the returns of a draw and grids them, without files: scan-sim, or scan-sim --ranges-from, and regrid
 /// in memory, by the same simulation and gridding. On all threads; the result does not depend on their
-/// number. Memory besides the ranges: 2^17 points, and the sums of the method.
+/// number. Memory besides the ranges: at most 2^17 points, and the sums of the method.
 class DrawGridder {
  public:
   /// `truth` holds one range per pixel and pulse (RangeFile), and its echo if the receiver sees waveforms; it
