@@ -28,6 +28,7 @@
 
 #include "base/core/parallel.h"
 #include "base/numerics/random.h"
+#include "chain/lidar/simulation/beam_points.h"
 
 namespace landfall {
 namespace {
@@ -50,6 +51,15 @@ std::optional<DeviceWeights> weights_of(Method method) {
   return std::nullopt;
 }
 
+/// DeviceErrors::left_rows of this program.
+std::int64_t left_rows() {
+  const std::optional<std::int64_t> rows = rows_added_from_left();
+  if (!rows)
+    throw DeviceError(
+        "OpenCL: the CPU adds the products of a rotation in an order that the kernels do not know");
+  return *rows;
+}
+
 DeviceErrors device_errors(const RangeErrors& errors, DeviceWeights weights) {
   const RangeErrorParameters& p = errors.parameters();
   return {.seed = errors.seed().seed,
@@ -68,14 +78,7 @@ DeviceErrors device_errors(const RangeErrors& errors, DeviceWeights weights) {
           .is_noisy = errors.is_noisy() ? 1 : 0,
           .has_constant_sigma = errors.has_varying_sigma() ? 0 : 1,
           .weights = weights,
-          .left_rows = rows_added_from_left()};
-}
-
-/// A point, turned by a matrix of three equal rows.
-Eigen::Vector3d transformed_rows(const Eigen::RowVector3d& row, const Eigen::Vector3d& point) {
-  Transform<DemFrame, LidarFrame> probe;
-  probe.rotation.m.rowwise() = row;
-  return (probe * Point<LidarFrame>{point}).v;
+          .left_rows = left_rows()};
 }
 
 void take_beams(const PulseWorkspace& w, std::span<DeviceBeam> out) {
@@ -91,31 +94,13 @@ void take_beams(const PulseWorkspace& w, std::span<DeviceBeam> out) {
 
 }  // namespace
 
-std::int64_t rows_added_from_left() {
-  const double small = 0x1p-53;
-  const double inexact = 1 + 0x1p-30;  // its square is not a double
-  const double square = inexact * inexact;
-  const Eigen::Vector3d sums =
-      transformed_rows({-1, 1, small}, {1, 1, 1});  // 2^-53 from the left, 0 from the right
-  const Eigen::Vector3d second = transformed_rows({-square, inexact, 0}, {1, inexact, 1});  // 0 if not fused
-  const Eigen::Vector3d third = transformed_rows({-square, 0, inexact}, {1, 1, inexact});
-  std::int64_t rows = 0;
-  for (Eigen::Index row = 0; row < 3; ++row) {
-    if ((sums(row) != small && sums(row) != 0) || second(row) != 0 || third(row) != 0)
-      throw DeviceError(
-          "OpenCL: the CPU adds the products of a rotation in an order that the kernels do not know");
-    if (sums(row) == small) rows |= std::int64_t{1} << row;
-  }
-  return rows;
-}
-
 DeviceGridder::DeviceGridder(const TrueRanges& truth, const GridSpec& grid, const OpenClOptions& options)
     : truth_(truth),
       grid_(grid),
       on_failure_(options.on_failure),
       use_(options.use ? options.use : std::make_shared<DeviceUse>()) {
   static_cast<void>(use_->attempt(on_failure_, [&] {
-    static_cast<void>(rows_added_from_left());
+    static_cast<void>(left_rows());
     device_ = usable_device(options.device);
     use_->name_device(opencl_devices()[*device_].name);
   }));

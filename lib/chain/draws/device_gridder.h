@@ -75,8 +75,4 @@ class DeviceGridder {
   std::vector<std::int32_t> counts_;
 };
 
-/// DeviceErrors::left_rows of this program, which depends on the processor and the compiler. Throws
-/// DeviceError where it adds the products in yet another way.
-[[nodiscard]] std::int64_t rows_added_from_left();
-
 }  // namespace landfall

@@ -17,6 +17,7 @@
 #include "base/core/error.h"
 #include "base/numerics/light.h"
 #include "base/numerics/non_finite.h"
+#include "chain/lidar/simulation/beam_points.h"
 #include "chain/lidar/simulation/echo_columns.h"
 #include "chain/lidar/simulation/incidence.h"
 #include "chain/lidar/simulation/pattern_aim.h"
@@ -67,29 +68,6 @@ void spread_over(std::span<const Beam> beams, std::vector<double>& hits_m) {
   std::size_t from = hits_m.size();
   hits_m.resize(beams.size());
   for (std::size_t i = beams.size(); i-- > 0;) hits_m[i] = beams[i].lost ? kNan : hits_m[--from];
-}
-
-/// The columns of a point.
-struct PlaceColumns {
-  double *x, *y, *z;
-};
-
-/// Points T (b + r n) of the beams, as many for each as there are ranges of it, one after the other. A NaN
-/// range gives a NaN point.
-void place_points(const Transform<DemFrame, LidarFrame>& T_dem_lidar, std::span<const Beam> beams,
-                  std::span<const double> ranges_m, const PlaceColumns& out) {
-  const std::size_t per_beam = ranges_m.size() / beams.size();
-  const auto place = [&](const Beam& beam, std::size_t row) {
-    const Point<DemFrame> point = T_dem_lidar * (beam.exit + ranges_m[row] * beam.direction);
-    out.x[row] = point.v.x();
-    out.y[row] = point.v.y();
-    out.z[row] = point.v.z();
-  };
-  if (per_beam == 1) {
-    for (std::size_t i = 0; i < beams.size(); ++i) place(beams[i], i);
-    return;
-  }
-  for (std::size_t row = 0; row < ranges_m.size(); ++row) place(beams[row / per_beam], row);
 }
 
 std::vector<std::int8_t> dead_map_of(const Lidar& lidar) {
@@ -471,9 +449,9 @@ void PulseSimulator::record_estimate(const PulseInput& pulse, std::size_t first_
   }
   if (!out.range_measured.empty()) std::ranges::copy(ranges_m, &out.range_measured[first_row]);
   const AimedPulse& aimed = workspace.aimed;
-  place_points(pulse.estimate * lidar_.mount,
-               aimed.estimated_beams.empty() ? aimed.beams : aimed.estimated_beams, ranges_m,
-               {&out.x_est[first_row], &out.y_est[first_row], &out.z_est[first_row]});
+  beam_points(pulse.estimate * lidar_.mount,
+              aimed.estimated_beams.empty() ? aimed.beams : aimed.estimated_beams, ranges_m,
+              {&out.x_est[first_row], &out.y_est[first_row], &out.z_est[first_row]});
 }
 
 void PulseSimulator::record_truth(const PulseInput& pulse, std::size_t first_row, PointColumns& out,
@@ -489,8 +467,8 @@ void PulseSimulator::record_truth(const PulseInput& pulse, std::size_t first_row
       shown_m[k] = has_no_hit ? workspace.reported_m[k] : range_m;
     }
   }
-  place_points(workspace.aimed.T_dem_lidar, workspace.aimed.beams, shown_m,
-               {&out.x_true[first_row], &out.y_true[first_row], &out.z_true[first_row]});
+  beam_points(workspace.aimed.T_dem_lidar, workspace.aimed.beams, shown_m,
+              {&out.x_true[first_row], &out.y_true[first_row], &out.z_true[first_row]});
   if (out.range_true.empty()) return;
   for (std::size_t i = 0, row = first_row; row < first_row + rows; ++i) {
     for (const std::size_t end = row + max_count; row < end; ++row) {
