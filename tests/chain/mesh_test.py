@@ -230,10 +230,9 @@ class MeshTest(ToolTest):
                     words=["mesh.scale_m"])
 
     def test_a_grid_exported_as_a_mesh_keeps_its_triangles(self):
-        terrain, config = self.path("g.h5"), self.path("g.json")
-        with open(config, "w", encoding="ascii") as file:
-            json.dump({"grid": {"half_width_m": 4, "resolution_m": 0.25}, "base": {"type": "fractal"},
-                       "features": [{"type": "cone", "radius_m": 2, "height_m": 3}]}, file)
+        terrain = self.path("g.h5")
+        config = self.config({"grid": {"half_width_m": 4, "resolution_m": 0.25}, "base": {"type": "fractal"},
+                              "features": [{"type": "cone", "radius_m": 2, "height_m": 3}]})
         self.succeed("terrain-gen", "-c", config, "-o", terrain)
         with h5py.File(terrain) as file:
             expected = grid_facets(file["x"][()], file["y"][()], file["z"][()])

@@ -160,8 +160,7 @@ def read_table(title):
 
 def write_table(title, rows):
     tables = {**sections(), title: COLUMNS + "".join(f"| {' | '.join(cells)} |\n" for cells in rows)}
-    with open(TABLE, "w", encoding="utf-8") as file:
-        file.write("\n".join((f"## {name}\n" if name else "") + text for name, text in tables.items()))
+    write_file(TABLE, "\n".join((f"## {name}\n" if name else "") + text for name, text in tables.items()))
 
 
 class Folder:

@@ -43,8 +43,7 @@ class Landfall(ToolTest):
     def test_starts_every_command_of_python(self):
         """Each row with a module has one, and is in a list of commands."""
         root = os.environ["LANDFALL_ROOT"]
-        with open(os.path.join(root, "schemas", "dictionary", "tools.json"), encoding="utf-8") as file:
-            rows = [row for row in json.load(file)["tools"] if "module" in row]
+        rows = [row for row in json.loads(read_bytes(os.path.join(root, "schemas", "dictionary", "tools.json")))["tools"] if "module" in row]
         lists = {first: run("landfall", *filter(None, [first]), "--help").stdout for first in ("", "plot", "study")}
         for row in rows:
             module, words = row["module"].split()[0], row["command"].split()

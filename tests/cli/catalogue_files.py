@@ -8,7 +8,7 @@ import struct
 import h5py
 import numpy as np
 
-from harness import EVAL, REGRID, SCAN, TERRAIN, as_of_0_2_0, clouds, run
+from harness import EVAL, REGRID, SCAN, TERRAIN, as_of_0_2_0, clouds, run, write_file
 from harness.opencl import build_faulty_opencl
 
 TETRAHEDRON = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 1 4 3\n"
@@ -23,11 +23,6 @@ GEOCENTRIC = ('GEOCCS["earth",DATUM["WGS_1984",SPHEROID["WGS 84",6378137,298.257
               'UNIT["metre",1]]')
 SOURCE = ('<SimpleSource><SourceFilename relativeToVRT="1">{}</SourceFilename><SourceBand>1</SourceBand>'
           "</SimpleSource>")
-
-
-def write(path, text):
-    with open(path, "w", encoding="utf-8") as file:
-        file.write(text)
 
 
 def edited(path, source, change):
@@ -103,7 +98,7 @@ def run_quietly(*arguments):
 
 
 def make_draws():
-    write("mc.json", json.dumps({"draws": 3, "metrics": "verdict", "regrid": REGRID, "eval": EVAL}))
+    write_file("mc.json", json.dumps({"draws": 3, "metrics": "verdict", "regrid": REGRID, "eval": EVAL}))
     draws_config = ["monte-carlo", "full_scan.h5", "--terrain", "terrain.h5", "-c", "mc.json"]
     for name, draws in (("a", "0:1"), ("b", "1:3"), ("b_again", "0:2"), ("c", "2:3")):
         run_quietly(*draws_config, "--draws", draws, "-o", f"part_{name}.h5")
@@ -119,7 +114,7 @@ def make_draws():
 
 def make_chain():
     for name, config in [("terrain", TERRAIN), ("scan", SCAN), ("regrid", REGRID), ("eval", EVAL)]:
-        write(name + ".json", json.dumps(config))
+        write_file(name + ".json", json.dumps(config))
     run_quietly("terrain-gen", "-c", "terrain.json", "-o", "terrain.h5")
     run_quietly("terrain-gen", "-c", "terrain.json", "-o", "other_terrain.h5", "--set", "base.elevation_m=0")
     scan = ["scan-sim", "-c", "scan.json", "--terrain", "terrain.h5", "-o"]
@@ -140,7 +135,7 @@ def make_chain():
     run_quietly("dem-eval", "dem.h5", "-c", "eval.json", "--metrics-only", "-o", "metrics_only.h5")
     run_quietly("hazard-map", "dem.h5", "-o", "hazards.h5")
     make_draws()
-    write("tetra.obj", TETRAHEDRON)
+    write_file("tetra.obj", TETRAHEDRON)
     run_quietly("terrain-gen", "--from", "tetra.obj", "-o", "mesh.h5")
 
 
@@ -195,8 +190,8 @@ def make_files_with_external_data():
 
 
 def make_broken_landfall_files():
-    write("text.h5", "no HDF5 at all\n")
-    write("empty.h5", "")
+    write_file("text.h5", "no HDF5 at all\n")
+    write_file("empty.h5", "")
     with open("dem.h5", "rb") as whole, open("cut.h5", "wb") as cut:
         cut.write(whole.read()[:5000])
     with h5py.File("foreign.h5", "w") as file:
@@ -274,35 +269,29 @@ def make_broken_landfall_files():
 
 def make_rasters():
     slope = [[column + 0.5 * row for column in range(13)] for row in range(13)]
-    write("dem.asc", asc(slope))
-    write("dem_crs.asc", asc(slope))
-    write("dem_crs.prj", UTM)
-    write("dem.vrt", vrt(SOURCE.format("dem_crs.asc"), f"<SRS>{UTM}</SRS><GeoTransform>0,1,0,13,0,-1</GeoTransform>"))
-    write("line.asc", asc(slope[:1]))
-    write("bad_nodata.asc", asc([row[:6] + [-3.4e38] + row[7:] for row in slope]))
-    write("holes.asc", asc([[-9999 if 4 <= row <= 8 and 4 <= column <= 8 else 1 for column in range(13)]
-                            for row in range(13)]))
-    write("chess.asc", asc([[-9999 if (row + column) % 2 else 1 for column in range(13)] for row in range(13)]))
-    write("big.vrt", vrt("").replace('"13"', '"30000"'))
-    write("beyond_pole.vrt", vrt(SOURCE.format("dem.asc"), f"<SRS>{WGS84}</SRS>"
-                                 "<GeoTransform>0,0.001,0,95.01,0,-0.001</GeoTransform>"))
-    write("complex.vrt", vrt(SOURCE.format("dem.asc"), data_type="CFloat32"))
-    write("zero_scale.vrt", vrt("<Scale>0</Scale>" + SOURCE.format("dem.asc")))
-    write("missing.vrt", vrt(SOURCE.format("nowhere.asc")))
-    write("pipe.vrt", vrt(SOURCE.format("pipe")))
-    write("no_transform.vrt", vrt(SOURCE.format("dem.asc"), f"<SRS>{UTM}</SRS>"))
-    write("flat_transform.vrt", vrt(SOURCE.format("dem.asc"),
-                                    f"<SRS>{UTM}</SRS><GeoTransform>0,1,0,0,1,0</GeoTransform>"))
-    write("geocentric.vrt", vrt(SOURCE.format("dem.asc"),
-                                f"<SRS>{GEOCENTRIC}</SRS><GeoTransform>0,1,0,0,0,1</GeoTransform>"))
+    write_file("dem.asc", asc(slope))
+    write_file("dem_crs.asc", asc(slope))
+    write_file("dem_crs.prj", UTM)
+    write_file("dem.vrt", vrt(SOURCE.format("dem_crs.asc"), f"<SRS>{UTM}</SRS><GeoTransform>0,1,0,13,0,-1</GeoTransform>"))
+    write_file("line.asc", asc(slope[:1]))
+    write_file("bad_nodata.asc", asc([row[:6] + [-3.4e38] + row[7:] for row in slope]))
+    write_file("holes.asc", asc([[-9999 if 4 <= row <= 8 and 4 <= column <= 8 else 1 for column in range(13)]
+                                 for row in range(13)]))
+    write_file("chess.asc", asc([[-9999 if (row + column) % 2 else 1 for column in range(13)] for row in range(13)]))
+    write_file("big.vrt", vrt("").replace('"13"', '"30000"'))
+    write_file("beyond_pole.vrt", vrt(SOURCE.format("dem.asc"), f"<SRS>{WGS84}</SRS>"
+                                      "<GeoTransform>0,0.001,0,95.01,0,-0.001</GeoTransform>"))
+    write_file("complex.vrt", vrt(SOURCE.format("dem.asc"), data_type="CFloat32"))
+    write_file("zero_scale.vrt", vrt("<Scale>0</Scale>" + SOURCE.format("dem.asc")))
+    write_file("missing.vrt", vrt(SOURCE.format("nowhere.asc")))
+    write_file("pipe.vrt", vrt(SOURCE.format("pipe")))
+    write_file("no_transform.vrt", vrt(SOURCE.format("dem.asc"), f"<SRS>{UTM}</SRS>"))
+    write_file("flat_transform.vrt", vrt(SOURCE.format("dem.asc"),
+                                         f"<SRS>{UTM}</SRS><GeoTransform>0,1,0,0,1,0</GeoTransform>"))
+    write_file("geocentric.vrt", vrt(SOURCE.format("dem.asc"),
+                                     f"<SRS>{GEOCENTRIC}</SRS><GeoTransform>0,1,0,0,0,1</GeoTransform>"))
     shutil.copy(os.path.join(os.environ["LANDFALL_ROOT"], "testdata", "malformed", "netcdf_truncated.nc"), "cut.nc")
-    with open("cut.tif", "wb") as file:
-        file.write(b"II*\0" + struct.pack("<I", 8) + b"\x05")
-
-
-def write_bytes(path, content):
-    with open(path, "wb") as file:
-        file.write(content)
+    write_file("cut.tif", b"II*\0" + struct.pack("<I", 8) + b"\x05")
 
 
 def make_las():
@@ -310,11 +299,11 @@ def make_las():
     good = clouds.las(points)
 
     def patched(name, at, form, value):
-        write_bytes(name + ".las", good[:at] + struct.pack(form, value) + good[at + struct.calcsize(form):])
+        write_file(name + ".las", good[:at] + struct.pack(form, value) + good[at + struct.calcsize(form):])
 
-    write_bytes("good.las", good)
-    write_bytes("cut.las", good[:-1])
-    write_bytes("cut_header.las", good[:100])
+    write_file("good.las", good)
+    write_file("cut.las", good[:-1])
+    write_file("cut_header.las", good[:100])
     patched("version", 25, "<B", 5)
     patched("short_header", 94, "<H", 100)
     patched("early_points", 96, "<I", 10)
@@ -328,12 +317,12 @@ def make_las():
                          *((name, ("LASF_Projection", 34735, struct.pack("<12H", 1, 1, 0, 2, 1024, 0, 1, 1, 3072, 0, 1, code)))
                            for name, code in (("unknown_code", 29999), ("heights_code", 5703))),
                          ("bad_wkt", ("LASF_Projection", 2112, b"PROJCS["))):
-        write_bytes(name + ".las", clouds.las(points, records=[clouds.las_vlr(*record)]))
-    write_bytes("more_points.las", good + bytes(20))
-    write_bytes("extra_bytes.las", clouds.las(points, records=[clouds.las_vlr("LASF_Spec", 4, b"\0\0\x0a".ljust(192, b"\0"))]))
+        write_file(name + ".las", clouds.las(points, records=[clouds.las_vlr(*record)]))
+    write_file("more_points.las", good + bytes(20))
+    write_file("extra_bytes.las", clouds.las(points, records=[clouds.las_vlr("LASF_Spec", 4, b"\0\0\x0a".ljust(192, b"\0"))]))
     patched("by_return", 111, "<I", 9)
     corners = [{**points[0], "xyz": (0, 0, 0), "class": 2}, {**points[0], "xyz": (1000, 1000, 0), "class": 2}]
-    write_bytes("other_box.las", clouds.las(corners, box=[0.5, 0, 1, 0, 0, 0]))
+    write_file("other_box.las", clouds.las(corners, box=[0.5, 0, 1, 0, 0, 0]))
     good = clouds.las(points, 6, 4)
     patched("two_counts", 107, "<I", 3)
     good = good[:243] + struct.pack("<I", 1) + good[247:]
@@ -344,29 +333,29 @@ def make_pcd():
     good = clouds.pcd(np.zeros(40, [("x", "<f4"), ("y", "<f4"), ("z", "<f4")]), "binary_compressed")
     body = good.index(b"compressed\n") + 11
     packed, unpacked = struct.unpack_from("<II", good, body)
-    write_bytes("cut.pcd", good[:-1])
-    write_bytes("sizes.pcd", good[:body] + struct.pack("<II", packed, unpacked - 1) + good[body + 8:])
-    write_bytes("early.pcd", good[:body] + struct.pack("<II", packed - 3, unpacked) + good[body + 8:])
-    write_bytes("before.pcd", good[:body + 8] + b"\xff\xff\xff" + good[body + 11:])
+    write_file("cut.pcd", good[:-1])
+    write_file("sizes.pcd", good[:body] + struct.pack("<II", packed, unpacked - 1) + good[body + 8:])
+    write_file("early.pcd", good[:body] + struct.pack("<II", packed - 3, unpacked) + good[body + 8:])
+    write_file("before.pcd", good[:body + 8] + b"\xff\xff\xff" + good[body + 11:])
 
 
 def make_qfit():
     head = struct.pack(">12i", 48, *[0] * 11)
     shots = head + struct.pack(">12i", -9000008, 96, *[0] * 10) + struct.pack(">12i", *range(12))
-    write_bytes("qfit_record.qi", head + struct.pack(">12i", *range(12)))
-    write_bytes("qfit_offset.qi", shots[:52] + struct.pack(">i", 48) + shots[56:])
-    write_bytes("qfit_cut.qi", shots[:-1])
+    write_file("qfit_record.qi", head + struct.pack(">12i", *range(12)))
+    write_file("qfit_offset.qi", shots[:52] + struct.pack(">i", 48) + shots[56:])
+    write_file("qfit_cut.qi", shots[:-1])
 
 
 def make_imports():
     make_las()
     make_pcd()
     make_qfit()
-    write("far.asc", asc([[1, 2], [3, 4]]).replace("corner 0", "corner 500"))
-    write("oblong.asc", asc([[1, 2], [3, 4]]).replace("cellsize 1", "dx 1\ndy 2"))
-    write("empty.asc", asc([[-9999, -9999], [-9999, -9999]]))
-    write("degrees.vrt", vrt(SOURCE.format("dem.asc"), f"<SRS>{WGS84}</SRS><GeoTransform>9,0.001,0,48,0,-0.001</GeoTransform>"))
-    write("imported.csv", "x,y,z,t\n0,0,1,0\n1,1,2,1\n")
+    write_file("far.asc", asc([[1, 2], [3, 4]]).replace("corner 0", "corner 500"))
+    write_file("oblong.asc", asc([[1, 2], [3, 4]]).replace("cellsize 1", "dx 1\ndy 2"))
+    write_file("empty.asc", asc([[-9999, -9999], [-9999, -9999]]))
+    write_file("degrees.vrt", vrt(SOURCE.format("dem.asc"), f"<SRS>{WGS84}</SRS><GeoTransform>9,0.001,0,48,0,-0.001</GeoTransform>"))
+    write_file("imported.csv", "x,y,z,t\n0,0,1,0\n1,1,2,1\n")
     run("landfall-import", "imported.csv", "-o", "imported.h5", "-q")
 
 
@@ -377,19 +366,16 @@ def make_files():
     make_rasters()
     os.mkdir("folder")
     os.mkdir("bad_plugin")
-    write("bad_plugin/landfall-gdal.so", "no library\n")
-    write("bad_plugin/landfall-opencl.so", "no library\n")
+    write_file("bad_plugin/landfall-gdal.so", "no library\n")
+    write_file("bad_plugin/landfall-opencl.so", "no library\n")
     os.mkdir("bad_opencl")
-    write("bad_opencl/libOpenCL.so.1", "no library\n")
+    write_file("bad_opencl/libOpenCL.so.1", "no library\n")
     build_faulty_opencl("faulty_opencl.so")
-    write("old.h5", "an older output\n")
+    write_file("old.h5", "an older output\n")
     for name in ("pipe", "pipe.obj"):
         os.mkfifo(name)
-    with open("cut.ply", "wb") as file:
-        file.write(b"ply\nformat binary_little_endian 1.0\nelement face 1\nproperty list uchar int vertex_indices\n"
-                   b"end_header\n\x03\0\0")
-    with open("long.ply", "wb") as file:
-        file.write(b"ply\nformat binary_little_endian 1.0\nelement face 0\nproperty list uchar int vertex_indices\nend_header\n\x03\0\0")
-    with open("short.stl", "wb") as file:
-        file.write(b" " * 80 + struct.pack("<I", 7) + b"\0" * 60)
+    write_file("cut.ply", b"ply\nformat binary_little_endian 1.0\nelement face 1\nproperty list uchar int vertex_indices\n"
+                          b"end_header\n\x03\0\0")
+    write_file("long.ply", b"ply\nformat binary_little_endian 1.0\nelement face 0\nproperty list uchar int vertex_indices\nend_header\n\x03\0\0")
+    write_file("short.stl", b" " * 80 + struct.pack("<I", 7) + b"\0" * 60)
     make_imports()

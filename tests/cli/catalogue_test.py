@@ -30,7 +30,7 @@ import tempfile
 import unittest
 
 from catalogue_files import make_files
-from harness import ROOT, SANITIZED, tool
+from harness import ROOT, SANITIZED, read_bytes, tool, write_file
 
 CATALOGUE = os.path.join(ROOT, "tests", "cli", "catalogue.json")
 LIMITS = {"file_bytes": resource.RLIMIT_FSIZE, "memory_bytes": resource.RLIMIT_AS}
@@ -40,8 +40,7 @@ JARGON = ["H5D", "H5F", "std::", "nlohmann", "CLI::", "basic_", "null pointer", 
 
 
 def read_catalogue():
-    with open(CATALOGUE, encoding="utf-8") as file:
-        return json.load(file)
+    return json.loads(read_bytes(CATALOGUE))
 
 
 def with_version(text, before, after):
@@ -70,8 +69,7 @@ def can_run(case):
 def provoke(case):
     """Runs a case in the current folder."""
     for name, text in case.get("files", {}).items():
-        with open(name, "w", encoding="utf-8") as file:
-            file.write(text)
+        write_file(name, text)
     name, *arguments = shlex.split(case["run"])
     limits = case.get("limit")
     limit = (lambda: set_limits(limits)) if limits else None  # with a function, Python copies its address space for each run
@@ -139,8 +137,7 @@ class Catalogue(unittest.TestCase):
 
     def test_an_option_in_a_text_is_one_of_the_tool_that_is_named_before_it(self):
         """So that a reader can give it: the tool that prints the text, or one that the text names. An option of the command itself may be wrong."""
-        with open(os.path.join(ROOT, "schemas", "dictionary", "tools.json"), encoding="utf-8") as file:
-            rows = [row["name"] for row in json.load(file)["tools"]]
+        rows = [row["name"] for row in json.loads(read_bytes(os.path.join(ROOT, "schemas", "dictionary", "tools.json")))["tools"]]
         names = [name for name in rows if name == "landfall run" or " " not in name and name != "landfall"]
         helps = {name: subprocess.run([tool(name.split()[0]), *name.split()[1:], "--help"], capture_output=True, text=True, check=True).stdout for name in names}
         options = {name: set(re.findall(r"(?<![\w-])--[a-z][a-z0-9-]*", text)) for name, text in helps.items()}
@@ -178,8 +175,7 @@ def write():
             case["text"] = with_version(result.stderr.rstrip("\n"), version, "VERSION")
             if result.returncode != fault["exit"]:
                 print(f"exit {result.returncode}, not {fault['exit']}: {case['run']}", file=sys.stderr)
-    with open(CATALOGUE, "w", encoding="utf-8") as file:
-        file.write(as_text(catalogue))
+    write_file(CATALOGUE, as_text(catalogue))
 
 
 def as_text(catalogue):

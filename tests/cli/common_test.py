@@ -13,7 +13,7 @@ import h5py
 import jsonschema
 import numpy as np
 
-from harness import CONFIGS, INPUTS, PROGRAMS, TOOLS, ChainTest, ToolTest, attributes, read_bytes, run, tool
+from harness import CONFIGS, INPUTS, PROGRAMS, TOOLS, ChainTest, ToolTest, attributes, read_bytes, run, tool, write_file
 
 COMMON = ["-c,--config", "--set", "-o,--output", "-O,--overwrite", "-t,--threads", "-q,--quiet", "-v,--verbose",
           "--progress", "--no-progress", "--json", "--print-config", "--print-schema", "--check", "-V,--version",
@@ -56,8 +56,7 @@ class Information(ToolTest):
 
     def test_no_library_is_taken_from_the_current_folder(self):
         for name in ("libpng16.so.16", "libudunits2.so.0"):
-            with open(self.path(name), "w", encoding="ascii") as file:
-                file.write("not a library")
+            self.write(name, "not a library")
         subprocess.run([os.path.abspath(tool("regrid")), "--version"], cwd=self.path(""), capture_output=True, check=True)
 
     def test_version_is_one_line_with_tool_and_number(self):
@@ -224,9 +223,7 @@ class Output(ChainTest):
             self.refuse(2, name, *INPUTS[name], "-o", output, words=[output, "-O"])
 
     def test_overwrite_keeps_the_permissions(self):
-        output = self.path("out.h5")
-        with open(output, "wb"):
-            pass
+        output = self.write("out.h5", "")
         for mode in (0o600, 0o664):
             os.chmod(output, mode)
             self.succeed("terrain-gen", *self.chain.inputs("terrain-gen"), "-o", output, "-O")
@@ -301,10 +298,8 @@ class Inputs(ChainTest):
     READERS = {"scan-sim": "terrain", "regrid": "scan", "dem-eval": "dem", "hazard-map": "dem", "monte-carlo": "scan"}
 
     def test_missing_file_folder_or_text(self):
-        with open(self.path("text.h5"), "w", encoding="utf-8") as file:
-            file.write("x_est,y_est\n1,2\n")
-        with open(self.path("empty.h5"), "w", encoding="utf-8"):
-            pass
+        self.write("text.h5", "x_est,y_est\n1,2\n")
+        self.write("empty.h5", "")
         for name in self.READERS:
             self.refuse_input(name, self.path("none.h5"), ["no such file"])
             self.refuse_input(name, self.folder, ["directory"])
@@ -379,8 +374,7 @@ class Inputs(ChainTest):
             whole = read_bytes(getattr(self.chain, kind))
             for size in [1, 8, 100, 2048, 0.1, 0.25, 0.5, 0.75, 0.9, 0.99, len(whole) - 1]:
                 cut = int(size * len(whole)) if isinstance(size, float) else size
-                with open(data, "wb") as file:
-                    file.write(whole[:cut])
+                write_file(data, whole[:cut])
                 self.refuse_input(name, data)
 
     def test_zeroed_data_never_cause_a_crash(self):
@@ -389,8 +383,7 @@ class Inputs(ChainTest):
             whole = read_bytes(self.chain.source if name == "monte-carlo" else getattr(self.chain, kind))
             for piece in range(20):
                 begin = len(whole) * piece // 20
-                with open(data, "wb") as file:
-                    file.write(whole[:begin] + b"\xff" * 512 + whole[begin + 512:])
+                write_file(data, whole[:begin] + b"\xff" * 512 + whole[begin + 512:])
                 result = run(name, *self.arguments(name, data), "-O")
                 self.assertIn(result.returncode, (0, 1), f"{name} {piece}: {result.stderr}")
                 if result.returncode == 1:
@@ -490,9 +483,7 @@ class Privacy(ChainTest):
             self.assertRegex(environment, r"\d{4}-\d\d-\d\dT\d\d:\d\d:\d\dZ")
 
     def test_data_paths_in_the_config_are_cut_to_the_name(self):
-        table = self.path("descent.csv")
-        with open(table, "w", encoding="utf-8") as file:
-            file.write("t_s,x_m,y_m,z_m,qw,qx,qy,qz\n0,0,0,50,1,0,0,0\n1,0,0,45,1,0,0,0\n")
+        table = self.write("descent.csv", "t_s,x_m,y_m,z_m,qw,qx,qy,qz\n0,0,0,50,1,0,0,0\n1,0,0,45,1,0,0,0\n")
         self.succeed("scan-sim", "--terrain", self.chain.terrain, "-c", self.chain.config("scan-sim"), "-o",
                      self.path("out.h5"), "--set", "trajectory=" + json.dumps({"type": "table", "path": table}))
         text = all_text(self.path("out.h5"))

@@ -7,7 +7,7 @@ import os
 import subprocess
 import unittest
 
-from harness import CONFIGS, INPUTS, TOOLS, ToolTest, tool, with_values
+from harness import CONFIGS, INPUTS, TOOLS, ToolTest, tool, with_values, write_file
 from landfall.errors import UsageError
 from landfall.schema import read_json
 
@@ -98,8 +98,7 @@ class Config(ToolTest):
     def test_text_that_is_not_a_json_object(self):
         for name in TOOLS:
             for text in ["", "{", "{}}", "nonsense", '{"a": 1,}', "\0\0\0\0", '{"a": "\udcff"}']:
-                with open(self.path("config.json"), "wb") as file:
-                    file.write(text.encode("utf-8", "surrogateescape"))
+                self.write("config.json", text.encode("utf-8", "surrogateescape"))
                 self.refuse(2, name, "-c", self.path("config.json"), "--check", words=["config.json"])
             self.refuse_config(name, "[]", ["config.json", "object"])
             self.refuse_config(name, "3", ["config.json", "object"])
@@ -114,8 +113,7 @@ class Config(ToolTest):
         path = self.path("config.json")
         for content, at in ((b"\xef\xbb\xbf{}", None), (b"{}\0", (1, 3)), (b"{}\0garbage", (1, 3)), (b"\0", (1, 1)),
                             (b'\xef\xbb\xbf{"seed": 1\0}', (1, 11)), (b'{\n"seed": 1}\n\0', (3, 1))):
-            with open(path, "wb") as file:
-                file.write(content)
+            write_file(path, content)
             if at is None:
                 self.succeed("terrain-gen", "-c", path, "--check")
                 self.assertEqual(read_json(path), {})

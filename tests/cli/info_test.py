@@ -12,7 +12,7 @@ import unittest
 import h5py
 import numpy as np
 
-from harness import TOOLS, ChainTest, attributes, read_bytes, run, set_text, tool
+from harness import TOOLS, ChainTest, attributes, read_bytes, run, set_text, tool, write_file
 
 TETRAHEDRON = "v 0 0 0\nv 2 0 0\nv 0 3 0\nv 0 0 -4\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 1 4 3\n"
 
@@ -148,8 +148,7 @@ class Contents(InfoTest):
         table = self.succeed("dem-eval", *arguments, "--metrics-only", "--table").stdout
         self.assertIn("FAIL", table)
         self.assertIn(table, self.info(self.chain.eval))
-        with open(self.chain.metrics, encoding="utf-8") as file:
-            self.assertEqual(self.describe(self.chain.eval)["metrics"], json.load(file))
+        self.assertEqual(self.describe(self.chain.eval)["metrics"], json.loads(read_bytes(self.chain.metrics)))
 
     def test_a_plan(self):
         path = self.path("plan.h5")
@@ -163,9 +162,7 @@ class Contents(InfoTest):
         self.assertIsNone(self.describe(self.chain.terrain, "--no-statistics")["features"]["count_by_kind"])
 
     def test_a_mesh(self):
-        mesh, path = self.path("t.obj"), self.path("mesh.h5")
-        with open(mesh, "w", encoding="utf-8") as file:
-            file.write(TETRAHEDRON)
+        mesh, path = self.write("t.obj", TETRAHEDRON), self.path("mesh.h5")
         self.succeed("terrain-gen", "--from", mesh, "-o", path)
         description = self.check_file(path)
         with h5py.File(path) as file:
@@ -383,8 +380,7 @@ class Refusals(InfoTest):
         self.assertTrue(sealed.startswith(unsealed) and sealed.endswith(b"landfall seal 1\n"))
         self.succeed("landfall-info", "--check", path)
         at = sealed.index(b"changed")
-        with open(path, "wb") as file:
-            file.write(sealed[:at] + b"C" + sealed[at + 1:])
+        write_file(path, sealed[:at] + b"C" + sealed[at + 1:])
         self.refuse(1, "landfall-info", "--seal", path, words=["truncated or damaged"])
         unfinished = self.changed(self.chain.dem, lambda f: f.attrs.__setitem__("complete", 0))
         self.refuse(1, "landfall-info", "--seal", unfinished, words=["is incomplete"])

@@ -8,7 +8,7 @@ import shutil
 import subprocess
 import unittest
 
-from harness import PROGRAMS, ROOT, TOOLS, ToolTest, run, tool
+from harness import PROGRAMS, ROOT, TOOLS, ToolTest, read_bytes, run, tool
 
 ALL = [name for name in PROGRAMS if name != "landfall"]
 CONFIGURED = {name: PROGRAMS[name]["schema"] for name in TOOLS}
@@ -66,8 +66,7 @@ def undescribed(schema, path=""):
 class Schemas(unittest.TestCase):
     def test_every_key_has_a_description_that_needs_no_other_key(self):
         for name in ("terrain", "scan", "regrid", "eval", "study"):
-            with open(os.path.join(ROOT, f"schemas/{name}.schema.json"), encoding="utf-8") as file:
-                schema = json.load(file)
+            schema = json.loads(read_bytes(os.path.join(ROOT, f"schemas/{name}.schema.json")))
             self.assertEqual(list(undescribed(schema)), [], name)
             self.assertNotRegex(json.dumps(schema), r'"description": "(Of|As|The same|At|About|Between) ', name)
 
@@ -95,8 +94,7 @@ class Help(ToolTest):
         for name in ALL:
             pages = ""
             for page in ("cli", name):
-                with open(os.path.join(ROOT, "docs", "user", page + ".md"), encoding="utf-8") as file:
-                    pages += file.read()
+                pages += read_bytes(os.path.join(ROOT, "docs", "user", page + ".md")).decode()
             for option in options_in(self.succeed(name, "--help").stdout):
                 self.assertRegex(pages, rf"(?<![\w-]){option}(?![\w-])", name)
 
@@ -104,9 +102,7 @@ class Help(ToolTest):
 class ManPage(ToolTest):
     def rendered(self, name):
         """The page as a terminal shows it, without its hyphenation and wrapping."""
-        path = self.path(name + ".1")
-        with open(path, "w", encoding="utf-8") as file:
-            file.write(self.succeed(name, "--print-man").stdout)
+        path = self.write(name + ".1", self.succeed(name, "--print-man").stdout)
         result = subprocess.run(["groff", "-man", "-Tascii", "-ww", "-P-c", "-P-b", "-P-u", "-rLL=1000n", path],
                                 capture_output=True, text=True, check=True)
         self.assertEqual(result.stderr, "", name)
@@ -186,9 +182,7 @@ class ManPage(ToolTest):
 
 class Completion(ToolTest):
     def candidates(self, name, *words):
-        script = self.path(name)
-        with open(script, "w", encoding="utf-8") as file:
-            file.write(self.succeed(name, "--print-completion").stdout)
+        script = self.write(name, self.succeed(name, "--print-completion").stdout)
         result = subprocess.run(["bash", "--norc", "--noprofile", "-c", COMPLETE, "bash", script, name, *words],
                                 capture_output=True, text=True, check=True, cwd=self.folder)
         self.assertEqual(result.stderr, "")

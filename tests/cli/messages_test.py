@@ -127,8 +127,7 @@ class Log(ChainTest):
             self.succeed(name, *self.chain.inputs(name), "-o", self.path("out.h5"), "-O", "-q", "--log", log)
             self.assertEqual(read_bytes(self.path("out.h5")), read_bytes(self.chain.output(name)))
         self.refuse(1, "dem-eval", self.path("nowhere.h5"), "--table", "--log", log)
-        with open(log, encoding="utf-8") as file:
-            lines = file.read().splitlines()
+        lines = read_bytes(log).decode().splitlines()
         self.assertEqual(lines[0], "# landfall log")
         self.assertEqual([line.split()[1] for line in lines if line.startswith("$ ")], [*TOOLS, "dem-eval"])
         for name in TOOLS:

@@ -11,7 +11,7 @@ import unittest
 
 import jsonschema
 
-from harness import ROOT
+from harness import ROOT, read_bytes
 from landfall.schema import read_json
 
 SEED = int(os.environ.get("LANDFALL_TEST_SEED", "20261126"))
@@ -22,8 +22,7 @@ WRONG = (None, True, False, "", "x", "cone", 0, 1, -1, 1.5, 2.0, -0.0, 2 ** 53, 
 
 
 def schema_of(name):
-    with open(os.path.join(ROOT, "schemas", f"{name}.schema.json"), encoding="utf-8") as file:
-        return json.load(file)
+    return json.loads(read_bytes(os.path.join(ROOT, "schemas", f"{name}.schema.json")))
 
 
 class Writer:
@@ -148,8 +147,7 @@ class Sections(unittest.TestCase):
             kind = name.split(".")[-2] if name.count(".") > 1 else "study"
             tree = read_json(os.path.join(ROOT, "studies", name)) if name.endswith(".json") else {}
             if kind in ("design", "sensitivity", "draws") or kind == "study" and {"base", "axes"} & tree.keys():
-                with open(os.path.join(folder, f"{kind}.schema.json"), encoding="utf-8") as file:
-                    jsonschema.Draft7Validator(json.load(file)).validate(tree)
+                jsonschema.Draft7Validator(json.loads(read_bytes(os.path.join(folder, f"{kind}.schema.json")))).validate(tree)
                 count[kind] += 1
         self.assertTrue(all(count[kind] for kind in ("study", "design", "sensitivity", "draws")), count)
 

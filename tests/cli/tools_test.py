@@ -40,9 +40,7 @@ class TerrainGen(ChainTest):
         self.assertEqual(tops, [(-30, 0), (0, -30), (0, 30), (30, 0)])
 
     def test_raster_that_is_missing_or_invalid(self):
-        with open(self.path("text.tif"), "w", encoding="utf-8") as file:
-            file.write("no raster")
-        for path in [self.path("none.tif"), self.path("text.tif"), self.folder]:
+        for path in [self.path("none.tif"), self.write("text.tif", "no raster"), self.folder]:
             base = json.dumps({"type": "dem", "path": path})
             self.refuse(1, "terrain-gen", "-o", self.path("t.h5"), "--set", f"base={base}", words=[path],
                         output=self.path("t.h5"))
@@ -116,9 +114,7 @@ class ScanSim(ChainTest):
         self.refuse_scan(1, "--set", "scanner.max_deflection_deg=1", words=["pulse 0 ", "degrees"])
 
     def write_table(self, text):
-        with open(self.path("table.csv"), "w", encoding="utf-8") as file:
-            file.write(text)
-        return ["--set", "trajectory=" + json.dumps({"type": "table", "path": self.path("table.csv")})]
+        return ["--set", "trajectory=" + json.dumps({"type": "table", "path": self.write("table.csv", text)})]
 
     HEADER = "t_s,x_m,y_m,z_m,qw,qx,qy,qz\n"
 
@@ -167,9 +163,7 @@ class ScanSim(ChainTest):
                             ("row,column,u,v\n0,0,0,0\n9,0,0,0\n", ["row 2", "row 9", "0..7"]),
                             ("row,column,u,v\n0,0,0,0\n0,0,1,0\n", ["row 2", "already"]),
                             ("row,column,u,v\n0,0,nan,0\n", ["row 1", "finite"])]:
-            with open(self.path("pixels.csv"), "w", encoding="utf-8") as file:
-                file.write(text)
-            self.refuse_scan(1, "--set", "detector.distribution=" + json.dumps({"path": self.path("pixels.csv")}),
+            self.refuse_scan(1, "--set", "detector.distribution=" + json.dumps({"path": self.write("pixels.csv", text)}),
                              words=["pixels.csv", *words])
 
     def test_unknown_engine(self):
@@ -359,9 +353,7 @@ class DemEval(ChainTest):
         self.assertEqual(self.entries(), [])
 
     def test_existing_metrics_are_refused_before_the_run(self):
-        with open(self.path("m.json"), "w", encoding="utf-8") as file:
-            file.write("precious")
-        self.refuse(2, "dem-eval", "/nowhere/dem.h5", "-o", self.path("e.h5"), "--metrics", self.path("m.json"),
+        self.refuse(2, "dem-eval", "/nowhere/dem.h5", "-o", self.path("e.h5"), "--metrics", self.write("m.json", "precious"),
                     words=["m.json", "-O"], output=self.path("e.h5"))
         self.assertEqual(read_bytes(self.path("m.json")), b"precious")
         self.succeed("dem-eval", *self.arguments("-O"), "-o", self.path("e.h5"), "--metrics", self.path("m.json"))
@@ -387,9 +379,7 @@ class DemEval(ChainTest):
         self.assertEqual(self.entries(), ["e.h5", "f.h5", "r0.html", "r1.html", "r2.html"])
 
     def test_an_existing_report_is_refused_before_the_run(self):
-        with open(self.path("r.html"), "w", encoding="utf-8") as file:
-            file.write("precious")
-        outputs = ["-o", self.path("e.h5"), "--report", self.path("r.html")]
+        outputs = ["-o", self.path("e.h5"), "--report", self.write("r.html", "precious")]
         self.refuse(2, "dem-eval", "/nowhere/dem.h5", *outputs, words=["r.html", "-O"], output=self.path("e.h5"))
         self.assertEqual(read_bytes(self.path("r.html")), b"precious")
         self.succeed("dem-eval", *self.arguments("-O"), *outputs)

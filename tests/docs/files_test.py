@@ -14,7 +14,7 @@ import unittest
 
 import h5py
 import page as pages
-from harness import BIN, attributes
+from harness import BIN, attributes, read_bytes
 from landfall import dictionary
 
 SCAN = ["--set", "laser.scan_time_s=0.02", "--set", "noise.range_sigma_m=0.01",
@@ -167,8 +167,7 @@ class Files(unittest.TestCase):
     def test_metrics(self):
         found = set()
         for name in ("metrics.json", "few.json"):  # of a footprint with few bins, which has reasons
-            with open(self.path(name), encoding="utf-8") as file:
-                found |= set(leaves(json.load(file)))
+            found |= set(leaves(json.loads(read_bytes(self.path(name)))))
         self.assertEqual(keys("metrics.md"), found)
         with open(self.path("unjudged.json"), encoding="utf-8") as file:
             self.assertLessEqual({key for key in leaves(json.load(file)) if "." in key} - {"accuracy.absolute", "accuracy.relative"},

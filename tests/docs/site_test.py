@@ -18,7 +18,7 @@ import unittest
 import urllib.parse
 
 import page as pages
-from harness import browser
+from harness import browser, read_bytes
 from harness.page import FAINT, IMAGES, LAYOUT, WIDTHS
 
 ROOT = os.path.abspath(os.environ["LANDFALL_ROOT"])
@@ -64,8 +64,7 @@ class Document(html.parser.HTMLParser):
 
 
 def read(path):
-    with open(path, encoding="utf-8") as file:
-        return file.read()
+    return read_bytes(path).decode()
 
 
 def built_page(name):

@@ -12,7 +12,7 @@ import unittest
 sys.dont_write_bytecode = True
 # pylint: disable=wrong-import-position
 import calls
-from harness import EVAL, HAZARD, SCAN, TERRAIN, ToolTest, read_bytes, run
+from harness import EVAL, HAZARD, SCAN, TERRAIN, ToolTest, read_bytes, run, write_file
 
 CHAIN = {"area": {"half_width_m": 5, "resolution_m": 0.1, "region_radius_m": 4},
          "terrain": {key: value for key, value in TERRAIN.items() if key != "grid"}, "scan": SCAN, "eval": {"footprint_m": EVAL["footprint_m"]},
@@ -108,8 +108,7 @@ class Memory(ToolTest):
 
     @staticmethod
     def enter(group):
-        with open(os.path.join(group, "cgroup.procs"), "w", encoding="ascii") as file:
-            file.write("0")
+        write_file(os.path.join(group, "cgroup.procs"), "0")
 
     @unittest.skipIf(os.environ.get("LANDFALL_SANITIZE"), "sanitizers need more memory")
     def test_a_run_that_a_control_group_kills_is_named(self):

@@ -265,9 +265,7 @@ class OddFiles(ChainTest):
 
     def test_columns_that_are_missing_or_scalar(self):
         name = "draws/requirements.coverage.value"
-        def remove(file):
-            del file[name]
-        self.expect("draws", self.chain.draws, remove, "/draws has no column requirements.coverage.value")
+        self.expect("draws", self.chain.draws, lambda file: file.__delitem__(name), "/draws has no column requirements.coverage.value")
         self.expect("draws", self.chain.draws, self.replaced(name, data=1.5), "columns are not of equal length")
         self.expect("hazards", self.chain.hazards, self.replaced("sites/x", data=1.5), "columns are not of equal length")
         write_results(self.path("results.h5"))

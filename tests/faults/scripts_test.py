@@ -16,6 +16,7 @@ import h5py
 ROOT = os.environ["LANDFALL_ROOT"]
 sys.path.insert(0, os.path.join(ROOT, "tests", "studies"))
 # pylint: disable=wrong-import-position
+from harness import write_file
 from harness.commands import run_command
 from case import BIN, PYTHON, SIGMAS, StudyTest, read, study
 
@@ -107,8 +108,7 @@ class Names(StudyTest):
             shutil.copytree(os.path.join(ROOT, name), os.path.join(self.hostile, name), symlinks=True)
         shutil.copy(os.path.join(ROOT, "Makefile.studies"), self.hostile)
         tree = study({**SIGMAS, "values": [0.01, 0.02], "label": MARKUP}, title=MARKUP + HIDDEN, description="$(touch hacked) " + MARKUP + HIDDEN)
-        with open(os.path.join(self.hostile, "studies", "tiny.json"), "w", encoding="utf-8") as file:
-            json.dump(tree, file)
+        write_file(os.path.join(self.hostile, "studies", "tiny.json"), json.dumps(tree))
         self.run_in(self.hostile, "make", "-f", "Makefile.studies", "study", "STUDY=tiny", f"BIN={BIN}")
         self.assert_nothing_ran()
         made = os.path.join(self.hostile, "runs", "studies", "tiny")
@@ -138,8 +138,7 @@ class Names(StudyTest):
 
     def test_file_names_that_make_would_split_are_refused(self):
         for name in ("a b.tif", "$(shell touch hacked)", "a\nb", "`touch hacked`", "a;b", "a#b"):
-            with open(self.path(name), "w", encoding="utf-8"):
-                pass
+            write_file(self.path(name), "")
             tree = study(SIGMAS)
             tree["base"]["terrain"]["base"] = {"type": "dem", "path": name}
             result = self.sweep("plan", self.write(tree), "--out", self.out(), "--bin", BIN, code=2)
@@ -150,14 +149,12 @@ class Names(StudyTest):
         variants = {"$(touch hacked)": {"scan.seed": 1}, "b": {"scan.seed": 2}}
         tree = study({"name": "seed", "variants": variants},
                      {"key": "scan.noise.a\n touch hacked #", "values": [1, 2]})
-        script = self.sweep("show", self.write(tree), 0).stdout
+        script = write_file(self.path("case.sh"), self.sweep("show", self.write(tree), 0).stdout)
         stubs = self.path("stubs")
         os.mkdir(stubs)
         for name in ("terrain-gen", "scan-sim", "regrid", "dem-eval"):
             os.symlink("/bin/true", os.path.join(stubs, name))
-        with open(self.path("case.sh"), "w", encoding="utf-8") as file:
-            file.write(script)
-        subprocess.run(["bash", self.path("case.sh")], cwd=self.hostile, check=True, env={"PATH": stubs + ":/usr/bin:/bin"})
+        subprocess.run(["bash", script], cwd=self.hostile, check=True, env={"PATH": stubs + ":/usr/bin:/bin"})
         self.assert_nothing_ran()
 
     def test_files_outside_the_study_folder_are_refused(self):
@@ -166,8 +163,7 @@ class Names(StudyTest):
         for name in ("../../secret.json", "/etc/passwd"):
             cases = json.loads(read(path))
             cases["cases"][0][-1] = name
-            with open(path, "w", encoding="utf-8") as file:
-                json.dump(cases, file)
+            write_file(path, json.dumps(cases))
             self.assertIn(f"\"{name}\" is not in the study's folder", self.sweep("collect", folder, code=2).stderr)
 
     def test_values_of_other_types_in_the_files_of_a_study(self):
@@ -175,23 +171,21 @@ class Names(StudyTest):
         folder = self.plan(study(SIGMAS))
         for name in json.loads(read(os.path.join(folder, "cases.json")))["cases"]:
             os.makedirs(os.path.dirname(os.path.join(folder, name[-1])), exist_ok=True)
-            with open(os.path.join(folder, name[-1]), "w", encoding="utf-8") as file:
-                json.dump({"format": "landfall.metrics", "version": 1, "pass": True, "coverage": {"invalid_frac": 0.1}}, file)
+            metrics = {"format": "landfall.metrics", "version": 1, "pass": True, "coverage": {"invalid_frac": 0.1}}
+            write_file(os.path.join(folder, name[-1]), json.dumps(metrics))
         choose = random.Random(os.environ.get("LANDFALL_TEST_SEED", "1"))
         for name in ("cases.json", json.loads(read(os.path.join(folder, "cases.json")))["cases"][0][-1]):
             path = os.path.join(folder, name)
             intact = json.loads(read(path))
             changes = [(place, value) for place in places(intact) for value in (None, "", "a", [], {}, -1, 2.5, True, 1e300)]
             for place, value in choose.sample(changes, min(len(changes), 400 if os.environ.get("LANDFALL_TEST_LONG") else 8)):
-                with open(path, "w", encoding="utf-8") as file:
-                    json.dump(replaced(intact, place, value), file)
+                write_file(path, json.dumps(replaced(intact, place, value)))
                 for command in ("collect", "status") if name == "cases.json" else ("collect",):
                     with self.subTest(file=name, place=place, value=value, command=command):
                         result = self.collect(folder, command)
                         self.assertIn(result.returncode, (0, 1, 2), result.stderr)
                         self.assertRegex(result.stderr, r"\A(landfall study: [^\n]*\n)?\Z")
-            with open(path, "w", encoding="utf-8") as file:
-                json.dump(intact, file)
+            write_file(path, json.dumps(intact))
 
     @staticmethod
     def collect(folder, command="collect"):

@@ -11,7 +11,7 @@ import sys
 import numpy as np
 import pyproj
 import rasterio
-from harness import clouds
+from harness import clouds, write_file
 from workshop import TASKS, Judge, Workshop, task
 
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", "testdata"))
@@ -72,8 +72,7 @@ class ReaderWorkshop(Workshop):
         return os.path.join(self.inputs, name)
 
     def write(self, name, content):
-        with open(self.path(name), "wb") as file:
-            file.write(content if isinstance(content, bytes) else content.encode())
+        write_file(self.path(name), content)
 
     def tool(self, line):
         subprocess.run([os.path.join(self.binaries, word) if i == 0 else word.replace("{in}", self.inputs)
@@ -152,8 +151,7 @@ def try_options(workshop):
         yield try_environment(workshop, f"{', '.join(options)}", options, tasks=DECIDED_BY_OPTIONS)
     folder = os.path.join(workshop.folder, "home")
     os.makedirs(os.path.join(folder, ".gdal"), exist_ok=True)
-    with open(os.path.join(folder, ".gdal", "gdalrc"), "w", encoding="utf-8") as file:
-        file.write("[configoptions]\nGTIFF_POINT_GEO_IGNORE=TRUE\n")
+    write_file(os.path.join(folder, ".gdal", "gdalrc"), "[configoptions]\nGTIFF_POINT_GEO_IGNORE=TRUE\n")
     point = [one for one in DECIDED_BY_OPTIONS if "point.tif" in one.label]
     yield try_environment(workshop, "a configuration file of GDAL in HOME", {"HOME": folder}, tasks=point)
     yield try_environment(workshop, "GDAL_CONFIG_FILE", {"GDAL_CONFIG_FILE": os.path.join(folder, ".gdal", "gdalrc")}, tasks=point)

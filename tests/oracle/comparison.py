@@ -8,7 +8,7 @@ import subprocess
 import h5py
 import numpy as np
 
-from harness import columns, config_of, without_warnings
+from harness import columns, config_of, read_bytes, without_warnings, write_file
 from oracle import evaluate, regrid, scan, surface, terrain
 from oracle.frames import matrix_of_quaternion, roll_pitch_yaw
 
@@ -24,9 +24,7 @@ def run(tool, *arguments):
 
 
 def write_json(name, config):
-    with open(name, "w", encoding="utf-8") as file:
-        json.dump(config, file)
-    return name
+    return write_file(name, json.dumps(config))
 
 
 def run_chain(case):
@@ -277,8 +275,7 @@ def finite(distances):
 
 
 def check_metrics(ledger, made, dem, doubtful):
-    with open("metrics.json", encoding="utf-8") as file:
-        metrics = json.load(file)
+    metrics = json.loads(read_bytes("metrics.json"))
     with h5py.File("eval.h5") as file:
         ledger.equal("metrics: text in eval.h5", [json.loads(file["metrics_json"].asstr()[()])], [metrics])
     compare_metrics(ledger, metrics, expected_metrics(made, dem), doubtful)

@@ -6,7 +6,7 @@ import subprocess
 
 import numpy as np
 
-from harness import columns
+from harness import columns, read_bytes
 from oracle import hazards
 from oracle.cases import Deck
 from oracle.comparison import BIN, SINGLE, write_json
@@ -67,8 +67,7 @@ def check(config, ledger):
 
 
 def load(name):
-    with open(name, encoding="utf-8") as file:
-        return json.load(file)
+    return json.loads(read_bytes(name))
 
 
 class Expected:

@@ -10,14 +10,13 @@ import unittest
 
 import yaml
 
-from harness import PROGRAMS, ROOT
+from harness import PROGRAMS, ROOT, read_bytes
 
 SCHEMAS = ["chain", "design", "draws", "eval", "hazard", "regrid", "scan", "sensitivity", "study", "terrain"]
 
 
 def text(*path):
-    with open(os.path.join(ROOT, *path), encoding="utf-8") as file:
-        return file.read()
+    return read_bytes(os.path.join(ROOT, *path)).decode()
 
 
 VERSION = re.search(r"^project\(landfall VERSION (\S+)", text("CMakeLists.txt"), re.MULTILINE).group(1)

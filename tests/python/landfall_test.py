@@ -19,7 +19,7 @@ from unittest import mock
 import h5py
 import numpy as np
 
-from harness import ROOT
+from harness import ROOT, read_bytes, write_file
 import landfall
 from landfall import command, files, tools
 from landfall.study import results
@@ -67,8 +67,7 @@ class Chain(unittest.TestCase):
 
     def changed(self, name, change):
         """A copy of a file after change(h5py.File)."""
-        path = self.path("changed.h5")
-        shutil.copy(self.path(name), path)
+        path = shutil.copy(self.path(name), self.path("changed.h5"))
         with h5py.File(path, "a") as file:
             change(file)
         return path
@@ -142,9 +141,7 @@ class Grids(Chain):
         self.assertEqual(holes.units["first_x"], "m")
 
     def test_a_mesh_has_vertices_and_triangles(self):
-        with open(self.path("mesh.obj"), "w", encoding="ascii") as file:
-            file.write(PYRAMID)
-        with landfall.run("terrain-gen", {"mesh": {"path": self.path("mesh.obj")}}, output=self.path("mesh.h5")) as mesh:
+        with landfall.run("terrain-gen", {"mesh": {"path": write_file(self.path("mesh.obj"), PYRAMID)}}, output=self.path("mesh.h5")) as mesh:
             self.assertEqual(dict(mesh.sizes), {"vertex": 4, "axis": 3, "triangle": 3, "corner": 3})
             self.assertEqual(mesh["vertices"].attrs["units"], "m")
 
@@ -231,12 +228,8 @@ class Refusals(Chain):
     def test_files_that_are_not_of_landfall(self):
         self.refused(self.path("none.h5"), "no such file")
         self.refused(self.folder, "is a directory")
-        with open(self.path("note.txt"), "w", encoding="ascii") as file:
-            file.write("nothing")
-        self.refused(self.path("note.txt"), "neither an HDF5 file nor JSON")
-        with open(self.path("other.json"), "w", encoding="ascii") as file:
-            file.write('{"format": "other"}')
-        self.refused(self.path("other.json"), '"format" is not one of landfall.metrics')
+        self.refused(write_file(self.path("note.txt"), "nothing"), "neither an HDF5 file nor JSON")
+        self.refused(write_file(self.path("other.json"), '{"format": "other"}'), '"format" is not one of landfall.metrics')
         self.refused(self.changed("dem.h5", lambda file: file.attrs.modify("format_name", "other")), "is a other file")
 
     def test_damaged_and_unfinished_files(self):
@@ -326,9 +319,7 @@ class Runs(Chain):
     def stub(self, text):
         """A tool that writes its arguments and standard input to a file, and then runs the given commands."""
         folder = tempfile.mkdtemp(dir=self.folder)
-        path = os.path.join(folder, "scan-sim")
-        with open(path, "w", encoding="ascii") as file:
-            file.write(f"#!/bin/bash\n{{ printf '%s\\n' \"$@\"; echo --; cat; }} > '{folder}/got'\n{text}\n")
+        path = write_file(os.path.join(folder, "scan-sim"), f"#!/bin/bash\n{{ printf '%s\\n' \"$@\"; echo --; cat; }} > '{folder}/got'\n{text}\n")
         os.chmod(path, 0o755)
         return folder
 
@@ -337,8 +328,7 @@ class Runs(Chain):
         folder = self.stub("exit 0")
         with mock.patch.object(tools, "BIN", folder):
             landfall.run("scan-sim", *arguments, **options)
-        with open(os.path.join(folder, "got"), encoding="ascii") as file:
-            words, _, text = file.read().partition("--\n")
+        words, _, text = read_bytes(os.path.join(folder, "got")).decode().partition("--\n")
         return words.splitlines(), text
 
     def test_options(self):
@@ -524,8 +514,7 @@ class Outputs(unittest.TestCase):
 
 def imports(path):
     """The modules of landfall that a file imports, also within functions, as names of modules."""
-    with open(path, encoding="utf-8") as file:
-        nodes = list(ast.walk(ast.parse(file.read())))
+    nodes = list(ast.walk(ast.parse(read_bytes(path).decode())))
     plain = [name.name for node in nodes if isinstance(node, ast.Import) for name in node.names]
     members = [(node.module, f"{node.module}.{name.name}") for node in nodes if isinstance(node, ast.ImportFrom) for name in node.names]
     return {name for name in [*plain, *(name for pair in members for name in pair)] if name.startswith("landfall")}

@@ -12,7 +12,7 @@ import h5py
 import numpy as np
 import xarray
 
-from harness import EVAL, HAZARD, REGRID, SCAN, TERRAIN, attributes, run, with_values
+from harness import EVAL, HAZARD, REGRID, SCAN, TERRAIN, attributes, run, with_values, write_file
 import landfall
 
 RECEIVER = with_values(SCAN, receiver={"type": "leading_edge", "threshold_pe": 20, "returns": "all"}, link={"reference_pe": 500, "reference_range_m": 50})
@@ -113,10 +113,7 @@ class InMemory(unittest.TestCase):
                 self.check(Case(folder, **options))
 
     def mesh(self):
-        path = os.path.join(self.folder, "ramp.obj")
-        with open(path, "w", encoding="utf-8") as file:
-            file.write("v -9 -9 0\nv 9 -9 0.5\nv 9 9 1\nv -9 9 0.3\nf 1 2 3\nf 1 3 4\n")
-        return path
+        return write_file(os.path.join(self.folder, "ramp.obj"), "v -9 -9 0\nv 9 -9 0.5\nv 9 9 1\nv -9 9 0.3\nf 1 2 3\nf 1 3 4\n")
 
     def test_a_chain_equals_its_stages(self):
         chain = landfall.chain({"terrain": TERRAIN, "scan": SCAN, "regrid": REGRID, "eval": EVAL, "hazard": HAZARD})

@@ -8,7 +8,7 @@ import tempfile
 import unittest
 import xml.etree.ElementTree
 
-from harness import BIN
+from harness import BIN, write_file
 from harness.commands import run_command
 import matplotlib.image
 import numpy as np
@@ -87,8 +87,7 @@ class Picture(unittest.TestCase):
             self.assertFalse(os.path.exists(self.png))
 
     def test_an_existing_figure_is_kept(self):
-        with open(self.png, "w", encoding="utf-8") as file:
-            file.write("old")
+        write_file(self.png, "old")
         for command in ("plot_features", "plot_patterns", "plot_receiver"):
             result = run_command(command, "-o", self.png, "--bin", BIN)
             self.assertEqual(result.returncode, 2)

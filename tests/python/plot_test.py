@@ -8,7 +8,7 @@ import unittest
 import h5py
 import numpy as np
 
-from harness import ToolTest
+from harness import ToolTest, read_bytes
 from harness.commands import run_command
 from landfall import dictionary, files
 from landfall.plot import maps, plot_command, plot_compare, plot_dem, plot_eval, plot_plan, scales
@@ -170,24 +170,20 @@ class PlotDemTest(ScriptTest):
         pictures = []
         for name in ("a.png", "b.png"):
             self.expect_success("plot_dem.py", "dem.h5", "-o", name)
-            with open(self.path(name), "rb") as file:
-                pictures.append(file.read())
+            pictures.append(read_bytes(self.path(name)))
         self.assertEqual(*pictures)
 
     def test_existing_figure_is_kept_without_overwrite(self):
         make_dem(self.path("dem.h5"))
-        with open(self.path("dem-figure.png"), "w", encoding="utf-8") as file:
-            file.write("mine")
+        self.write("dem-figure.png", "mine")
         self.expect_failure(2, "output dem-figure.png exists", "plot_dem.py", "dem.h5")
-        with open(self.path("dem-figure.png"), encoding="utf-8") as file:
-            self.assertEqual(file.read(), "mine")
+        self.assertEqual(read_bytes(self.path("dem-figure.png")).decode(), "mine")
         self.expect_success("plot_dem.py", "dem.h5", "-O")
         self.expect_picture("dem-figure.png")
 
     def test_data_errors(self):
         self.expect_failure(1, "dem.h5: no such file", "plot_dem.py", "dem.h5")
-        with open(self.path("text.h5"), "w", encoding="utf-8") as file:
-            file.write("not HDF5")
+        self.write("text.h5", "not HDF5")
         self.expect_failure(1, "text.h5: is not an HDF5 file", "plot_dem.py", "text.h5")
         make_evaluation(self.path("eval.h5"))
         self.expect_failure(1, "expected 'landfall.dem'", "plot_dem.py", "eval.h5")
@@ -298,8 +294,7 @@ class PlotEvalTest(ScriptTest):
 
     def test_one_existing_figure_prevents_all(self):
         make_evaluation(self.path("eval.h5"))
-        with open(self.path("eval-verdict.png"), "w", encoding="utf-8") as file:
-            file.write("mine")
+        self.write("eval-verdict.png", "mine")
         self.expect_failure(2, "output eval-verdict.png exists", "plot_eval.py", "eval.h5")
         self.expect_success("plot_eval.py", "eval.h5", "--overwrite")
         self.expect_pictures("eval-", PICTURES)

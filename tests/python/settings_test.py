@@ -6,7 +6,7 @@ import subprocess
 import sys
 import unittest
 
-from harness import ROOT, ChainTest, read_bytes
+from harness import ROOT, ChainTest, read_bytes, write_file
 
 COMMANDS = os.path.join(ROOT, "python", "commands")
 SETTINGS = {"latex": b"text.usetex: True\ntext.latex.preamble: \\input{/etc/passwd}\n", "effects": b"path.effects: []\n", "not UTF-8": b"font.family: \xff\n",
@@ -38,9 +38,7 @@ class Settings(ChainTest):
         for folder in (self.folder, home, self.path("bin")):
             os.mkdir(folder)
         for program in ("latex", "dvipng"):  # they must not run
-            with open(self.path(f"bin/{program}"), "w", encoding="ascii") as file:
-                file.write(f"#!/bin/sh\ntouch {self.marks}\nexit 1\n")
-            os.chmod(self.path(f"bin/{program}"), 0o755)
+            os.chmod(write_file(self.path(f"bin/{program}"), f"#!/bin/sh\ntouch {self.marks}\nexit 1\n"), 0o755)
         self.environment = {**os.environ, "HOME": home, "MPLCONFIGDIR": os.path.join(home, "mpl"), "PYTHONPATH": os.path.join(ROOT, "python"),
                             "PATH": self.path("bin") + ":" + os.environ["PATH"], "MPLBACKEND": "Agg"}
         os.mkdir(self.environment["MPLCONFIGDIR"])
@@ -57,8 +55,7 @@ class Settings(ChainTest):
         return read_bytes(self.path("f.png"))
 
     def write(self, folder, content):
-        with open(os.path.join(folder, "matplotlibrc"), "wb") as file:
-            file.write(content)
+        write_file(os.path.join(folder, "matplotlibrc"), content)
 
     def test_a_command_draws_the_same(self):
         clean = self.figure("plot_dem", self.chain.dem)

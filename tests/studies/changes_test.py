@@ -9,6 +9,7 @@ import subprocess
 import unittest
 
 from case import BIN, ROOT, SIGMAS, StudyTest, study
+from harness import write_file
 
 
 class Changes(StudyTest):
@@ -39,19 +40,16 @@ class Changes(StudyTest):
                 os.utime(path, (os.stat(path).st_mtime + seconds,) * 2)
 
     def write_trajectory(self, height):
-        with open(self.path("waypoints.csv"), "w", encoding="utf-8") as file:
-            file.write("t_s,x_m,y_m,z_m,qw,qx,qy,qz\n" + "".join(f"{t},0,0,{height - t},1,0,0,0\n" for t in (0, 0.1, 0.2, 0.3)))
+        rows = "".join(f"{t},0,0,{height - t},1,0,0,0\n" for t in (0, 0.1, 0.2, 0.3))
+        write_file(self.path("waypoints.csv"), "t_s,x_m,y_m,z_m,qw,qx,qy,qz\n" + rows)
 
     def tools_of(self, version):
         """A folder with tools that report another version but work the same."""
         folder = self.path("bin-" + version)
         os.mkdir(folder)
         for tool in ("terrain-gen", "scan-sim", "regrid", "dem-eval", "landfall-info"):
-            path = os.path.join(folder, tool)
-            with open(path, "w", encoding="utf-8") as file:
-                file.write(f'#!/bin/bash\n[[ "$1" != --version ]] || {{ echo "landfall {tool} {version}"; exit; }}\n'
-                           f'exec {BIN}/{tool} "$@"\n')
-            os.chmod(path, 0o755)
+            answer = f'[[ "$1" != --version ]] || {{ echo "landfall {tool} {version}"; exit; }}'
+            os.chmod(write_file(os.path.join(folder, tool), f'#!/bin/bash\n{answer}\nexec {BIN}/{tool} "$@"\n'), 0o755)
         return folder
 
     def test_a_new_version_of_the_tools_builds_all_again(self):
@@ -84,9 +82,7 @@ class Outputs(StudyTest):
     """run-stage checks the files of a stage, not only exit codes."""
 
     def runner(self, text):
-        path = self.path("runner")
-        with open(path, "w", encoding="utf-8") as file:
-            file.write("#!/bin/bash\n" + text)
+        path = write_file(self.path("runner"), "#!/bin/bash\n" + text)
         os.chmod(path, os.stat(path).st_mode | stat.S_IXUSR)
         return f"RUNNER={path}"
 

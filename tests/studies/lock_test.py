@@ -10,6 +10,7 @@ import time
 import unittest
 
 from case import BIN, StudyTest, read, study
+from harness import write_file
 
 TOOLS = ("terrain-gen", "scan-sim", "regrid", "dem-eval", "landfall-info")
 PATIENCE_S = 300  # no test takes this long; a busy machine may take a while
@@ -40,9 +41,7 @@ class Makes(StudyTest):
         os.mkdir(folder)
         for tool in TOOLS:
             wait = f"[[ $1 == --* ]] || until [[ -e {self.path('go')} ]]; do sleep 0.05; done\n" if tool == "regrid" else ""
-            with open(os.path.join(folder, tool), "w", encoding="utf-8") as file:
-                file.write(f'#!/bin/bash\n{wait}exec {BIN}/{tool} "$@"\n')
-            os.chmod(file.name, 0o755)
+            os.chmod(write_file(os.path.join(folder, tool), f'#!/bin/bash\n{wait}exec {BIN}/{tool} "$@"\n'), 0o755)
         return folder
 
     def start(self):
@@ -63,8 +62,7 @@ class Makes(StudyTest):
 
     def finish(self, process):
         """Ends the first make; returns (exit code, what it printed)."""
-        with open(self.path("go"), "w", encoding="utf-8"):
-            pass
+        write_file(self.path("go"), "")
         output, _ = process.communicate(timeout=PATIENCE_S)
         return process.returncode, output
 
@@ -124,9 +122,8 @@ class Makes(StudyTest):
     def test_an_ended_study_has_freed_its_lock(self):
         """landfall study ends what outlives make, here a call of the shell that make does not end."""
         self.write(study())
-        slow = self.path("slow-python")
-        with open(slow, "w", encoding="utf-8") as file:
-            file.write(f'#!/bin/bash\n[[ " $* " == *" begin "* ]] && {{ echo $$ > {self.path("began")}; exec sleep 1000; }}\nexec /usr/bin/python3 "$@"\n')
+        begun = f'[[ " $* " == *" begin "* ]] && {{ echo $$ > {self.path("began")}; exec sleep 1000; }}'
+        slow = write_file(self.path("slow-python"), f'#!/bin/bash\n{begun}\nexec /usr/bin/python3 "$@"\n')
         os.chmod(slow, 0o755)
         for number in (signal.SIGTERM, signal.SIGHUP, signal.SIGINT):
             process = subprocess.Popen([f"{BIN}/landfall", "study", "tiny.json", f"PYTHON={slow}"], cwd=self.folder, env=self.environment(),
@@ -144,8 +141,7 @@ class Makes(StudyTest):
 
     def test_messages_of_make_escape_names(self):
         name = "e\x1b[31m\u202e\x07"
-        with open(self.path(name + ".json"), "w", encoding="utf-8") as file:
-            file.write("{}")
+        self.write("{}", name)
         result = subprocess.run([f"{BIN}/landfall", "study", name + ".json"], cwd=self.folder, env=self.environment(), capture_output=True, text=True, check=False)
         self.assertEqual(result.returncode, 2)
         for text in (result.stdout, result.stderr):

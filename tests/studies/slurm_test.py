@@ -11,7 +11,7 @@ import time
 import unittest
 
 from case import BASE, BIN, LIMITS, RESOLUTIONS, ROOT, SIGMAS, StudyTest, read, study
-from harness import EVAL, LONGEST_S, REGRID, Chain, run
+from harness import EVAL, LONGEST_S, REGRID, Chain, run, write_file
 
 sys.path.insert(0, os.path.join(ROOT, "tests", "faults"))
 import calls  # pylint: disable=wrong-import-position
@@ -84,9 +84,7 @@ exec "$@"
 """
 
     def lose_a_node(self):
-        hold, held = self.path("hold"), self.path("held")
-        with open(hold, "w", encoding="utf-8") as file:
-            file.write(self.HOLD)
+        hold, held = write_file(self.path("hold"), self.HOLD), self.path("held")
         os.chmod(hold, 0o755)
         command = self.make_command("study-results", "-j4", f"RUNNER=studies/runners/slurm-batch {hold}", runs="batch")
         with open(self.path("batch.log"), "w", encoding="utf-8") as log:
@@ -142,8 +140,7 @@ monte-carlo scan.h5 --terrain terrain.h5 -c mc.json -v -t 1 --draws $A:$B -o par
         for name, text in (("parts.sh", self.DRAWS_CONFIG),
                            ("mc.json", json.dumps({"draws": 240, "regrid": REGRID, "eval": EVAL,
                                                    "vary": {"scan.noise.dropout_frac": {"type": "uniform", "low": 0, "high": 0.3}}}))):
-            with open(self.path(name), "w", encoding="utf-8") as file:
-                file.write(text)
+            write_file(self.path(name), text)
         environment = {**self.environment(), "PATH": BIN + ":" + os.environ["PATH"]}
         job = subprocess.run(["sbatch", "--parsable", "parts.sh"], cwd=self.folder, env=environment, capture_output=True, text=True, check=True).stdout.strip()
         self.wait_for(lambda: os.path.exists(self.path(".part2.h5.state")), "part 2 writes no state")
