@@ -212,8 +212,7 @@ class LasTest(ExportTest):
     def setUpClass(cls):
         program("node", "nodejs")
         program("npm", "npm")
-        cls.reader = tempfile.mkdtemp(prefix="landfall-las-")
-        cls.addClassCleanup(shutil.rmtree, cls.reader)
+        cls.reader = cls.enterClassContext(tempfile.TemporaryDirectory(prefix="landfall-las-"))
         for name in ["package.json", "package-lock.json", "read_las.js"]:
             shutil.copy(os.path.join(OUTSIDE, name), cls.reader)
         try:

@@ -9,7 +9,6 @@ import json
 import os
 import pathlib
 import re
-import shutil
 import subprocess
 import sys
 import tempfile
@@ -71,8 +70,7 @@ class Example(unittest.TestCase):
     def setUpClass(cls):
         if cls.name is None:
             raise unittest.SkipTest("base class of the examples")
-        cls.runs = pathlib.Path(tempfile.mkdtemp(prefix="landfall-paper-"))
-        cls.addClassCleanup(shutil.rmtree, cls.runs)
+        cls.runs = pathlib.Path(cls.enterClassContext(tempfile.TemporaryDirectory(prefix="landfall-paper-")))
         make(cls.runs, f"{cls.name}/eval.h5", tools=BIN if cls.compressed else cls.tools(), dem=cls.dem)
         cls.metrics = json.loads((cls.runs / cls.name / "metrics.json").read_text())
         with h5py.File(cls.runs / cls.name / "dem.h5") as dem, h5py.File(cls.runs / cls.name / "eval.h5") as judged:

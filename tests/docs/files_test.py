@@ -7,7 +7,6 @@ import itertools
 import json
 import os
 import re
-import shutil
 import subprocess
 import tempfile
 import unittest
@@ -111,8 +110,7 @@ class Files(unittest.TestCase):
     maxDiff = None
     @classmethod
     def setUpClass(cls):
-        cls.folder = tempfile.mkdtemp(prefix="landfall-files-")
-        cls.addClassCleanup(shutil.rmtree, cls.folder)
+        cls.folder = cls.enterClassContext(tempfile.TemporaryDirectory(prefix="landfall-files-"))
         for name, (_, command) in RUNS.items():
             for tool, *arguments in filter(None, [BEFORE.get(name), [*command, "-o", name]]):
                 subprocess.run([os.path.join(BIN, tool), *arguments], cwd=cls.folder, check=True, capture_output=True, timeout=120)

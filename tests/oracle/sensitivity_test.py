@@ -4,7 +4,6 @@
 import copy
 import json
 import os
-import shutil
 import tempfile
 import unittest
 from unittest import mock
@@ -95,8 +94,7 @@ def rich_case(folder):
 class Sensitivity(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
-        cls.folder = tempfile.mkdtemp(prefix="landfall-proof-")
-        cls.addClassCleanup(shutil.rmtree, cls.folder)
+        cls.folder = cls.enterClassContext(tempfile.TemporaryDirectory(prefix="landfall-proof-"))
         cls.before = os.getcwd()
         os.chdir(cls.folder)
         cls.addClassCleanup(os.chdir, cls.before)

@@ -49,12 +49,8 @@ class Chain(unittest.TestCase):
 
     @classmethod
     def setUpClass(cls):
-        folder = tempfile.TemporaryDirectory(prefix="landfall-python-")
-        cls.addClassCleanup(folder.cleanup)
-        cls.folder = folder.name
-        patch = mock.patch.object(tools, "BIN", BIN)
-        patch.start()
-        cls.addClassCleanup(patch.stop)
+        cls.folder = cls.enterClassContext(tempfile.TemporaryDirectory(prefix="landfall-python-"))
+        cls.enterClassContext(mock.patch.object(tools, "BIN", BIN))
         terrain, scan, dem = (cls.path(name) for name in ("terrain.h5", "scan.h5", "dem.h5"))
         landfall.run("terrain-gen", GRID, output=terrain).close()
         landfall.run("scan-sim", SCAN, terrain=terrain, output=scan).close()

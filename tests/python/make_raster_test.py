@@ -21,9 +21,8 @@ def run(*arguments):
 
 class MakeRaster(unittest.TestCase):
     def setUp(self):
-        self.folder = tempfile.TemporaryDirectory()
-        self.addCleanup(self.folder.cleanup)
-        self.path = os.path.join(self.folder.name, "site.tif")
+        self.folder = self.enterContext(tempfile.TemporaryDirectory())
+        self.path = os.path.join(self.folder, "site.tif")
 
     def test_size_extent_and_crs(self):
         self.assertEqual(run("-o", self.path, "--cells", 101, "--posting", 5, "--center", 1000, -2000).returncode, 0)

@@ -68,9 +68,7 @@ class Case:
 
 class InMemory(unittest.TestCase):
     def setUp(self):
-        folder = tempfile.TemporaryDirectory(prefix="landfall-memory-")
-        self.addCleanup(folder.cleanup)
-        self.folder = folder.name
+        self.folder = self.enterContext(tempfile.TemporaryDirectory(prefix="landfall-memory-"))
 
     def path(self, name):
         return os.path.join(self.folder, name)

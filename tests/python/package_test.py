@@ -30,9 +30,7 @@ def needs(module, package):
 
 class Package(unittest.TestCase):
     def setUp(self):
-        folder = tempfile.TemporaryDirectory(prefix="landfall-package-")
-        self.addCleanup(folder.cleanup)
-        self.folder = folder.name
+        self.folder = self.enterContext(tempfile.TemporaryDirectory(prefix="landfall-package-"))
 
     def run_in_folder(self, *command, environment=None, code=0):
         done = subprocess.run([*command], cwd=self.folder, env=environment, capture_output=True, text=True, check=False)

@@ -21,9 +21,8 @@ def schema_of(tool):
 
 class Picture(unittest.TestCase):
     def setUp(self):
-        folder = tempfile.TemporaryDirectory()
-        self.addCleanup(folder.cleanup)
-        self.png = os.path.join(folder.name, "figure.png")
+        folder = self.enterContext(tempfile.TemporaryDirectory())
+        self.png = os.path.join(folder, "figure.png")
 
     def expect_ten_panels(self, command, height):
         """Draws 2 x 5 panels with coloured curves, not only grey ones, and returns them."""

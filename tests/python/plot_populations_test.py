@@ -65,10 +65,9 @@ class Laws(unittest.TestCase):
 
 class Samples(unittest.TestCase):
     def setUp(self):
-        folder = tempfile.TemporaryDirectory()
-        self.addCleanup(folder.cleanup)
-        self.terrain = os.path.join(folder.name, "terrain.h5")
-        self.png = os.path.join(folder.name, "sizes.png")
+        folder = self.enterContext(tempfile.TemporaryDirectory())
+        self.terrain = os.path.join(folder, "terrain.h5")
+        self.png = os.path.join(folder, "sizes.png")
 
     def samples(self):
         with files.open_landfall(self.terrain, "landfall.terrain") as file:

@@ -101,10 +101,9 @@ class BinsUnderTest(unittest.TestCase):
 
 class FigureTest(unittest.TestCase):
     def setUp(self):
-        self.folder = tempfile.TemporaryDirectory()
-        self.addCleanup(self.folder.cleanup)
+        self.folder = self.enterContext(tempfile.TemporaryDirectory())
         self.addCleanup(plt.close, "all")
-        self.dem = os.path.join(self.folder.name, "dem.h5")
+        self.dem = os.path.join(self.folder, "dem.h5")
 
     def draw(self, *arguments, **style):
         make_dem(self.dem, **style)
@@ -164,13 +163,12 @@ class FigureTest(unittest.TestCase):
 
 class ScriptTest(unittest.TestCase):
     def setUp(self):
-        self.folder = tempfile.TemporaryDirectory()
-        self.addCleanup(self.folder.cleanup)
-        self.dem = os.path.join(self.folder.name, "dem.h5")
+        self.folder = self.enterContext(tempfile.TemporaryDirectory())
+        self.dem = os.path.join(self.folder, "dem.h5")
         make_dem(self.dem)
 
     def run_script(self, *arguments):
-        return run_command("plot_profile", *arguments, cwd=self.folder.name)
+        return run_command("plot_profile", *arguments, cwd=self.folder)
 
     def test_draws_beside_the_dem(self):
         done = self.run_script(self.dem, "--from", "-5,95", "--to", "5,-.5e2", "--dpi", "60")
@@ -190,7 +188,7 @@ class ScriptTest(unittest.TestCase):
             done = self.run_script(self.dem, *arguments)
             self.assertEqual((done.returncode, done.stderr.count("\n")), (2, 1), done.stderr)
             self.assertIn(message, done.stderr)
-        self.assertEqual(os.listdir(self.folder.name), ["dem.h5"])
+        self.assertEqual(os.listdir(self.folder), ["dem.h5"])
 
 
 if __name__ == "__main__":

@@ -35,9 +35,8 @@ def crossing_of_a_plane(slope_deg, level):
 class Errors(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
-        folder = tempfile.TemporaryDirectory()
-        cls.addClassCleanup(folder.cleanup)
-        cls.errors = plot_receiver.errors_of_slopes(folder.name, types.SimpleNamespace(bin=BIN))
+        folder = cls.enterClassContext(tempfile.TemporaryDirectory())
+        cls.errors = plot_receiver.errors_of_slopes(folder, types.SimpleNamespace(bin=BIN))
 
     def test_a_threshold_on_slopes_follows_the_error_functions(self):
         share = plot_receiver.THRESHOLD_PE / plot_receiver.SIGNAL_PE

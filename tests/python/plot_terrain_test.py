@@ -35,9 +35,8 @@ def make_terrain(path, nodes=61, slopes=(0.3, -0.2), objects=True):
 
 class Arithmetic(unittest.TestCase):
     def setUp(self):
-        self.folder = tempfile.TemporaryDirectory()
-        self.addCleanup(self.folder.cleanup)
-        self.path = os.path.join(self.folder.name, "t.h5")
+        self.folder = self.enterContext(tempfile.TemporaryDirectory())
+        self.path = os.path.join(self.folder, "t.h5")
 
     def relief(self):
         with h5py.File(self.path, "r") as file:
@@ -87,9 +86,8 @@ class Arithmetic(unittest.TestCase):
 
 class Script(unittest.TestCase):
     def setUp(self):
-        self.folder = tempfile.TemporaryDirectory()
-        self.addCleanup(self.folder.cleanup)
-        self.path = os.path.join(self.folder.name, "t.h5")
+        self.folder = self.enterContext(tempfile.TemporaryDirectory())
+        self.path = os.path.join(self.folder, "t.h5")
 
     def run_script(self, *arguments):
         return run_command("plot_terrain", *arguments)
@@ -97,7 +95,7 @@ class Script(unittest.TestCase):
     def test_draws_a_terrain_with_and_without_objects(self):
         for objects in (True, False):
             make_terrain(self.path, objects=objects)
-            picture = os.path.join(self.folder.name, f"p{objects}.png")
+            picture = os.path.join(self.folder, f"p{objects}.png")
             result = self.run_script(self.path, "-o", picture, "--dpi", "60")
             self.assertEqual((result.returncode, result.stderr), (0, ""))
             self.assertEqual(result.stdout.strip(), picture)
@@ -123,7 +121,7 @@ class Script(unittest.TestCase):
         self.assertIn("needs the layers x, y and z", result.stderr)
         self.assertEqual(self.run_script(self.path, "--sun-elevation-deg", "95").returncode, 2)
         self.assertEqual(self.run_script(self.path, "--zoom-at", "3").returncode, 2)
-        self.assertEqual(os.listdir(self.folder.name), ["t.h5"])
+        self.assertEqual(os.listdir(self.folder), ["t.h5"])
 
 
 if __name__ == "__main__":

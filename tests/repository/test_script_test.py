@@ -23,9 +23,7 @@ endif()
 
 class TestScript(unittest.TestCase):
     def setUp(self):
-        folder = tempfile.TemporaryDirectory(prefix="landfall-test-script-")
-        self.addCleanup(folder.cleanup)
-        self.folder = pathlib.Path(folder.name)
+        self.folder = pathlib.Path(self.enterContext(tempfile.TemporaryDirectory(prefix="landfall-test-script-")))
         (self.folder / "scripts").mkdir()
         shutil.copy(ROOT / "scripts" / "test", self.folder / "scripts")
         shutil.copy(ROOT / "CMakePresets.json", self.folder)

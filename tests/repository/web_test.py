@@ -24,9 +24,7 @@ MODULES = {"one.js": 'import {a} from "./a.js";\nimport {b} from "./b.js";\na(b)
 
 class Web(unittest.TestCase):
     def setUp(self):
-        folder = tempfile.TemporaryDirectory(prefix="landfall-web-")
-        self.addCleanup(folder.cleanup)
-        self.folder = pathlib.Path(folder.name)
+        self.folder = pathlib.Path(self.enterContext(tempfile.TemporaryDirectory(prefix="landfall-web-")))
 
     def write(self, **changes):
         files = {**MODULES, **{name.replace("_", "."): text for name, text in changes.items()}}

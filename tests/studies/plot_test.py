@@ -93,12 +93,11 @@ def metrics(sigma, loss, repeat, judged=True):
 
 class PlotTest(unittest.TestCase):
     def setUp(self):
-        self.folder = tempfile.TemporaryDirectory()
-        self.addCleanup(self.folder.cleanup)
+        self.folder = self.enterContext(tempfile.TemporaryDirectory())
         self.addCleanup(figures.plt.close, "all")
 
     def path(self, *names):
-        return os.path.join(self.folder.name, *names)
+        return os.path.join(self.folder, *names)
 
     def table(self, names, judged=True, repeats=(1, 2, 3), limits=None, **plot):
         """Writes results.h5 with these axes and returns its path. `lines` varies with sigma_m, as in a zip."""
