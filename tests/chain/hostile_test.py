@@ -123,15 +123,10 @@ class Hostile(MonteCarloTest):
     def answer(self, command, source, change):
         """Exit code and message of a command on a changed file, which is called FILE in it."""
         name = source or ""
-        if source:
-            text = change if isinstance(change, str) else None
-            name = source if text is not None else "changed.h5"
-            if text is not None:
-                self.config(text, name)
-            else:
-                shutil.copy(self.chain.path(source), self.path(name))
-                with h5py.File(self.path(name), "r+") as file:
-                    change(file)
+        if isinstance(change, str):
+            self.config(change, name)
+        elif source:
+            name = os.path.basename(self.changed(self.chain.path(source), change))
         result = run(*command.replace("FILE", name).split(), cwd=self.folder)
         notes = [line.strip() for line in result.stdout.splitlines() if "not read" in line]
         return result.returncode, " ".join(result.stderr.splitlines() + notes)
@@ -154,10 +149,7 @@ class Hostile(MonteCarloTest):
     def test_a_bin_without_sigma_counts_as_not_measured(self):
         """An elevation of 50 m without a 1-sigma changes no probability that it has with none; a map without any sigma has none."""
         def layers(edit):
-            shutil.copy(self.chain.dem, self.path("edited.h5"))
-            with h5py.File(self.path("edited.h5"), "r+") as file:
-                edit(file)
-            self.succeed("hazard-map", self.path("edited.h5"), "-c", self.path("hazard.json"), "-o", self.path("h.h5"), "-O")
+            self.succeed("hazard-map", self.changed(self.chain.dem, edit), "-c", self.path("hazard.json"), "-o", self.path("h.h5"), "-O")
             with h5py.File(self.path("h.h5")) as file:
                 return {name: file[name][()] for name in ("safe", "p_safe", "p_touchdown") if name in file}
         whole = layers(lambda file: None)

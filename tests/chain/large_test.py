@@ -52,9 +52,7 @@ class LargeTerrain(ToolTest):
             file["x"], file["y"], file["z"] = x[part], x[part], z[part, part]
 
     def rewritten(self, name, change):
-        shutil.copy(self.path("large.h5"), self.path(name))
-        with h5py.File(self.path(name), "a") as file:
-            change(file)
+        self.changed(self.path("large.h5"), change, name)
 
     def test_results_do_not_depend_on_the_loaded_part(self):
         self.succeed("terrain-gen", "-c", self.config(TERRAIN), "-o", self.path("large.h5"))

@@ -322,10 +322,7 @@ class Inputs(ChainTest):
 
     def test_a_file_of_a_later_format_or_an_incomplete_one(self):
         for name, kind in self.READERS.items():
-            data = self.path("changed.h5")
-            shutil.copy(getattr(self.chain, kind), data)
-            with h5py.File(data, "r+") as file:
-                file.attrs["complete"] = 0
+            data = self.changed(getattr(self.chain, kind), lambda file: file.attrs.__setitem__("complete", 0))
             self.refuse_input(name, data, ["incomplete"])
             with h5py.File(data, "r+") as file:
                 file.attrs["complete"] = 1
@@ -334,11 +331,8 @@ class Inputs(ChainTest):
 
     def test_messages_quote_at_most_40_characters_of_a_file(self):
         for name, kind in self.READERS.items():
-            data = self.path("changed.h5")
             for attribute in ["format_name", "format_version"]:
-                shutil.copy(getattr(self.chain, kind), data)
-                with h5py.File(data, "r+") as file:
-                    file.attrs[attribute] = "[" * 40000 + "\n"
+                data = self.changed(getattr(self.chain, kind), lambda file, key=attribute: file.attrs.__setitem__(key, "[" * 40000 + "\n"))
                 self.refuse_input(name, data, ["[" * 40])
                 self.assertNotIn("[" * 41, run(name, data).stderr)
 
@@ -390,15 +384,12 @@ class Inputs(ChainTest):
                     self.check_message(name, result.stderr, [data])
 
     def test_a_missing_dataset(self):
-        data = self.path("changed.h5")
         for name, kind, key in [("scan-sim", "terrain", "z"), ("scan-sim", "terrain", "x"),
                                 ("regrid", "scan", "points/x_est"), ("regrid", "scan", "points/status"),
                                 ("regrid", "scan", "pulses/t"), ("regrid", "scan", "points"),
                                 ("dem-eval", "dem", "z_est"), ("dem-eval", "dem", "y"), ("hazard-map", "dem", "z_est"),
                                 ("hazard-map", "terrain", "z"), ("monte-carlo", "scan", "points/range_true")]:
-            shutil.copy(getattr(self.chain, kind), data)
-            with h5py.File(data, "r+") as file:
-                del file[key]
+            data = self.changed(getattr(self.chain, kind), lambda file, key=key: file.__delitem__(key))
             self.refuse_input(name, data, [key.rpartition("/")[2]])
 
 

@@ -123,9 +123,7 @@ class Contents(InfoTest):
         self.assertRegex(self.info(path), r"x_est +0 +0 +- +- +- +- m\n")
 
     def test_a_dem_without_a_valid_bin(self):
-        dem, judged = self.copy(self.chain.dem), self.path("eval.h5")
-        with h5py.File(dem, "r+") as file:
-            file["z_est"][...] = np.nan
+        dem, judged = self.changed(self.chain.dem, lambda f: f["z_est"].__setitem__(..., np.nan)), self.path("eval.h5")
         z = self.check_file(dem)["datasets"]["layers"][0]
         self.assertEqual((z["name"], z["count"], z["mean"]), ("z_est", 0, None))
         self.succeed("dem-eval", dem, "-o", judged, "--set", "region_radius_m=4")
@@ -258,10 +256,8 @@ class OtherForms(InfoTest):
         self.check_file(path)
 
     def test_large_offsets_keep_their_spread(self):
-        path = self.copy(self.chain.dem)
         values = 1e8 + np.random.default_rng(1).normal(0, 1, 300_000)
-        with h5py.File(path, "r+") as file:
-            file.create_dataset("far", data=values, chunks=(65536,))
+        path = self.changed(self.chain.dem, lambda f: f.create_dataset("far", data=values, chunks=(65536,)))
         entry = {e["name"]: e for e in self.describe(path)["datasets"]["layers"]}["far"]
         self.assertTrue(abs(entry["std"] - values.std()) < 1e-6)
 

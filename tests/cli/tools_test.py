@@ -184,10 +184,7 @@ class Regrid(ChainTest):
                     words=words, output=self.path("d.h5"))
 
     def changed_scan(self, change):
-        shutil.copy(self.chain.scan, self.path("s.h5"))
-        with h5py.File(self.path("s.h5"), "r+") as file:
-            change(file)
-        return self.path("s.h5")
+        return self.changed(self.chain.scan, change, "s.h5")
 
     def test_layers_may_precede_or_follow_the_scans(self):
         for arguments in (["--layers", "z_est,count", self.chain.scan], [self.chain.scan, "--layers", "z_est,count"]):

@@ -236,10 +236,7 @@ class OddFiles(ChainTest):
     """Valid HDF5 that no plot can show: one message each."""
 
     def expect(self, kind, source, change, words):
-        path = shutil.copy(source, self.path("odd.h5"))
-        with h5py.File(path, "a") as file:
-            change(file)
-        result = run_command(f"plot_{kind}", path, "-O", "-o", self.path("f.png"))
+        result = run_command(f"plot_{kind}", self.changed(source, change, "odd.h5"), "-O", "-o", self.path("f.png"))
         self.assertEqual((result.returncode, result.stdout), (1, ""), result.stderr)
         self.assertRegex(result.stderr, r"\Alandfall plot \w+: [^\n]+\n\Z")
         self.assertIn(words, result.stderr)
@@ -272,9 +269,8 @@ class OddFiles(ChainTest):
         self.expect("study", self.path("results.h5"), self.replaced("accuracy.relative.z.max_m", data=1.5), "has shape ()")
 
     def test_a_layer_of_whole_numbers(self):
-        path = shutil.copy(self.chain.dem, self.path("whole.h5"))
-        with h5py.File(path, "a") as file:
-            self.replaced("z_est", data=np.ones(file["z_est"].shape, int))(file)
+        whole = lambda file: self.replaced("z_est", data=np.ones(file["z_est"].shape, int))(file)
+        path = self.changed(self.chain.dem, whole, "whole.h5")
         for command, *line in (["plot_dem"], ["plot_profile", "--from=-2,-1.5", "--to=2,1.5"]):
             result = run_command(command, path, "-O", "-o", self.path("f.png"), *line)
             self.assertEqual((result.returncode, result.stderr), (0, ""))
