@@ -22,6 +22,7 @@
 #include "app/exports/sites.h"
 #include "app/exports/xdmf.h"
 #include "base/core/error.h"
+#include "base/core/mapped.h"
 #include "base/text/file_path.h"
 #include "base/text/joined.h"
 #include "base/text/number_text.h"
@@ -347,9 +348,7 @@ std::string picture_file(const Job& job) {
 }  // namespace
 
 std::vector<std::string> export_formats() {
-  std::vector<std::string> names;
-  for (const ExportFormat& format : kFormats) names.emplace_back(format.name);
-  return names;
+  return mapped(kFormats, [](const ExportFormat& format) { return std::string(format.name); });
 }
 
 bool is_exported(const std::string& kind, const std::string& extension) {

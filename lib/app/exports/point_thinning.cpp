@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/core/mapped.h"
 #include "base/core/parallel.h"
 
 namespace landfall {
@@ -71,10 +72,7 @@ std::vector<PointThinning::Candidate> PointThinning::one_per_cell(const std::vec
   const auto same = [](const Ranked& a, const Ranked& b) { return a.cell == b.cell; };
   ranked.erase(std::unique(ranked.begin(), ranked.end(), same), ranked.end());
   std::ranges::sort(ranked, {}, &Ranked::index);
-  std::vector<Candidate> kept;
-  kept.reserve(ranked.size());
-  for (const Ranked& r : ranked) kept.push_back(candidates[r.index]);
-  return kept;
+  return mapped(ranked, [&](const Ranked& r) { return candidates[r.index]; });
 }
 
 std::size_t PointThinning::cells(std::uint64_t edge) const {

@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "base/core/error.h"
+#include "base/core/mapped.h"
 #include "base/returns/point_status.h"
 #include "base/text/parameter_check.h"
 #include "chain/lidar/simulation/pulse_simulator.h"
@@ -51,10 +52,7 @@ class CallbackEngine final : public RayEngine {
   }
 
   void first_hits(std::span<const landfall::Ray> rays, std::span<double> ranges) const override {
-    std::vector<Ray> hosts;
-    hosts.reserve(rays.size());
-    for (const landfall::Ray& ray : rays) hosts.push_back(ray_of(ray));
-    intersect_(hosts, ranges);
+    intersect_(mapped(rays, ray_of), ranges);
     for (double& range : ranges) range = range_or_nan(range);
   }
 

@@ -6,6 +6,7 @@
 #include <limits>
 #include <numbers>
 
+#include "base/core/mapped.h"
 #include "base/core/parallel.h"
 #include "base/numerics/non_finite.h"
 
@@ -185,10 +186,7 @@ std::vector<double> hillshade(const PixelMap& elevations) {
     }
   const double rms = count > 0 ? std::sqrt(squares / count) : 0;
   const double factor = rms > 0 ? std::clamp(0.4 / rms, 0.25, 5.0) : 1;
-  std::vector<double> shades;
-  shades.reserve(slopes.size());
-  for (const Slope& slope : slopes) shades.push_back(shade_of(slope, factor));
-  return shades;
+  return mapped(slopes, [factor](const Slope& slope) { return shade_of(slope, factor); });
 }
 
 }  // namespace landfall

@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "base/core/error.h"
+#include "base/core/mapped.h"
 #include "base/dictionary/layers.h"
 #include "chain/draws/pass_rate.h"
 #include "chain/evaluation/error_statistics.h"
@@ -349,9 +350,7 @@ DrawPairs draws_in_common(const DrawTable& a, const DrawTable& b) {
 }
 
 std::vector<double> rows_of(const std::vector<double>& values, const std::vector<std::size_t>& rows) {
-  std::vector<double> taken;
-  for (const std::size_t row : rows) taken.push_back(values[row]);
-  return taken;
+  return mapped(rows, [&](std::size_t row) { return values[row]; });
 }
 
 void add_draws(Json& json, const std::filesystem::path& a, const std::filesystem::path& b) {

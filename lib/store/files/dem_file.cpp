@@ -8,6 +8,7 @@
 #include <limits>
 
 #include "base/core/error.h"
+#include "base/core/mapped.h"
 #include "base/text/joined.h"
 #include "store/files/grid_file.h"
 
@@ -153,34 +154,27 @@ std::vector<std::string> qualifiers_of(const std::string& layer) {
 
 /// The qualifiers that are in the file, in the form of CF's ancillary_variables.
 std::string ancillary_variables(const std::string& layer, const std::vector<Layer>& written) {
-  std::string names;
-  for (const std::string& name : qualifiers_of(layer))
-    if (std::ranges::find(written, name, &Layer::name) != written.end())
-      names += (names.empty() ? "" : " ") + name;
-  return names;
+  return joined(qualifiers_of(layer), " ", [&](const std::string& name) {
+    return std::ranges::count(written, name, &Layer::name) > 0 ? name : "";
+  });
 }
 
 bool wanted(const DemRequest& request, const Layer& layer) {
   if (request.layers.empty()) return layer.missing(request).empty();
-  return std::find(request.layers.begin(), request.layers.end(), layer.name) != request.layers.end();
+  return std::ranges::count(request.layers, layer.name) > 0;
 }
 
 }  // namespace
 
 const std::vector<std::string>& dem_layer_names() {
-  static const std::vector<std::string> kNames = [] {
-    std::vector<std::string> names;
-    for (const Layer& layer : all_layers(DemRequest{})) names.push_back(layer.name);
-    return names;
-  }();
+  static const std::vector<std::string> kNames = mapped(all_layers(DemRequest{}), &Layer::name);
   return kNames;
 }
 
 void check_layers(const DemRequest& request) {
   const std::vector<Layer> layers = all_layers(request);
   for (const std::string& name : request.layers) {
-    const auto layer =
-        std::find_if(layers.begin(), layers.end(), [&](const Layer& known) { return known.name == name; });
+    const auto layer = std::ranges::find(layers, name, &Layer::name);
     if (layer == layers.end())
       throw UsageError("--layers: '" + name + "' is not a layer; known layers: " + joined(dem_layer_names()));
     const std::string option = layer->missing(request);

@@ -10,6 +10,7 @@
 #include <utility>
 #include <vector>
 
+#include "base/core/mapped.h"
 #include "base/dictionary/tables/stages.h"
 #include "base/numerics/non_finite.h"
 #include "base/text/key_unit.h"
@@ -83,14 +84,10 @@ class StateTable {
   /// In pieces, so that little memory is needed besides the maps.
   void write(const LandfallFileWriter& file) {
     constexpr std::size_t kPieceRows = 4 * kTableChunkRows;
-    std::vector<ColumnSpec> specs;
-    for (const StateColumn& column : columns_) specs.push_back(column.spec);
-    TableWriter table(file.root(), "state", std::move(specs), file.compression());
+    TableWriter table(file.root(), "state", mapped(columns_, &StateColumn::spec), file.compression());
     for (std::size_t begin = 0; begin < maps_.spec().size(); begin += kPieceRows) {
       const std::size_t count = std::min(kPieceRows, maps_.spec().size() - begin);
-      std::vector<ColumnRows> rows;
-      for (const StateColumn& column : columns_) rows.push_back(column.rows(begin, count));
-      table.append(rows);
+      table.append(mapped(columns_, [&](const StateColumn& column) { return column.rows(begin, count); }));
     }
     table.finish();
   }
@@ -142,9 +139,7 @@ std::string unit_of_column(std::string name) {
 bool is_landing_flag(const std::string& name) { return name == kLandingSafe || name == kBlindSafe; }
 
 std::vector<std::int8_t> flags_of(const DrawColumn& column) {
-  std::vector<std::int8_t> flags;
-  for (const double value : column.values) flags.push_back(static_cast<std::int8_t>(value));
-  return flags;
+  return mapped(column.values, [](double value) { return static_cast<std::int8_t>(value); });
 }
 
 void write_rows(const LandfallFileWriter& file, const DrawTable& table) {
@@ -208,11 +203,6 @@ void require_no_more(const LandfallFileReader& file, const NamedCounts& part, co
                 std::to_string(whole.values.values()[i]));
 }
 
-template <class T>
-void read_into(const TableReader& table, const std::string& column, std::span<T> values) {
-  table.read(column, 0, values);
-}
-
 /// Appends the numbers of a tree by their dotted paths: null as NaN, true as 1.
 void flatten(const Json& tree, const std::string& path, std::vector<NamedNumber>& flat) {
   if (tree.is_object()) {
@@ -265,24 +255,24 @@ DrawMaps read_state(const LandfallFileReader& file, const GridSpec& spec, std::i
   if (table.row_count("invalid") != spec.size()) file.fail("/state does not fit the grid");
   DrawMaps maps(spec);
   maps.draws = draws;
-  read_into(table, "invalid", maps.invalid.values());
+  table.read("invalid", 0, maps.invalid.values());
   for (std::size_t k = 0; k < maps.failing.size(); ++k)
-    read_into(table, column_of(failure_maps(maps)[k]), maps.failing[k].values());
-  read_into(table, "count", maps.count.values());
+    table.read(column_of(failure_maps(maps)[k]), 0, maps.failing[k].values());
+  table.read("count", 0, maps.count.values());
   if (table.has("safety_known")) {
     SafetyCounts& safety = maps.safety.emplace(spec);
-    read_into(table, "safety_known", safety.known.values());
-    read_into(table, "safety_judged_safe", safety.judged_safe.values());
-    read_into(table, "safety_missed", safety.missed.values());
+    table.read("safety_known", 0, safety.known.values());
+    table.read("safety_judged_safe", 0, safety.judged_safe.values());
+    table.read("safety_missed", 0, safety.missed.values());
   }
   std::vector<std::int64_t> low(spec.size());
   std::vector<std::int64_t> high(spec.size());
   if (!table.has("e_map_count")) maps.e_map.reset();
   for_each_error(maps, [&](const std::string& prefix, ErrorSums& sums) {
-    read_into(table, prefix + "_count", sums.count.values());
-    read_into(table, prefix + "_sum", sums.sum.values());
-    read_into(table, prefix + "_squares_low", std::span(low));
-    read_into(table, prefix + "_squares_high", std::span(high));
+    table.read(prefix + "_count", 0, sums.count.values());
+    table.read(prefix + "_sum", 0, sums.sum.values());
+    table.read(prefix + "_squares_low", 0, std::span(low));
+    table.read(prefix + "_squares_high", 0, std::span(high));
     for (std::size_t i = 0; i < low.size(); ++i)
       sums.squares.values()[i] = {static_cast<std::uint64_t>(low[i]), high[i]};
   });
@@ -353,6 +343,8 @@ void check_metric(const LandfallFileReader& file, const DrawTable& table, const 
       fail_at(file, name, i, column->values[i], expected);
 }
 
+bool is_flag(double value) { return value == 0 || value == 1; }
+
 /// A landing has all its columns, and its flag is 0 or 1.
 void check_landings(const LandfallFileReader& file, const DrawTable& table) {
   static constexpr std::array kColumns = {"landing.x_m",       "landing.y_m",         "landing.yaw_deg",
@@ -364,13 +356,12 @@ void check_landings(const LandfallFileReader& file, const DrawTable& table) {
   for (const char* const name : kColumns)
     if (is_missing(name)) file.fail("/draws has no column " + std::string(name));
   for (const char* const name : {kLandingSafe, kBlindSafe})
-    check_metric(file, table, name, "0 or 1", [](double value) { return value == 0 || value == 1; });
+    check_metric(file, table, name, "0 or 1", is_flag);
 }
 
 /// Refuses rows that contradict themselves or the configuration: no run of draws wrote them.
 void check_rows(const LandfallFileReader& file, const DrawTable& table, bool counts_seeds) {
   check_seeds(file, table, counts_seeds);
-  const auto is_flag = [](double value) { return value == 0 || value == 1; };
   for (const dictionary::Requirement& words : dictionary::kRequirements)
     check_metric(file, table, std::string("requirements.") + words.name + ".pass", "0 or 1", is_flag);
   const std::vector<OwnColumn> own = own_columns(table);
@@ -402,15 +393,15 @@ DrawTable read_rows(const LandfallFileReader& file, bool counts_seeds) {
   result.seeds.resize(size);
   result.draws.resize(size);
   result.pass.resize(size);
-  read_into(table, "seed", std::span(result.seeds));
-  if (!counts_seeds) read_into(table, "draw", std::span(result.draws));
-  read_into(table, "pass", std::span(result.pass));
+  table.read("seed", 0, std::span(result.seeds));
+  if (!counts_seeds) table.read("draw", 0, std::span(result.draws));
+  table.read("pass", 0, std::span(result.pass));
   for (const DatasetEntry& dataset : list_datasets(table.group())) {
     if (dataset.name == "seed" || dataset.name == "draw" || dataset.name == "pass") continue;
     if (table.row_count(dataset.name) != size)
       file.fail(table.path_of(dataset.name) + " has another length than seed");
     DrawColumn column{dataset.name, std::vector<double>(size)};
-    read_into(table, dataset.name, std::span(column.values));
+    table.read(dataset.name, 0, std::span(column.values));
     (is_varied(dataset.name) ? result.varied : result.metrics).push_back(std::move(column));
   }
   for (const dictionary::Requirement& words : dictionary::kRequirements) {

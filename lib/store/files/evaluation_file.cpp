@@ -4,15 +4,15 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <functional>
 #include <limits>
 #include <tuple>
-#include <type_traits>
 #include <utility>
 #include <vector>
 
 #include "base/core/error.h"
+#include "base/core/mapped.h"
 #include "base/dictionary/layers.h"
+#include "base/text/joined.h"
 #include "store/files/crs.h"
 #include "store/files/metrics_json.h"
 #include "store/hdf5/infinite_values.h"
@@ -23,24 +23,16 @@ namespace {
 
 const char* name_of(Axis axis) { return axis == Axis::x ? "x" : axis == Axis::y ? "y" : "z"; }
 
-/// The value of(hole) for each hole.
-template <class Of>
-auto column(const std::vector<Hole>& holes, const Of& of) {
-  std::vector<std::decay_t<std::invoke_result_t<Of, const Hole&>>> values;
-  for (const Hole& hole : holes) values.push_back(std::invoke(of, hole));
-  return values;
-}
-
 void write_holes(const LandfallFileWriter& file, const GridSpec& spec, const std::vector<Hole>& holes) {
-  const auto id = column(holes, &Hole::id);
-  const auto size = column(holes, &Hole::size_bins);
-  const auto row = column(holes, [](const Hole& hole) { return hole.first.row; });
-  const auto col = column(holes, [](const Hole& hole) { return hole.first.col; });
-  const auto first_x = column(holes, [&](const Hole& hole) { return spec.x(hole.first.col); });
-  const auto first_y = column(holes, [&](const Hole& hole) { return spec.y(hole.first.row); });
-  const auto x = column(holes, &Hole::centroid_x_m);
-  const auto y = column(holes, &Hole::centroid_y_m);
-  auto distance = column(holes, &Hole::depth_bins);
+  const auto id = mapped(holes, &Hole::id);
+  const auto size = mapped(holes, &Hole::size_bins);
+  const auto row = mapped(holes, [](const Hole& hole) { return hole.first.row; });
+  const auto col = mapped(holes, [](const Hole& hole) { return hole.first.col; });
+  const auto first_x = mapped(holes, [&](const Hole& hole) { return spec.x(hole.first.col); });
+  const auto first_y = mapped(holes, [&](const Hole& hole) { return spec.y(hole.first.row); });
+  const auto x = mapped(holes, &Hole::centroid_x_m);
+  const auto y = mapped(holes, &Hole::centroid_y_m);
+  auto distance = mapped(holes, &Hole::depth_bins);
   std::ranges::replace_if(distance, is_infinite<double>, std::numeric_limits<double>::quiet_NaN());
   const std::array<ColumnRows, 9> rows = {std::span(id),  std::span(size),    std::span(row),
                                           std::span(col), std::span(first_x), std::span(first_y),
@@ -60,11 +52,8 @@ void write_holes(const LandfallFileWriter& file, const GridSpec& spec, const std
 
 /// The shape (y, x) of a layer of a mask.
 std::array<std::int64_t, 2> shape_of(const h5::Handle& dataset, const std::string& where) {
-  const h5::Handle space(H5Dget_space(dataset.get()), H5Sclose);
-  hsize_t size[2] = {0, 0};
-  if (H5Sget_simple_extent_ndims(space.get()) != 2 ||
-      H5Sget_simple_extent_dims(space.get(), size, nullptr) < 0)
-    throw FormatError(where + " does not have the shape (y, x)");
+  const std::vector<hsize_t> size = h5::extent_of(h5::Handle(H5Dget_space(dataset.get()), H5Sclose).get());
+  if (size.size() != 2) throw FormatError(where + " does not have the shape (y, x)");
   return {static_cast<std::int64_t>(size[0]), static_cast<std::int64_t>(size[1])};
 }
 
@@ -266,11 +255,10 @@ void EvaluationWriter::take(Axis axis, const AxisLayers& layers) {
 }
 
 void EvaluationWriter::take(const Grid<std::int8_t>& fail) {
-  LayerText text;
-  for (const dictionary::FailFlag& flag : fail_flags_by_bit()) {
+  const auto flags = fail_flags_by_bit();
+  LayerText text{.flag_meanings = joined(flags, " ", &dictionary::FailFlag::name)};
+  for (const dictionary::FailFlag& flag : flags)
     text.flag_masks.push_back(static_cast<std::int8_t>(flag.bit));
-    text.flag_meanings += (text.flag_meanings.empty() ? "" : " ") + std::string(flag.name);
-  }
   grid().write("fail", fail, text);
 }
 

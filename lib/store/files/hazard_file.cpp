@@ -5,10 +5,10 @@
 #include <cstdint>
 #include <limits>
 #include <string>
-#include <type_traits>
 #include <utility>
 #include <vector>
 
+#include "base/core/mapped.h"
 #include "base/memory/available_memory.h"
 #include "base/raster/grid_spec.h"
 #include "formats/gdal/gdal_loader.h"
@@ -36,14 +36,6 @@ void write_measures(GridLayerWriter& layers, const PlaceMeasures& measures, cons
   };
   write("slope", measures.slope_deg);
   write("roughness", measures.roughness_m);
-}
-
-/// The value of(site) for each site; NaN for none.
-template <class Of>
-auto site_column(const std::vector<LandingSite>& sites, const Of& of) {
-  std::vector<std::decay_t<std::invoke_result_t<Of, const LandingSite&>>> values;
-  for (const LandingSite& site : sites) values.push_back(of(site));
-  return values;
 }
 
 float or_nan(const std::optional<float>& value) {
@@ -115,19 +107,18 @@ void write_sites(const LandfallFileWriter& file, const HazardMap& map) {
   const std::vector<LandingSite>& sites = map.sites;
   std::vector<std::int32_t> rank;
   while (rank.size() < sites.size()) rank.push_back(static_cast<std::int32_t>(rank.size() + 1));
-  const auto x = site_column(sites, [](const LandingSite& s) { return s.x_m; });
-  const auto y = site_column(sites, [](const LandingSite& s) { return s.y_m; });
-  const auto z = site_column(sites, [](const LandingSite& s) { return s.z_m; });
-  const auto cost = site_column(sites, [](const LandingSite& s) { return s.cost; });
-  const auto p_touchdown = site_column(sites, [](const LandingSite& s) { return s.p_touchdown; });
-  const auto p_safe = site_column(sites, [](const LandingSite& s) { return or_nan(s.p_safe); });
+  const auto x = mapped(sites, &LandingSite::x_m);
+  const auto y = mapped(sites, &LandingSite::y_m);
+  const auto z = mapped(sites, &LandingSite::z_m);
+  const auto cost = mapped(sites, &LandingSite::cost);
+  const auto p_touchdown = mapped(sites, &LandingSite::p_touchdown);
+  const auto p_safe = mapped(sites, [](const LandingSite& s) { return or_nan(s.p_safe); });
   const auto p_capped =
-      site_column(sites, [](const LandingSite& s) { return static_cast<std::int8_t>(s.p_capped ? 1 : 0); });
-  const auto slope = site_column(sites, [](const LandingSite& s) { return s.slope_deg; });
-  const auto roughness = site_column(sites, [](const LandingSite& s) { return s.roughness_m; });
-  const auto distance = site_column(sites, [](const LandingSite& s) { return or_nan(s.hazard_distance_m); });
-  const auto truth =
-      site_column(sites, [](const LandingSite& s) { return static_cast<std::int8_t>(s.truth); });
+      mapped(sites, [](const LandingSite& s) { return static_cast<std::int8_t>(s.p_capped ? 1 : 0); });
+  const auto slope = mapped(sites, &LandingSite::slope_deg);
+  const auto roughness = mapped(sites, &LandingSite::roughness_m);
+  const auto distance = mapped(sites, [](const LandingSite& s) { return or_nan(s.hazard_distance_m); });
+  const auto truth = mapped(sites, [](const LandingSite& s) { return static_cast<std::int8_t>(s.truth); });
   using enum h5::Type;
   std::vector<ColumnSpec> columns = {
       {"rank", int32, "1", "rank of the site, 1 is the best"},
@@ -152,7 +143,7 @@ void write_sites(const LandfallFileWriter& file, const HazardMap& map) {
   for (const MapCoordinate& coordinate : kMapCoordinates) {
     if (sites.empty() || !(sites.front().map.*coordinate.value)) continue;
     columns.push_back({coordinate.column, float64, coordinate.units, coordinate.description});
-    on_map.push_back(site_column(sites, [&](const LandingSite& s) {
+    on_map.push_back(mapped(sites, [&](const LandingSite& s) {
       return (s.map.*coordinate.value).value_or(std::numeric_limits<double>::quiet_NaN());
     }));
   }
@@ -192,8 +183,7 @@ void write_hazards(LandfallFileWriter& file, const HazardMap& map, const std::st
 }
 
 void place_on_map(std::vector<LandingSite>& sites, const std::string& crs_wkt) {
-  std::vector<SitePoint> points;
-  for (const LandingSite& site : sites) points.push_back({site.x_m, site.y_m});
+  const auto points = mapped(sites, [](const LandingSite& site) { return SitePoint{site.x_m, site.y_m}; });
   const std::vector<MapPosition> positions = map_positions(crs_wkt, points);
   for (std::size_t i = 0; i < sites.size(); ++i) sites[i].map = positions[i];
 }
@@ -227,24 +217,18 @@ Json sites_json(const HazardMap& map) {
 }
 
 Json score_json(const HazardScore& score) {
-  Json roc = {{"roughness_limit_m", Json::array()},
-              {"missed_hazard_frac", Json::array()},
-              {"false_alarm_frac", Json::array()}};
-  for (const HazardScore::RocPoint& point : score.roc) {
-    roc["roughness_limit_m"].push_back(point.roughness_limit_m);
-    roc["missed_hazard_frac"].push_back(or_null(point.rates.missed_hazard_frac));
-    roc["false_alarm_frac"].push_back(or_null(point.rates.false_alarm_frac));
-  }
-  Json reliability = {{"p_low", Json::array()},
-                      {"p_high", Json::array()},
-                      {"count", Json::array()},
-                      {"safe_frac", Json::array()}};
-  for (const HazardScore::ReliabilityBin& bin : score.reliability) {
-    reliability["p_low"].push_back(bin.p_low);
-    reliability["p_high"].push_back(bin.p_high);
-    reliability["count"].push_back(bin.count);
-    reliability["safe_frac"].push_back(or_null(bin.safe_frac));
-  }
+  using Point = HazardScore::RocPoint;
+  using Bin = HazardScore::ReliabilityBin;
+  Json roc = {{"roughness_limit_m", mapped(score.roc, &Point::roughness_limit_m)},
+              {"missed_hazard_frac",
+               mapped(score.roc, [](const Point& p) { return or_null(p.rates.missed_hazard_frac); })},
+              {"false_alarm_frac",
+               mapped(score.roc, [](const Point& p) { return or_null(p.rates.false_alarm_frac); })}};
+  Json reliability = {
+      {"p_low", mapped(score.reliability, &Bin::p_low)},
+      {"p_high", mapped(score.reliability, &Bin::p_high)},
+      {"count", mapped(score.reliability, &Bin::count)},
+      {"safe_frac", mapped(score.reliability, [](const Bin& bin) { return or_null(bin.safe_frac); })}};
   const Json numbers = fields_json(score);
   const bool has_own = !score.own_requirements.all.empty();
   Json json = {{"format", "landfall.hazard_score"}, {"version", 1}};

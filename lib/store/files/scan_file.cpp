@@ -5,9 +5,9 @@
 #include <array>
 #include <cmath>
 #include <limits>
-#include <type_traits>
 
 #include "base/core/error.h"
+#include "base/core/mapped.h"
 #include "base/core/parallel.h"
 #include "base/text/joined.h"
 #include "store/files/column_specs.h"
@@ -39,16 +39,11 @@ std::vector<ColumnRows> rows_of(const Columns& columns, const Table& table, cons
 
 void write_detector(LandfallFileWriter& file, const Detector& detector,
                     std::span<const std::int8_t> dead_map) {
-  std::vector<double> x;
-  std::vector<double> y;
-  std::vector<double> z;
-  for (const Direction<LidarFrame>& pixel : detector.pixels()) {
-    x.push_back(pixel.v.x());
-    y.push_back(pixel.v.y());
-    z.push_back(pixel.v.z());
-  }
-  const std::array<ColumnRows, 4> rows = {std::span<const double>(x), std::span<const double>(y),
-                                          std::span<const double>(z), dead_map};
+  const auto axis = [&](Eigen::Index i) {
+    return mapped(detector.pixels(), [i](const Direction<LidarFrame>& pixel) { return pixel.v[i]; });
+  };
+  const std::vector<double> x = axis(0), y = axis(1), z = axis(2);
+  const std::array<ColumnRows, 4> rows = {std::span(x), std::span(y), std::span(z), dead_map};
   write_table(file.root(), "detector",
               {{"direction_x", h5::Type::float64, "1", "pixel direction in the lidar frame, x"},
                {"direction_y", h5::Type::float64, "1", "pixel direction in the lidar frame, y"},

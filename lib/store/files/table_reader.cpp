@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "base/core/error.h"
+#include "base/core/mapped.h"
 #include "base/text/file_path.h"
 #include "base/text/shown_text.h"
 #include "store/files/table_columns.h"
@@ -22,11 +23,7 @@ struct TableGroup {
   std::string path;  ///< "/" or "/a/b"
   std::vector<DatasetEntry> columns;
 
-  [[nodiscard]] std::vector<std::string> names() const {
-    std::vector<std::string> names;
-    for (const DatasetEntry& column : columns) names.push_back(column.name);
-    return names;
-  }
+  [[nodiscard]] std::vector<std::string> names() const { return mapped(columns, &DatasetEntry::name); }
 };
 
 /// The root and, unless it has the columns, the groups below it. A group that is in two places is listed
