@@ -4,11 +4,12 @@
 #include "app/cli/draws_options.h"
 
 #include <CLI/CLI.hpp>
-#include <charconv>
 #include <memory>
 
 #include "app/cli/meeting_options.h"
 #include "base/core/error.h"
+#include "base/core/mapped.h"
+#include "base/text/split_text.h"
 
 namespace landfall::cli {
 namespace {
@@ -21,13 +22,9 @@ ScanPair pair_of(const std::string& text) {
 }
 
 DrawSpan span_of(const std::string& text) {
-  DrawSpan span;
-  const char* const end = text.data() + text.size();
-  const auto first = std::from_chars(text.data(), end, span.first);
-  if (first.ec == std::errc() && first.ptr != end && *first.ptr == ':') {
-    const auto last = std::from_chars(first.ptr + 1, end, span.end);
-    if (last.ec == std::errc() && last.ptr == end && span.first >= 0 && span.first < span.end) return span;
-  }
+  const auto ends = mapped(split_at(text, ':'), exact_number<std::int64_t>);
+  if (ends.size() == 2 && ends[0] && ends[1] && *ends[0] >= 0 && *ends[0] < *ends[1])
+    return {*ends[0], *ends[1]};
   throw UsageError("--draws " + text + ": expected A:B with 0 <= A < B");
 }
 

@@ -7,10 +7,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <iterator>
 #include <numeric>
 #include <optional>
-#include <sstream>
 #include <stdexcept>
 #include <utility>
 
@@ -21,6 +19,7 @@
 #include "app/report/verdicts.h"
 #include "base/dictionary/tables/requirements.h"
 #include "base/text/number_text.h"
+#include "base/text/split_text.h"
 #include "chain/draws/draw_layers.h"
 #include "store/config/hazard_config.h"
 #include "store/files/field_json.h"
@@ -128,8 +127,7 @@ std::optional<DrawColumn> largest_of(const DrawTable& table, const std::vector<s
 Json deciding_json(const DrawTable& table, const dictionary::Requirement& words, const nlohmann::json& limits,
                    std::int64_t shown) {
   const std::string limit = words.worst_limit;
-  std::istringstream list(words.worst);
-  const std::vector<std::string> worst(std::istream_iterator<std::string>(list), {});
+  const std::vector<std::string> worst = split_words(words.worst);
   const bool varies = std::ranges::any_of(
       table.varied, [&](const DrawColumn& key) { return key.name == "eval.limits." + limit; });
   if (!limit.ends_with("_m") || varies || !limits.contains(limit)) return nullptr;

@@ -10,7 +10,6 @@
 
 #include <array>
 #include <cerrno>
-#include <charconv>
 #include <csignal>
 #include <cstdio>
 #include <string_view>
@@ -21,6 +20,7 @@
 #include "base/core/hash.h"
 #include "base/output/byte_sink.h"
 #include "base/output/temporary_files.h"
+#include "base/text/split_text.h"
 
 namespace landfall {
 namespace {
@@ -64,15 +64,10 @@ std::string part_prefix(const fs::path& output) {
 
 /// The process number in ".NAME.MACHINE-PID.part", 0 for any other name.
 int owner_of_part(const std::string& file, const std::string& prefix) {
-  const std::string suffix = ".part";
-  if (file.size() <= prefix.size() + suffix.size() || file.compare(0, prefix.size(), prefix) != 0) return 0;
-  int pid = 0;
-  const char* const begin = file.data() + prefix.size();
-  const char* const end = file.data() + file.size() - suffix.size();
-  const auto [stop, error] = std::from_chars(begin, end, pid);
-  return error == std::errc() && stop == end && file.compare(file.size() - suffix.size(), 5, suffix) == 0
-             ? pid
-             : 0;
+  std::string_view number = file;
+  if (!number.starts_with(prefix) || !number.ends_with(".part")) return 0;
+  number.remove_prefix(prefix.size());
+  return exact_number<int>(number.substr(0, number.rfind('.'))).value_or(0);
 }
 
 void remove_abandoned_parts(const fs::path& path) {

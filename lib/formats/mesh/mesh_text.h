@@ -1,17 +1,16 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include <charconv>
 #include <cstddef>
 #include <cstdint>
 #include <string>
 #include <string_view>
-#include <system_error>
 #include <vector>
 
 #include "base/core/error.h"
 #include "base/text/parsed_number.h"
 #include "base/text/shown_text.h"
+#include "base/text/split_text.h"
 #include "chain/terrain/mesh/polygon_soup.h"
 
 namespace landfall {
@@ -65,11 +64,9 @@ class MeshText {
 
   [[nodiscard]] std::int64_t integer(std::string_view word) const {
     const std::string_view digits = word.substr(!word.empty() && word.front() == '+' ? 1 : 0);
-    std::int64_t value = 0;
-    const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), value);
-    if (error != std::errc() || end != digits.data() + digits.size() || digits.empty())
-      fail("'" + shown_word(word) + "' is not an integer");
-    return value;
+    const auto value = exact_number<std::int64_t>(digits);
+    if (!value) fail("'" + shown_word(word) + "' is not an integer");
+    return *value;
   }
 
   Eigen::Vector3d point_of_line() {

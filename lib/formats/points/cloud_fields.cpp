@@ -3,12 +3,12 @@
 #include "formats/points/cloud_fields.h"
 
 #include <algorithm>
-#include <charconv>
 
 #include "base/core/error.h"
 #include "base/text/characters.h"
 #include "base/text/joined.h"
 #include "base/text/shown_text.h"
+#include "base/text/split_text.h"
 
 namespace landfall {
 namespace {
@@ -80,11 +80,8 @@ std::string listed(const std::vector<std::string>& names) {
 }
 
 std::optional<std::size_t> column_number(const std::string& text, std::size_t count) {
-  std::size_t number = 0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
-  if (error != std::errc() || end != text.data() + text.size() || number < 1 || number > count)
-    return std::nullopt;
-  return number - 1;
+  const auto number = exact_number<std::size_t>(text);
+  return number && *number >= 1 && *number <= count ? std::optional(*number - 1) : std::nullopt;
 }
 
 [[noreturn]] void refuse_choice(CloudField field, const std::string& column, const std::string& what) {
@@ -217,10 +214,9 @@ const char* name_of(CloudField field) { return field_names()[static_cast<std::si
 
 ColumnChoice column_choice(const std::string& text) {
   ColumnChoice choice;
-  for (std::size_t begin = 0; begin <= text.size() && !text.empty();) {
-    const std::size_t end = std::min(text.find(',', begin), text.size());
-    const std::string part(trimmed(std::string_view(text).substr(begin, end - begin)));
-    begin = end + 1;
+  if (text.empty()) return choice;
+  for (const std::string& each : split_at(text, ',')) {
+    const std::string part(trimmed(each));
     const std::size_t equals = part.find('=');
     if (equals == std::string::npos || equals + 1 == part.size())
       throw UsageError("--columns: '" + shown_word(part) + "' is not FIELD=COLUMN, such as x=E");
@@ -228,8 +224,8 @@ ColumnChoice column_choice(const std::string& text) {
     if (!field)
       throw UsageError("--columns: '" + shown_word(part.substr(0, equals)) + "' is not one of " +
                        joined(field_names(), ", ", &FieldNames::name));
-    for (const auto& [known, column] : choice)
-      if (known == *field) throw UsageError("--columns gives " + std::string(name_of(*field)) + " twice");
+    if (is_chosen(choice, *field))
+      throw UsageError("--columns gives " + std::string(name_of(*field)) + " twice");
     choice.emplace_back(*field, part.substr(equals + 1));
     require_position_fields(*field, choice.back().second);
   }

@@ -2,13 +2,12 @@
 // PCD 0.7 of the Point Cloud Library. The compressed form holds field after field, each of all points.
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <optional>
-#include <sstream>
 #include <utility>
 
 #include "base/core/parallel.h"
 #include "base/text/shown_text.h"
+#include "base/text/split_text.h"
 #include "formats/points/cloud_formats.h"
 #include "formats/points/lzf.h"
 #include "formats/points/row_reader.h"
@@ -29,20 +28,11 @@ struct PcdHeader {
   std::size_t lines = 0;
 };
 
-std::vector<std::string> words_in(const std::string& line) {
-  std::istringstream stream(line);
-  std::vector<std::string> words;
-  for (std::string word; stream >> word;) words.push_back(word);
-  return words;
-}
-
 std::uint64_t count_of(const CloudBytes& file, const std::vector<std::string>& words) {
-  std::uint64_t value = 0;
   const std::string text = words.size() > 1 ? words[1] : "";
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (error != std::errc() || end != text.data() + text.size() || text.empty() || value > (1ULL << 48U))
-    file.fail(words[0] + " '" + shown_word(text) + "' is not a count");
-  return value;
+  const auto value = exact_number<std::uint64_t>(text);
+  if (!value || *value > (1ULL << 48U)) file.fail(words[0] + " '" + shown_word(text) + "' is not a count");
+  return *value;
 }
 
 std::vector<std::string> rest_of(const std::vector<std::string>& words) {
@@ -74,7 +64,7 @@ PcdHeader read_pcd_header(const CloudBytes& file) {
   while (pcd.data.empty()) {
     const std::size_t end = text.find('\n', pcd.end);
     if (end == std::string::npos) file.fail("ends within its PCD header: it has no line DATA");
-    const std::vector<std::string> words = words_in(text.substr(pcd.end, end - pcd.end));
+    const std::vector<std::string> words = split_words(text.substr(pcd.end, end - pcd.end));
     pcd.end = end + 1;
     ++pcd.lines;
     if (!words.empty() && words[0][0] != '#') take_line(file, words, pcd);
@@ -240,7 +230,7 @@ std::unique_ptr<CloudReader> open_pcd(std::unique_ptr<CloudBytes> file, const Co
   const std::vector<Field> fields = fields_of(*file, pcd);
   CloudInfo info = info_of("PCD, " + abbreviated(pcd.data), cloud_columns(pcd.fields, choice, file->name()));
   info.is_float32 = float32_axes(info.columns, [&](std::size_t i) { return fields[i].column.type; });
-  if (!pcd.viewpoint.empty() && pcd.viewpoint != words_in("0 0 0 1 0 0 0"))
+  if (!pcd.viewpoint.empty() && pcd.viewpoint != split_words("0 0 0 1 0 0 0"))
     info.notes.emplace_back("its VIEWPOINT is ignored: the points are taken as they are stored");
   if (pcd.data == "binary_compressed") return open_compressed(std::move(file), pcd, fields, std::move(info));
   RowLayout rows{.begin = pcd.end, .row_size = 0, .count = pcd.points, .columns = {}};

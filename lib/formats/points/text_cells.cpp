@@ -2,12 +2,11 @@
 #include "formats/points/text_cells.h"
 
 #include <array>
-#include <cctype>
-#include <charconv>
 #include <limits>
 
 #include "base/text/characters.h"
 #include "base/text/parsed_number.h"
+#include "base/text/split_text.h"
 
 namespace landfall {
 namespace {
@@ -111,12 +110,7 @@ bool is_number(std::string_view cell, bool has_decimal_commas) {
   return number_in(without_quotes(cell), has_decimal_commas).outcome != ParsedNumber::Outcome::not_a_number;
 }
 
-std::optional<std::int64_t> whole_number(std::string_view cell) {
-  std::int64_t value = 0;
-  const auto [end, error] = std::from_chars(cell.data(), cell.data() + cell.size(), value);
-  if (error != std::errc() || end != cell.data() + cell.size()) return std::nullopt;
-  return value;
-}
+std::optional<std::int64_t> whole_number(std::string_view cell) { return exact_number<std::int64_t>(cell); }
 
 RowForm form_of(std::string_view row) {
   row = trimmed(row);

@@ -11,7 +11,9 @@
 #include <utility>
 
 #include "base/core/error.h"
+#include "base/core/mapped.h"
 #include "base/text/shown_text.h"
+#include "base/text/split_text.h"
 #include "store/config/config_path.h"
 #include "store/config/dem_config.h"
 #include "store/config/hazard_config.h"
@@ -108,10 +110,7 @@ KeyPath split_key(const std::string& key) {
   const std::size_t dot = key.find('.');
   if (dot == std::string::npos) return {key, Json::json_pointer()};
   Json::json_pointer pointer;
-  for (std::size_t begin = dot + 1, end = 0; end != std::string::npos; begin = end + 1) {
-    end = key.find('.', begin);
-    pointer /= key.substr(begin, end - begin);
-  }
+  for (const std::string& part : split_at(key.substr(dot + 1), '.')) pointer /= part;
   return {key.substr(0, dot), pointer};
 }
 
@@ -357,15 +356,11 @@ void DrawsConfig::add_variation(const std::string& owner, const std::string& key
 }
 
 std::vector<std::string> DrawsConfig::varied_keys() const {
-  std::vector<std::string> keys;
-  for (const auto& [key, variation] : vary_) keys.push_back(key);
-  return keys;
+  return mapped(vary_, [](const auto& varied) { return varied.first; });
 }
 
 std::vector<double> DrawsConfig::values(std::int64_t draw) const {
-  std::vector<double> values;
-  for (const auto& [key, variation] : vary_) values.push_back(value(variation, key, seed(draw)));
-  return values;
+  return mapped(vary_, [&](const auto& varied) { return value(varied.second, varied.first, seed(draw)); });
 }
 
 std::vector<std::int64_t> DrawsConfig::deciding_draws(std::int64_t first, std::int64_t end) const {

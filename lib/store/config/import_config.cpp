@@ -5,7 +5,6 @@
 #include "store/config/import_config.h"
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <optional>
 
@@ -13,6 +12,7 @@
 #include "base/text/characters.h"
 #include "base/text/netcdf_name.h"
 #include "base/text/shown_text.h"
+#include "base/text/split_text.h"
 #include "chain/terrain/mesh/mesh_name.h"
 #include "store/config/plain_number.h"
 #include "store/config/schema.h"
@@ -28,13 +28,10 @@ using Json = nlohmann::json;
 Json number_of(const std::string& text, const char* option) {
   Json value = Json::parse(text, nullptr, false);
   if (value.is_number()) return value;
-  double number = 0;
-  const std::string_view digits = trimmed(text);
-  const char* const end = digits.data() + digits.size();
-  const auto [stop, error] = std::from_chars(digits.data(), end, number);
-  if (error != std::errc() || stop != end || !std::isfinite(number))
+  const auto number = exact_number<double>(trimmed(text));
+  if (!number || !std::isfinite(*number))
     throw UsageError(std::string(option) + ": '" + abbreviated(text) + "' is not a number");
-  return number;
+  return *number;
 }
 
 Json pair_of(const std::string& text, const char* option) {
@@ -49,11 +46,7 @@ Json pair_of(const std::string& text, const char* option) {
 Json nodata_of(const std::string& text) {
   if (text == "none") return text;
   Json numbers = Json::array();
-  for (std::size_t begin = 0; begin <= text.size();) {
-    const std::size_t comma = std::min(text.find(',', begin), text.size());
-    numbers.push_back(number_of(text.substr(begin, comma - begin), "--nodata"));
-    begin = comma + 1;
-  }
+  for (const std::string& part : split_at(text, ',')) numbers.push_back(number_of(part, "--nodata"));
   return numbers.size() == 1 ? numbers[0] : numbers;
 }
 

@@ -12,7 +12,6 @@
 #include <algorithm>
 #include <array>
 #include <cerrno>
-#include <charconv>
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
@@ -26,6 +25,7 @@
 #include "base/text/file_path.h"
 #include "base/text/json_text.h"
 #include "base/text/shown_text.h"
+#include "base/text/split_text.h"
 #include "store/config/config_path.h"
 
 namespace landfall {
@@ -139,25 +139,12 @@ Json parse(const std::string& text, const std::string& name) {
   }
 }
 
-std::vector<std::string> split(const std::string& path) {
-  std::vector<std::string> keys(1);
-  for (const char c : path) {
-    if (c == '.') {
-      keys.emplace_back();
-    } else {
-      keys.back() += c;
-    }
-  }
-  return keys;
-}
-
 Json& element(Json& array, const std::string& key, const std::string& assignment) {
-  std::size_t index = 0;
-  const auto [stop, error] = std::from_chars(key.data(), key.data() + key.size(), index);
-  if (error != std::errc() || stop != key.data() + key.size() || index >= array.size())
+  const auto index = exact_number<std::size_t>(key);
+  if (!index || *index >= array.size())
     throw UsageError("--set " + abbreviated(assignment) + ": '" + abbreviated(key) +
                      "' is not an index of an array of " + std::to_string(array.size()));
-  return array[index];
+  return array[*index];
 }
 
 /// The container that a value becomes that nothing has set yet, so that `key` exists below it: an array where
@@ -178,7 +165,7 @@ void assign(Json& root, const std::string& assignment, const DefaultAt& default_
   const bool is_word = !Json::accept(text, true) && !text.empty() && text.find_first_of("{[\"") != 0;
   const Json value = is_word ? Json(text) : parse(text, "--set " + abbreviated(assignment));
   Json* target = &root;
-  const std::vector<std::string> keys = split(assignment.substr(0, equals));
+  const std::vector<std::string> keys = split_at(assignment.substr(0, equals), '.');
   if (keys.size() > std::size_t{kMaxLevels})
     throw UsageError("--set: a key of " + std::to_string(keys.size()) + " parts, more than " +
                      std::to_string(kMaxLevels));

@@ -121,8 +121,7 @@ class Resolver {
       const std::string kind = type == "object" && !names.empty() ? "object with a \"type\"" : type;
       if (std::ranges::find(wanted, kind) == wanted.end()) wanted.push_back(kind);
     }
-    std::string message = shown(value) + " is not valid; expected " + wanted.front();
-    for (std::size_t i = 1; i < wanted.size(); ++i) message += " or " + wanted[i];
+    std::string message = shown(value) + " is not valid; expected " + joined(wanted, " or ");
     const std::string near = value.is_string() ? nearest_word(value.get<std::string>(), names) : "";
     if (!near.empty())
       message +=
@@ -166,9 +165,8 @@ class Resolver {
   static std::string form_of_array(const Json& schema) {
     if (!schema.contains("minItems") || schema["minItems"] != schema.value("maxItems", Json())) return "";
     const auto count = schema["minItems"].get<std::size_t>();
-    std::string elements;
-    for (std::size_t i = 0; i < count; ++i) elements += i == 0 ? ".." : ", ..";
-    return " of " + std::to_string(count) + " elements, [" + elements + "]";
+    return " of " + std::to_string(count) + " elements, [" + joined(std::vector<std::string>(count, "..")) +
+           "]";
   }
 
   void check_type(const Json& schema, const Json& value, const std::string& pointer) const {
@@ -261,9 +259,7 @@ class Resolver {
     for (const auto& [name, unused] : properties.items())
       if (!name.starts_with("$")) known.push_back(name);
     const std::string near = nearest_word(key, known);
-    std::string hint = near.empty() ? "; known: " : "; did you mean \"" + near + "\"?";
-    if (near.empty())
-      for (std::size_t i = 0; i < known.size(); ++i) hint += (i == 0 ? "" : ", ") + known[i];
+    std::string hint = near.empty() ? "; known: " + joined(known) : "; did you mean \"" + near + "\"?";
     const auto leftover = source_.leftovers.find(pointer + "/" + key);
     if (leftover != source_.leftovers.end()) hint = "; " + leftover->second;
     fail(pointer + "/" + abbreviated(key), "unknown key" + hint);

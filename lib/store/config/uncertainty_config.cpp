@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <cmath>
 #include <functional>
 #include <iterator>
@@ -15,6 +14,7 @@
 #include "base/text/characters.h"
 #include "base/text/number_text.h"
 #include "base/text/shown_text.h"
+#include "base/text/split_text.h"
 #include "store/config/config_path.h"
 #include "store/config/json_values.h"
 #include "store/config/key_effects.h"
@@ -28,23 +28,16 @@ constexpr std::array<const char*, 4> kNavigationKeys = {"position_m", "velocity_
                                                         "rpy_rate_radps"};
 
 double sigma_of(const std::string& text, const std::string& assignment) {
-  double value = 0;
-  const std::string_view digits = trimmed(text);
-  const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), value);
-  if (error != std::errc() || end != digits.data() + digits.size())
+  const auto value = exact_number<double>(trimmed(text));
+  if (!value)
     throw UsageError("--navigation-sigma " + abbreviated(assignment) + ": '" + abbreviated(text) +
                      "' is not a number; expected KEY=SIGMA or KEY=X,Y,Z");
-  return value;
+  return *value;
 }
 
 std::vector<double> sigmas_of(const std::string& text, const std::string& assignment) {
   std::vector<double> sigmas;
-  std::size_t begin = 0;
-  while (begin <= text.size()) {
-    const std::size_t comma = std::min(text.find(',', begin), text.size());
-    sigmas.push_back(sigma_of(text.substr(begin, comma - begin), assignment));
-    begin = comma + 1;
-  }
+  for (const std::string& part : split_at(text, ',')) sigmas.push_back(sigma_of(part, assignment));
   if (sigmas.size() == 1) sigmas.assign(3, sigmas.front());
   if (sigmas.size() != 3)
     throw UsageError("--navigation-sigma " + abbreviated(assignment) + ": " + std::to_string(sigmas.size()) +
@@ -188,8 +181,7 @@ const std::array<const char*, 4>& navigation_sigma_keys() { return kNavigationKe
 void add_navigation_sigma(Json& config, const std::string& assignment) {
   const std::size_t equals = assignment.find('=');
   const std::string key = assignment.substr(0, equals);
-  if (equals == std::string::npos ||
-      std::find(kNavigationKeys.begin(), kNavigationKeys.end(), key) == kNavigationKeys.end())
+  if (equals == std::string::npos || std::ranges::find(kNavigationKeys, key) == kNavigationKeys.end())
     throw UsageError(
         "--navigation-sigma " + abbreviated(assignment) +
         ": expected KEY=SIGMA or KEY=X,Y,Z; KEY is position_m, velocity_mps, rpy_rad or rpy_rate_radps");

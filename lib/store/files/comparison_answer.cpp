@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
-#include <sstream>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -13,6 +12,7 @@
 #include "base/dictionary/tables/requirements.h"
 #include "base/text/joined.h"
 #include "base/text/number_text.h"
+#include "base/text/split_text.h"
 
 namespace landfall {
 namespace {
@@ -30,8 +30,7 @@ Value number_in(const Json& json) { return json.is_number() ? Value(json.get<dou
 /// The number at a dotted path.
 Value at_path(const Json& json, const std::string& path) {
   const Json* at = &json;
-  std::istringstream parts(path);
-  for (std::string part; std::getline(parts, part, '.');) {
+  for (const std::string& part : split_at(path, '.')) {
     const auto found = at->is_object() ? at->find(part) : at->end();
     if (found == at->end()) return std::nullopt;
     at = &*found;
@@ -42,8 +41,7 @@ Value at_path(const Json& json, const std::string& path) {
 /// The largest of the numbers at several paths, separated by spaces.
 Value largest_at(const Json& json, const std::string& paths) {
   Value largest;
-  std::istringstream list(paths);
-  for (std::string path; list >> path;)
+  for (const std::string& path : split_words(paths))
     if (const Value found = at_path(json, path)) largest = std::max(largest.value_or(*found), *found);
   return largest;
 }

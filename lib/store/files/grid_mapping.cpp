@@ -5,10 +5,11 @@
 #include <algorithm>
 #include <array>
 #include <cctype>
-#include <charconv>
 #include <cmath>
 #include <numbers>
 #include <string_view>
+
+#include "base/text/split_text.h"
 
 namespace landfall {
 namespace {
@@ -28,11 +29,8 @@ struct WktNode {
     return i < values.size() ? std::string(values[i]) : "";
   }
   [[nodiscard]] std::optional<double> number(std::size_t i) const {
-    double value = 0;
-    if (i >= values.size()) return std::nullopt;
-    const auto [end, error] = std::from_chars(values[i].data(), values[i].data() + values[i].size(), value);
-    if (error != std::errc() || end != values[i].data() + values[i].size()) return std::nullopt;
-    return std::isfinite(value) ? std::optional(value) : std::nullopt;
+    const auto value = i < values.size() ? exact_number<double>(values[i]) : std::nullopt;
+    return value && std::isfinite(*value) ? value : std::nullopt;
   }
 };
 

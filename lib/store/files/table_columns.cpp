@@ -3,21 +3,16 @@
 
 #include <algorithm>
 
+#include "base/text/characters.h"
 #include "base/text/shown_text.h"
 
 namespace landfall {
 namespace {
 
-std::string lower(std::string text) {
-  for (char& c : text)
-    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
-  return text;
-}
-
 std::vector<std::size_t> positions_of(const std::string& wanted, const std::vector<std::string>& names) {
   std::vector<std::size_t> positions;
   for (std::size_t i = 0; i < names.size(); ++i)
-    if (lower(names[i]) == lower(wanted)) positions.push_back(i);
+    if (lower_case(names[i]) == lower_case(wanted)) positions.push_back(i);
   return positions;
 }
 
@@ -52,7 +47,7 @@ std::vector<MatchedColumn> matched_columns(const std::vector<std::string>& names
     if (positions.size() > 1)
       fail("column " + shown_word(name) + " is given twice, as '" + shown_word(names[positions[0]]) +
            "' and '" + shown_word(names[positions[1]]) + "'");
-    if (!positions.empty()) matched.push_back({lower(name), positions[0]});
+    if (!positions.empty()) matched.push_back({lower_case(name), positions[0]});
     return !positions.empty();
   };
   for (const std::string& name : wanted.required)

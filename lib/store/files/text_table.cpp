@@ -20,6 +20,7 @@
 #include <vector>
 
 #include "base/core/error.h"
+#include "base/text/characters.h"
 #include "base/text/file_path.h"
 #include "base/text/foreign_content.h"
 #include "base/text/parsed_number.h"
@@ -28,14 +29,6 @@
 
 namespace landfall {
 namespace {
-
-constexpr std::string_view kBlanks = " \t";
-
-std::string_view trimmed(std::string_view text) {
-  const std::size_t first = text.find_first_not_of(kBlanks);
-  if (first == std::string_view::npos) return {};
-  return text.substr(first, text.find_last_not_of(kBlanks) - first + 1);
-}
 
 /// The character of "," ";" and tab that divides a line into most cells; a blank if it has none of them.
 /// Characters between double quotes do not count.
@@ -71,8 +64,7 @@ std::vector<std::string> cells_of(std::string_view line, char separator) {
   bool quoted = false;
   for (std::size_t i = 0; i < line.size(); ++i) {
     quoted ^= line[i] == '"';
-    const bool ends =
-        separator == ' ' ? kBlanks.find(line[i]) != std::string_view::npos : line[i] == separator;
+    const bool ends = separator == ' ' ? is_blank(line[i]) : line[i] == separator;
     if (quoted || !ends) continue;
     if (separator != ' ' || i > begin) cells.push_back(unquoted(line.substr(begin, i - begin)));
     begin = i + 1;

@@ -3,8 +3,9 @@
 
 #include <algorithm>
 #include <optional>
-#include <sstream>
 #include <utility>
+
+#include "base/text/split_text.h"
 
 namespace landfall {
 namespace {
@@ -48,13 +49,6 @@ std::vector<hsize_t> shape_of(hid_t dataset) {
   return shape;
 }
 
-std::vector<std::string> words(const std::string& text) {
-  std::istringstream stream(text);
-  std::vector<std::string> result;
-  for (std::string word; stream >> word;) result.push_back(word);
-  return result;
-}
-
 std::optional<DatasetEntry> entry_of(hid_t group, const std::string& name) {
   DatasetEntry entry;
   entry.dataset = h5::Handle(H5Dopen2(group, name.c_str(), H5P_DEFAULT), H5Dclose);
@@ -68,7 +62,7 @@ std::optional<DatasetEntry> entry_of(hid_t group, const std::string& name) {
   entry.long_name = h5::read_text_attribute(dataset, "long_name").value_or("");
   entry.flag_values = h5::read_flags_attribute(dataset, "flag_values");
   entry.flag_masks = h5::read_flags_attribute(dataset, "flag_masks");
-  entry.flag_meanings = words(h5::read_text_attribute(dataset, "flag_meanings").value_or(""));
+  entry.flag_meanings = split_words(h5::read_text_attribute(dataset, "flag_meanings").value_or(""));
   entry.stored_bytes = h5::stored_bytes(dataset);
   return entry;
 }
