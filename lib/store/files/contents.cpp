@@ -103,10 +103,8 @@ std::vector<ContentInfo> datasets(const NamedGroup& group, std::span<const char*
     if (!object) fail_reading(group.name + name);
     if (H5Iget_type(object.get()) != H5I_DATASET) continue;
     const h5::Handle space(H5Dget_space(object.get()), H5Sclose);
-    std::array<hsize_t, H5S_MAX_RANK> size{};
-    const int rank = H5Sget_simple_extent_dims(space.get(), size.data(), nullptr);
     const std::optional<h5::Type> type = type_of(object.get());
-    if (rank < 0 || !type || !wanted(std::span(size.data(), static_cast<std::size_t>(rank)))) continue;
+    if (!type || !wanted(h5::extent_of(space.get()))) continue;
     result.push_back({name, *type, text_of(object.get(), "units"), text_of(object.get(), "long_name")});
   }
   sort_by(order, result);

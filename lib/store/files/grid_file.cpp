@@ -115,10 +115,7 @@ std::int64_t first_index(const LandfallFileReader& file, const std::vector<doubl
 bool read_rectangle(hid_t dataset, hid_t type, BinIndex first, const GridSpec& window, void* values) {
   const hsize_t start[2] = {static_cast<hsize_t>(first.row), static_cast<hsize_t>(first.col)};
   const hsize_t count[2] = {static_cast<hsize_t>(window.rows), static_cast<hsize_t>(window.cols)};
-  const h5::Handle file_space(H5Dget_space(dataset), H5Sclose);
-  const h5::Handle memory_space(H5Screate_simple(2, count, nullptr), H5Sclose);
-  return H5Sselect_hyperslab(file_space.get(), H5S_SELECT_SET, start, nullptr, count, nullptr) >= 0 &&
-         h5::read_values(dataset, type, memory_space.get(), file_space.get(), values);
+  return h5::read_block(dataset, type, start, count, values);
 }
 
 GridSpec read_spec(const LandfallFileReader& file) {
@@ -312,10 +309,8 @@ h5::Handle GridLayerReader::open(const std::string& name) const {
   h5::Handle dataset = h5::open_dataset(file_.root(), name);
   if (!dataset) file_.fail("no layer /" + name);
   const h5::Handle space(H5Dget_space(dataset.get()), H5Sclose);
-  hsize_t size[2] = {0, 0};
-  if (H5Sget_simple_extent_ndims(space.get()) != 2 ||
-      H5Sget_simple_extent_dims(space.get(), size, nullptr) < 0 ||
-      size[0] != static_cast<hsize_t>(spec_.rows) || size[1] != static_cast<hsize_t>(spec_.cols))
+  if (h5::extent_of(space.get()) !=
+      std::vector{static_cast<hsize_t>(spec_.rows), static_cast<hsize_t>(spec_.cols)})
     file_.fail("layer /" + name + " is not of the shape (y, x) = (" + std::to_string(spec_.rows) + ", " +
                std::to_string(spec_.cols) + ")");
   return dataset;

@@ -55,10 +55,8 @@ std::vector<T> read_rows(const LandfallFileReader& file, hid_t group, const std:
   const h5::Handle dataset = h5::open_dataset(group, name);
   if (!dataset) file.fail("no dataset " + path);
   const h5::Handle space(H5Dget_space(dataset.get()), H5Sclose);
-  hsize_t size[2] = {0, 0};
-  if (H5Sget_simple_extent_ndims(space.get()) != 2 ||
-      H5Sget_simple_extent_dims(space.get(), size, nullptr) < 0 || size[1] != 3)
-    file.fail(path + " is not of the shape (rows, 3)");
+  const std::vector<hsize_t> size = h5::extent_of(space.get());
+  if (size.size() != 2 || size[1] != 3) file.fail(path + " is not of the shape (rows, 3)");
   if (size[0] > kMaxMeshElements) file.fail(path + " has more than 2^31 - 1 rows");
   if (size[0] * 3 * sizeof(T) > h5::stored_bytes(dataset.get()) * kMaxDeflate)
     file.fail(path + " claims more rows than it can hold");

@@ -160,14 +160,9 @@ void ColumnReader::read_piece(const Piece& piece, const ColumnTarget& target) {
 }
 
 void ColumnReader::read_plainly(const Column& column, std::size_t begin, const ColumnTarget& target) const {
-  const h5::Handle space(H5Dget_space(column.dataset.get()), H5Sclose);
-  const hsize_t offset = begin;
-  const hsize_t count = length(target);
-  const h5::Handle memory(H5Screate_simple(1, &count, nullptr), H5Sclose);
-  const bool selected =
-      H5Sselect_hyperslab(space.get(), H5S_SELECT_SET, &offset, nullptr, &count, nullptr) >= 0;
-  if (!selected || !h5::read_values(column.dataset.get(), h5::native(type_of(target)), memory.get(),
-                                    space.get(), bytes_of(target).data()))
+  const std::array<hsize_t, 1> offset = {begin}, count = {length(target)};
+  if (!h5::read_block(column.dataset.get(), h5::native(type_of(target)), offset, count,
+                      bytes_of(target).data()))
     fail(column, h5::reading_failure());
 }
 

@@ -48,11 +48,18 @@ Handle text_type(const std::string& text, std::size_t size, H5T_str_t padding) {
 
 Handle scalar_space() { return {H5Screate(H5S_SCALAR), H5Sclose}; }
 
+Handle row_space(hsize_t size) { return {H5Screate_simple(1, &size, nullptr), H5Sclose}; }
+
+/// Stores values of the type `given` as `stored`.
+void write_attribute_in(const Handle& space, hid_t object, const std::string& name, hid_t stored, hid_t given,
+                        const void* values) {
+  const Handle attribute = checked(
+      H5Acreate2(object, name.c_str(), stored, space.get(), H5P_DEFAULT, H5P_DEFAULT), H5Aclose, name);
+  require(H5Awrite(attribute.get(), given, values) >= 0, name);
+}
+
 void write_scalar_attribute(hid_t object, const std::string& name, hid_t type, const void* value) {
-  const Handle space = scalar_space();
-  const Handle attribute =
-      checked(H5Acreate2(object, name.c_str(), type, space.get(), H5P_DEFAULT, H5P_DEFAULT), H5Aclose, name);
-  require(H5Awrite(attribute.get(), type, value) >= 0, name);
+  write_attribute_in(scalar_space(), object, name, type, type, value);
 }
 
 /// Keeps the system's reason, because HDF5's own wording of it does not help a user.
@@ -69,6 +76,12 @@ herr_t keep_reason(unsigned depth, const H5E_error2_t* record, void* target) {
   auto& reason = *static_cast<std::string*>(target);
   if (reason.empty() && record->desc != nullptr) reason = record->desc;
   return keep_system_reason(depth, record, target);
+}
+
+std::string reason_by(H5E_walk2_t keep) {
+  std::string reason;
+  H5Ewalk2(H5E_DEFAULT, H5E_WALK_UPWARD, keep, &reason);
+  return reason;
 }
 
 /// netCDF then lists a group's members as they were created, not by name: the first grid of GMT and of GDAL's
@@ -122,17 +135,9 @@ std::mutex& library_lock() {
   return lock;
 }
 
-std::string failure_reason() {
-  std::string reason;
-  H5Ewalk2(H5E_DEFAULT, H5E_WALK_UPWARD, keep_reason, &reason);
-  return reason;
-}
+std::string failure_reason() { return reason_by(keep_reason); }
 
-std::string system_reason() {
-  std::string reason;
-  H5Ewalk2(H5E_DEFAULT, H5E_WALK_UPWARD, keep_system_reason, &reason);
-  return reason;
-}
+std::string system_reason() { return reason_by(keep_system_reason); }
 
 std::string reading_failure() {
   const std::string reason = system_reason();
@@ -269,19 +274,11 @@ void write_attribute(hid_t object, const std::string& name, std::int64_t value) 
 }
 
 void write_attribute(hid_t object, const std::string& name, const std::vector<std::int8_t>& values) {
-  const hsize_t size = values.size();
-  const Handle space(H5Screate_simple(1, &size, nullptr), H5Sclose);
-  const Handle attribute = checked(
-      H5Acreate2(object, name.c_str(), H5T_STD_I8LE, space.get(), H5P_DEFAULT, H5P_DEFAULT), H5Aclose, name);
-  require(H5Awrite(attribute.get(), H5T_STD_I8LE, values.data()) >= 0, name);
+  write_attribute_in(row_space(values.size()), object, name, H5T_STD_I8LE, H5T_STD_I8LE, values.data());
 }
 
 void write_attribute(hid_t object, const std::string& name, Type type, const std::array<double, 2>& values) {
-  const hsize_t size = values.size();
-  const Handle space(H5Screate_simple(1, &size, nullptr), H5Sclose);
-  const Handle attribute = checked(
-      H5Acreate2(object, name.c_str(), native(type), space.get(), H5P_DEFAULT, H5P_DEFAULT), H5Aclose, name);
-  require(H5Awrite(attribute.get(), H5T_NATIVE_DOUBLE, values.data()) >= 0, name);
+  write_attribute_in(row_space(values.size()), object, name, native(type), H5T_NATIVE_DOUBLE, values.data());
 }
 
 void write_text(hid_t parent, const TextDataset& what, const std::string& text) {

@@ -142,6 +142,9 @@ struct TextDataset {
 };
 void write_text(hid_t parent, const TextDataset& dataset, const std::string& text);
 
+/// The name that HDF5 gives an object by H5Fget_name or H5Iget_name; empty if it gives none.
+[[nodiscard]] std::string name_text(hid_t object, ssize_t (*get)(hid_t, char*, std::size_t));
+
 /// Opens a file for reading. Throws FormatError if it is missing, not HDF5, truncated, or refused by
 /// screen_file() (file_screening.h), for example because of links to other files. A MemoryFile is opened as
 /// it is.
@@ -170,6 +173,9 @@ Handle open_file(const std::filesystem::path& path);
 /// be checked.
 [[nodiscard]] bool read_values(hid_t dataset, hid_t type, hid_t memory, hid_t selection, void* values);
 [[nodiscard]] bool read_values(hid_t dataset, hid_t type, void* values);
+/// The same of the block of `count` values along each dimension from `start` on.
+[[nodiscard]] bool read_block(hid_t dataset, hid_t type, std::span<const hsize_t> start,
+                              std::span<const hsize_t> count, void* values);
 /// The bytes that the values of a dataset occupy in the file; 0 if none is stored.
 [[nodiscard]] std::uint64_t stored_bytes(hid_t dataset);
 /// Throws FormatError for the object `name` in `object` (without a name: for the object itself) or for an

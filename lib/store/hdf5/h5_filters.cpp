@@ -6,6 +6,8 @@
 #include <array>
 #include <cstddef>
 
+#include "store/hdf5/h5.h"
+
 namespace landfall::h5 {
 
 std::vector<Filter> filters_in(hid_t properties) {
@@ -19,6 +21,17 @@ std::vector<Filter> filters_in(hid_t properties) {
     filters.push_back({id, name.data()});
   }
   return filters;
+}
+
+std::optional<int> deflate_level(hid_t dataset) {
+  const Handle properties(H5Dget_create_plist(dataset), H5Pclose);
+  unsigned level = 0;
+  unsigned flags = 0;
+  std::size_t value_count = 1;
+  if (H5Pget_filter_by_id2(properties.get(), H5Z_FILTER_DEFLATE, &flags, &value_count, &level, 0, nullptr,
+                           nullptr) < 0)
+    return std::nullopt;
+  return static_cast<int>(level);
 }
 
 std::string text_of(const Filter& filter) {

@@ -31,17 +31,9 @@ bool has_values(hid_t space, std::size_t count) {
   return H5Sget_simple_extent_npoints(space) == static_cast<hssize_t>(count);
 }
 
-std::string file_of(hid_t object) {
-  std::string name(static_cast<std::size_t>(std::max<ssize_t>(H5Fget_name(object, nullptr, 0), 0)), '\0');
-  H5Fget_name(object, name.data(), name.size() + 1);
-  return name;
-}
+std::string file_of(hid_t object) { return name_text(object, H5Fget_name); }
 
-std::string path_of(hid_t object) {
-  std::string path(static_cast<std::size_t>(std::max<ssize_t>(H5Iget_name(object, nullptr, 0), 0)), '\0');
-  H5Iget_name(object, path.data(), path.size() + 1);
-  return path;
-}
+std::string path_of(hid_t object) { return name_text(object, H5Iget_name); }
 
 std::string path_in(hid_t parent, const std::string& name) {
   const std::string path = path_of(parent);
@@ -100,6 +92,13 @@ std::optional<std::string> read_string(hid_t file_type, hid_t space, const Read&
 }
 
 }  // namespace
+
+std::string name_text(hid_t object, ssize_t (*get)(hid_t, char*, std::size_t)) {
+  const ssize_t length = get(object, nullptr, 0);
+  std::string text(static_cast<std::size_t>(std::max<ssize_t>(length, 0)), '\0');
+  if (length > 0) get(object, text.data(), text.size() + 1);
+  return text;
+}
 
 Handle open_file(const std::filesystem::path& path) {
   if (const MemoryFile* const file = MemoryFile::find(path)) return file->open();
@@ -238,6 +237,15 @@ bool read_values(hid_t dataset, hid_t type, hid_t memory, hid_t selection, void*
         "in smaller ones (h5repack)");
   return chunks_are_whole(dataset, selection) &&
          H5Dread(dataset, type, memory, selection, H5P_DEFAULT, values) >= 0;
+}
+
+bool read_block(hid_t dataset, hid_t type, std::span<const hsize_t> start, std::span<const hsize_t> count,
+                void* values) {
+  const Handle space(H5Dget_space(dataset), H5Sclose);
+  const Handle memory(H5Screate_simple(static_cast<int>(count.size()), count.data(), nullptr), H5Sclose);
+  return H5Sselect_hyperslab(space.get(), H5S_SELECT_SET, start.data(), nullptr, count.data(), nullptr) >=
+             0 &&
+         read_values(dataset, type, memory.get(), space.get(), values);
 }
 
 bool read_values(hid_t dataset, hid_t type, void* values) {

@@ -5,6 +5,7 @@
 #include <sys/mman.h>
 
 #include <algorithm>
+#include <atomic>
 #include <cstring>
 #include <mutex>
 #include <new>
@@ -14,6 +15,7 @@
 #include "base/core/error.h"
 #include "base/core/parallel.h"
 #include "store/hdf5/chunk_codec.h"
+#include "store/hdf5/h5_filters.h"
 
 namespace landfall::h5 {
 namespace {
@@ -28,13 +30,6 @@ struct Register {
 Register& known_files() {
   static Register files;
   return files;
-}
-
-std::string name_text(hid_t object, ssize_t (*get)(hid_t, char*, std::size_t)) {
-  const ssize_t length = get(object, nullptr, 0);
-  std::string text(static_cast<std::size_t>(std::max<ssize_t>(length, 0)), '\0');
-  if (length > 0) get(object, text.data(), text.size() + 1);
-  return text;
 }
 
 /// HDF5's driver `core`, which never writes to a disk.
@@ -117,15 +112,6 @@ std::vector<std::vector<hsize_t>> offsets_of(std::span<const hsize_t> shape, std
   return offsets;
 }
 
-int level_of(hid_t dataset) {
-  const Handle properties(H5Dget_create_plist(dataset), H5Pclose);
-  unsigned level = 0;
-  unsigned flags = 0;
-  std::size_t count = 1;
-  H5Pget_filter_by_id2(properties.get(), H5Z_FILTER_DEFLATE, &flags, &count, &level, 0, nullptr, nullptr);
-  return static_cast<int>(level);
-}
-
 void save_array(hid_t file, const std::string& path, const MemoryArray& array) {
   const Handle dataset = open_dataset(file, path);
   const std::vector<hsize_t> chunk = memory_chunk_of(dataset.get());
@@ -136,7 +122,7 @@ void save_array(hid_t file, const std::string& path, const MemoryArray& array) {
     std::span<const std::byte> stored{};
   };
   std::vector<Slot> slots(4 * thread_count(),
-                          Slot{ChunkEncoder(size_of(array.type), level_of(dataset.get()))});
+                          Slot{ChunkEncoder(size_of(array.type), deflate_level(dataset.get()).value_or(0))});
   produce_in_parallel(
       offsets.size(), slots.size(),
       [&](std::size_t i, std::size_t number) {

@@ -19,6 +19,7 @@
 #include "store/hdf5/chunk_source.h"
 #include "store/hdf5/column_reader.h"
 #include "store/hdf5/dataset_list.h"
+#include "store/hdf5/h5_filters.h"
 #include "store/hdf5/infinite_values.h"
 #include "store/hdf5/memory_file.h"
 
@@ -42,18 +43,6 @@ void copy_rows(std::span<const T> from, h5::Type to_type, std::byte* to) {
   }
   if (h5::TypeOf<T>::value != to_type) throw std::logic_error("a column's rows are not of its type");
   std::memcpy(to, from.data(), from.size_bytes());
-}
-
-/// The level of the filter deflate, which the dataset has.
-std::optional<int> deflate_level(hid_t dataset) {
-  const h5::Handle properties(H5Dget_create_plist(dataset), H5Pclose);
-  unsigned level = 0;
-  unsigned flags = 0;
-  std::size_t value_count = 1;
-  if (H5Pget_filter_by_id2(properties.get(), H5Z_FILTER_DEFLATE, &flags, &value_count, &level, 0, nullptr,
-                           nullptr) < 0)
-    return std::nullopt;
-  return static_cast<int>(level);
 }
 
 void require_rows(const TableReader& source, const std::string& column, std::size_t found,
@@ -134,7 +123,7 @@ bool TableWriter::is_stored_alike(hid_t theirs, std::size_t rows, h5::Type type)
   const std::optional<DecodableChunks> chunks = decodable_chunks(theirs, chunk);
   const ChunkFilters filters = compression_ == 0 ? ChunkFilters::deflate : ChunkFilters::shuffle_deflate;
   return chunks && chunks->type == type && chunks->format.filters == filters &&
-         deflate_level(theirs) == compression_;
+         h5::deflate_level(theirs) == compression_;
 }
 
 bool TableWriter::copy_columns(const TableReader& source, std::span<const char* const> names) {

@@ -125,10 +125,8 @@ class Blocks {
 
   void read_plainly(const Extent& first, const Extent& extent, std::span<double> values) const {
     const std::lock_guard lock(h5::library_lock());
-    const h5::Handle space(H5Dget_space(dataset_), H5Sclose);
-    const h5::Handle memory(H5Screate_simple(rank_, extent.data(), nullptr), H5Sclose);
-    if (H5Sselect_hyperslab(space.get(), H5S_SELECT_SET, first.data(), nullptr, extent.data(), nullptr) < 0 ||
-        !h5::read_values(dataset_, H5T_NATIVE_DOUBLE, memory.get(), space.get(), values.data()))
+    const auto count = std::span(extent).first(static_cast<std::size_t>(rank_));
+    if (!h5::read_block(dataset_, H5T_NATIVE_DOUBLE, first, count, values.data()))
       fail(h5::reading_failure());
   }
 
