@@ -39,13 +39,6 @@ std::string text_attribute(hid_t object, const char* name) {
   return h5::read_text_attribute(object, name).value_or("");
 }
 
-/// The name is the first text of a WKT: PROJCRS["name", ...
-std::string crs_name(const std::string& wkt) {
-  const std::size_t begin = wkt.find('"');
-  const std::size_t end = begin == std::string::npos ? begin : wkt.find('"', begin + 1);
-  return end == std::string::npos ? "" : wkt.substr(begin + 1, end - begin - 1);
-}
-
 Json head(const std::filesystem::path& path, const LandfallFileReader& file) {
   const std::string format = text_attribute(file.root(), "format_name");
   Json json = {{"file", path.string()},
@@ -57,7 +50,7 @@ Json head(const std::filesystem::path& path, const LandfallFileReader& file) {
                {"file_id", file.file_id()},
                {"source", text_attribute(file.root(), "source")}};
   const std::string wkt = read_crs(file);
-  json["crs"] = {{"name", crs_name(wkt)}, {"wkt", wkt}, {"place", place_json(wkt)}};
+  json["crs"] = {{"name", name_in_wkt(wkt).value_or("")}, {"wkt", wkt}, {"place", place_json(wkt)}};
   const Json origin = map_position_json(map_positions(wkt, {SitePoint{}}).front());
   if (!origin.empty()) json["crs"]["origin"] = origin;
   return json;
@@ -239,14 +232,11 @@ std::array<std::array<double, 2>, 3> mesh_bounds(const LandfallFileReader& file,
   std::array<std::array<double, 2>, 3> bounds;
   bounds.fill({kInfinity, -kInfinity});
   std::vector<double> values;
-  const h5::Handle space(H5Dget_space(vertices.dataset.get()), H5Sclose);
   for (hsize_t row = 0; row < vertices.shape[0]; row += kRows) {
     const std::array<hsize_t, 2> start = {row, 0};
     const std::array<hsize_t, 2> count = {std::min(kRows, vertices.shape[0] - row), 3};
-    const h5::Handle memory(H5Screate_simple(2, count.data(), nullptr), H5Sclose);
     values.resize(3 * count[0]);
-    H5Sselect_hyperslab(space.get(), H5S_SELECT_SET, start.data(), nullptr, count.data(), nullptr);
-    if (!h5::read_values(vertices.dataset.get(), H5T_NATIVE_DOUBLE, memory.get(), space.get(), values.data()))
+    if (!h5::read_block(vertices.dataset.get(), H5T_NATIVE_DOUBLE, start, count, values.data()))
       file.fail("reading /mesh/vertices failed: " + h5::reading_failure());
     for (std::size_t i = 0; i < values.size(); ++i) {
       bounds[i % 3][0] = std::min(bounds[i % 3][0], values[i]);
@@ -287,13 +277,9 @@ Json features_json(const Json& datasets) {
 /// The first value of a column of /sites; none without a site.
 std::optional<double> first_value(const LandfallFileReader& file, const DatasetEntry& column) {
   if (column.shape.size() != 1 || column.shape[0] == 0) return std::nullopt;
-  const hsize_t first = 0;
-  const hsize_t one = 1;
-  const h5::Handle space(H5Dget_space(column.dataset.get()), H5Sclose);
-  const h5::Handle memory(H5Screate_simple(1, &one, nullptr), H5Sclose);
-  H5Sselect_hyperslab(space.get(), H5S_SELECT_SET, &first, nullptr, &one, nullptr);
+  const std::array<hsize_t, 1> first = {0}, one = {1};
   double value = 0;
-  if (!h5::read_values(column.dataset.get(), H5T_NATIVE_DOUBLE, memory.get(), space.get(), &value))
+  if (!h5::read_block(column.dataset.get(), H5T_NATIVE_DOUBLE, first, one, &value))
     file.fail("reading /sites/" + column.name + " failed: " + h5::reading_failure());
   return value;
 }
@@ -351,12 +337,9 @@ Json describe_file(const std::filesystem::path& path, const DescriptionOptions& 
   for (const Group& group : groups)
     if (group.name == "mesh") json["mesh"] = mesh_json(file, group, options.statistics);
   if (datasets.contains("features")) json["features"] = features_json(datasets);
-  if (h5::exists(file.root(), "metrics_json"))
-    json["metrics"] = parsed(h5::read_text(file.root(), "metrics_json"));
-  if (h5::exists(file.root(), "plan_json")) json["plan"] = parsed(h5::read_text(file.root(), "plan_json"));
-  if (h5::exists(file.root(), "score_json")) json["score"] = parsed(h5::read_text(file.root(), "score_json"));
-  if (h5::exists(file.root(), "verdict_json"))
-    json["verdict"] = parsed(h5::read_text(file.root(), "verdict_json"));
+  for (const std::string part : {"metrics", "plan", "score", "verdict"})
+    if (h5::exists(file.root(), part + "_json"))
+      json[part] = parsed(h5::read_text(file.root(), part + "_json"));
   json["datasets"] = datasets;
   add_provenance(json, file);
   return json;

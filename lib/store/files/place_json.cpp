@@ -6,23 +6,19 @@
 #include "store/files/grid_mapping.h"
 
 namespace landfall {
-namespace {
 
-using Json = nlohmann::ordered_json;
-
-/// The first name in a WKT; null without one.
-Json name_in(const std::string& wkt) {
+std::optional<std::string> name_in_wkt(const std::string& wkt) {
   const std::size_t begin = wkt.find('"');
   const std::size_t end = begin == std::string::npos ? begin : wkt.find('"', begin + 1);
-  return end == std::string::npos ? Json() : Json(wkt.substr(begin + 1, end - begin - 1));
+  return end == std::string::npos ? std::nullopt : std::optional(wkt.substr(begin + 1, end - begin - 1));
 }
 
-}  // namespace
-
-Json place_json(const std::string& crs_wkt) {
+nlohmann::ordered_json place_json(const std::string& crs_wkt) {
+  using Json = nlohmann::ordered_json;
   const MapPlace place = place_of(crs_wkt).value_or(unplaced(crs_wkt));
   Json json;
-  json["map"] = name_in(place.map_wkt.empty() && !is_local_crs(crs_wkt) ? crs_wkt : place.map_wkt);
+  json["map"] =
+      or_null(name_in_wkt(place.map_wkt.empty() && !is_local_crs(crs_wkt) ? crs_wkt : place.map_wkt));
   json["center"] = {finite_json(place.center[0]), finite_json(place.center[1])};
   json["height_m"] = finite_json(place.center[2]);
   json["vertical_datum"] = place.vertical.empty() ? Json() : Json(place.vertical);
