@@ -78,15 +78,6 @@ std::string metric_lines(const Comparison& metrics) {
   return shown == 0 ? "\nnumbers: no difference\n" : text;
 }
 
-/// At most 8 characters, as far as an exponent leaves room for digits.
-std::string statistic_text(const Comparison& value) {
-  if (value.is_null()) return "-";
-  std::string text;
-  for (int digits = 4; digits > 1 && (text.empty() || text.size() > 8); --digits)
-    text = print("%.*g", digits, value.get<double>());
-  return text;
-}
-
 /// The name of a layer and its unit, on a line of their own if the table has no room for them.
 std::string layer_title(const Comparison& layer) {
   const std::string unit = layer["unit"].get<std::string>();
@@ -108,7 +99,7 @@ std::string layer_lines(const Comparison& layers) {
     }
     text += layer_title(layer) + print(" %10s", value_text(layer["valid_both"]).c_str());
     for (const char* const key : {"mean", "std", "nmad", "p05", "p50", "p95"})
-      text += print(" %8s", statistic_text(layer[key]).c_str());
+      text += print(" %8s", layer[key].is_null() ? "-" : statistic_text(layer[key].get<double>()).c_str());
     text += "\n";
   }
   return text;

@@ -38,13 +38,8 @@ std::string integer(const OrderedJson& value) {
   return value.is_number_integer() ? std::to_string(value.get<std::int64_t>()) : "-";
 }
 
-/// At most 8 characters, as far as an exponent leaves room for digits.
 std::string number(const OrderedJson& value) {
-  if (!value.is_number()) return "-";
-  std::string text;
-  for (int digits = 4; digits > 1 && (text.empty() || text.size() > 8); --digits)
-    text = print("%.*g", digits, value.get<double>());
-  return text;
+  return value.is_number() ? statistic_text(value.get<double>()) : "-";
 }
 
 std::string metres(const OrderedJson& value) {

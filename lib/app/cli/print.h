@@ -22,6 +22,14 @@ std::string print(const char* format, Values... values) {
   return text.data();
 }
 
+/// A number of at most 8 characters, as far as an exponent leaves room for digits.
+[[nodiscard]] inline std::string statistic_text(double value) {
+  std::string text;
+  for (int digits = 4; digits > 1 && (text.empty() || text.size() > 8); --digits)
+    text = print("%.*g", digits, value);
+  return text;
+}
+
 /// The columns of the terminal on standard output; none where it is not a terminal.
 [[nodiscard]] inline std::optional<std::size_t> terminal_width() {
   winsize size{};

@@ -54,92 +54,78 @@ void bind_config(CLI::App& app, CommonOptions& o, const Tool& tool) {
       ->type_name("FILE")
       ->expected(1)
       ->allow_extra_args(false)  // the next argument is the input file, not a second value
-      ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll)
-      ->group(kConfiguration);
+      ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
   if (has_presets)
-    app.add_flag("--list-presets", o.list_presets, "List the presets of -c preset:NAME and exit")
-        ->group(kConfiguration);
+    app.add_flag("--list-presets", o.list_presets, "List the presets of -c preset:NAME and exit");
   app.add_option("--set", o.assignments,
                  "Set a configuration value, a.b.c=JSON; repeatable, overrides the file")
       ->type_name("KEY=JSON")
       ->expected(1)
       ->allow_extra_args(false)  // the next argument is the input file, not a second value
-      ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll)
-      ->group(kConfiguration);
+      ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
   if (tool.has_seed)
     app.add_option("--seed", o.seed, "Random seed; overrides the configuration")
         ->type_name("N")
-        ->check(CLI::Range(std::uint64_t{0}, std::uint64_t{9007199254740991}))
-        ->group(kConfiguration);
+        ->check(CLI::Range(std::uint64_t{0}, std::uint64_t{9007199254740991}));
   app.add_flag("--check", o.check_only,
-               "Validate the configuration and exit; data files that it names are not read")
-      ->group(kConfiguration);
-  app.add_flag("--print-config", o.print_config, "Print the resolved configuration and exit")
-      ->group(kConfiguration);
+               "Validate the configuration and exit; data files that it names are not read");
+  app.add_flag("--print-config", o.print_config, "Print the resolved configuration and exit");
   app.add_flag("--print-schema", o.print_schema,
-               "Print the JSON schema of the configuration, with a description of every key, and exit")
-      ->group(kConfiguration);
+               "Print the JSON schema of the configuration, with a description of every key, and exit");
 }
 
 void bind_overwrite(CLI::App& app, CommonOptions& o, const Tool& tool) {
   app.add_flag("-O,--overwrite", o.overwrite,
                tool.writes_folder ? "Replace files of the outputs' names, whatever they are"
-                                  : "Replace an existing output")
-      ->group(kOutput);
+                                  : "Replace an existing output");
 }
 
 void bind_output(CLI::App& app, CommonOptions& o, const Tool& tool) {
   app.add_option("-o,--output", o.output_path,
                  tool.writes_folder ? "Folder of the outputs; made if it does not exist" : "Output file")
-      ->type_name(tool.writes_folder ? "DIR" : "FILE")
-      ->group(kOutput);
+      ->type_name(tool.writes_folder ? "DIR" : "FILE");
   bind_overwrite(app, o, tool);
   app.add_option("--compression", o.compression, "Deflate level of the output; 0: no compression")
       ->type_name("0..9")
       ->check(CLI::Range(0, 9))
-      ->capture_default_str()
-      ->group(kOutput);
-  app.add_flag("--json", o.json_summary, "Print a JSON summary of the run to stdout: times, counts, memory")
-      ->group(kOutput);
+      ->capture_default_str();
+  app.add_flag("--json", o.json_summary, "Print a JSON summary of the run to stdout: times, counts, memory");
 }
 
 void bind_general(CLI::App& app, CommonOptions& o, const Tool& tool) {
   app.add_option("-t,--threads", o.threads, "Number of threads; 0: all cores")
       ->type_name("N")
       ->check(CLI::Range(0, 4096))
-      ->capture_default_str()
-      ->group(kGeneral);
-  app.add_flag("-q,--quiet", o.quiet, "Errors only: no progress, no warnings")->group(kGeneral);
-  app.add_flag("-v,--verbose", o.verbose, "Log each phase to stderr")->group(kGeneral);
+      ->capture_default_str();
+  app.add_flag("-q,--quiet", o.quiet, "Errors only: no progress, no warnings");
+  app.add_flag("-v,--verbose", o.verbose, "Log each phase to stderr");
   app.add_option("--log", o.log_path, "Append all messages of the run to this file, also those that -q omits")
-      ->type_name("FILE")
-      ->group(kGeneral);
+      ->type_name("FILE");
   // A function, because CLI11 sets a flag bound to an optional to false if it is not given.
   app.add_flag_function(
-         "--progress,!--no-progress", [&o](std::int64_t count) { o.progress = count > 0; },
-         "Show progress; default: only if stderr is a terminal")
-      ->group(kGeneral);
-  app.set_version_flag("-V,--version", source_line(tool.name), "Print the version and exit")->group(kGeneral);
+      "--progress,!--no-progress", [&o](std::int64_t count) { o.progress = count > 0; },
+      "Show progress; default: only if stderr is a terminal");
+  app.set_version_flag("-V,--version", source_line(tool.name), "Print the version and exit");
   // Declared again, because CLI11 declares its own help flag before all others.
-  app.set_help_flag("-h,--help", "Print this help and exit")->group(kGeneral);
+  app.set_help_flag("-h,--help", "Print this help and exit");
   app.add_flag("--print-man", o.print_man, "Print the man page and exit")->group(kHidden);
   app.add_flag("--print-completion", o.print_completion, "Print the bash completion and exit")
       ->group(kHidden);
 }
 
 void bind_common(CLI::App& app, CommonOptions& o, const Tool& tool) {
+  app.option_defaults()->group(kConfiguration);
   if (!tool.schema.empty()) bind_config(app, o, tool);
+  app.option_defaults()->group(kOutput);
   if (tool.writes) bind_output(app, o, tool);
   if (tool.writes_side_file) bind_overwrite(app, o, tool);
   if (tool.writes && !tool.schema.empty()) {
     if (!tool.writes_folder)
-      app.add_option("--view", o.view_path, "Also write a picture of the output (.png)")
-          ->type_name("FILE")
-          ->group(kOutput);
+      app.add_option("--view", o.view_path, "Also write a picture of the output (.png)")->type_name("FILE");
     app.add_flag("--record-environment", o.record_environment,
-                 "Record host, time and directory in the output")
-        ->group(kOutput);
+                 "Record host, time and directory in the output");
   }
+  app.option_defaults()->group(kGeneral);
   bind_general(app, o, tool);
 }
 

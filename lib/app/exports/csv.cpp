@@ -63,9 +63,8 @@ void write_points_csv(const PointReader& points, const PointReader::Pass& pass, 
 
 void write_layers_csv(const std::vector<NamedLayer>& layers, std::size_t every, ByteSink& sink,
                       const ProgressCallback& progress) {
-  std::string headings = "x_m,y_m";
-  for (const NamedLayer& layer : layers) headings += "," + name_with_unit(layer.info);
-  sink.write(headings + "\n");
+  const auto heading = [](const NamedLayer& layer) { return name_with_unit(layer.info); };
+  sink.write("x_m,y_m," + joined(layers, ",", heading) + "\n");
   const std::size_t bins =
       std::visit([](const auto& grid) { return grid.values().size(); }, layers.front().values);
   const std::size_t lines = (bins + every - 1) / every;

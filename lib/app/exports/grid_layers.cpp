@@ -46,12 +46,11 @@ std::vector<ContentInfo> GridSource::choose(const std::vector<std::string>& name
     throw UsageError("--layers: all cannot be combined with other names");
   std::vector<ContentInfo> chosen;
   for (const std::string& name : names) {
-    const auto is_it = [&name](const ContentInfo& layer) { return layer.name == name; };
-    const auto found = std::find_if(layers_.begin(), layers_.end(), is_it);
+    const auto found = std::ranges::find(layers_, name, &ContentInfo::name);
     if (found == layers_.end())
       throw UsageError(file_.name() + ": no layer '" + name + "'; it has " +
                        joined(layers_, ", ", &ContentInfo::name));
-    if (std::any_of(chosen.begin(), chosen.end(), is_it))
+    if (std::ranges::count(chosen, name, &ContentInfo::name) > 0)
       throw UsageError("--layers names " + name + " twice");
     chosen.push_back(*found);
   }
@@ -67,9 +66,7 @@ void GridSource::read_strips(const ContentInfo& layer, const std::function<void(
   }
   const std::int64_t step = reader_.tile().row;
   for (std::int64_t row = 0; row < whole.rows; row += step) {
-    GridSpec strip = whole;
-    strip.first_row += row;
-    strip.rows = std::min(step, whole.rows - row);
+    const GridSpec strip = part_of(whole, {row, 0}, std::min(step, whole.rows - row), whole.cols);
     use(reader_.read_window<double>(layer.name, strip));
     report(progress, static_cast<double>(row + strip.rows) / static_cast<double>(whole.rows));
   }

@@ -19,9 +19,20 @@ std::string property_name(const std::string& column) {
   return "scalar_" + (column == name_of(&PointColumns::range_measured) ? "range_meas" : column);
 }
 
-h5::Type written_type(h5::Type type) {
-  return type == h5::Type::int8 || type == h5::Type::int32 || type == h5::Type::float32 ? type
-                                                                                        : h5::Type::float64;
+/// A type of numbers in PLY and PCD files.
+struct WrittenType {
+  h5::Type type;
+  const char* ply;
+  const char* pcd;
+};
+
+/// That of a column; the last for a type that these files do not have.
+const WrittenType& written_as(h5::Type type) {
+  static constexpr std::array kTypes = {
+      WrittenType{h5::Type::int8, "char", "I"}, WrittenType{h5::Type::int32, "int", "I"},
+      WrittenType{h5::Type::float32, "float", "F"}, WrittenType{h5::Type::float64, "double", "F"}};
+  const auto* const found = std::ranges::find(kTypes, type, &WrittenType::type);
+  return found == kTypes.end() ? kTypes.back() : *found;
 }
 
 void append_value(std::string& out, const PointBatch& batch, std::size_t c, std::size_t row, h5::Type type) {
@@ -34,37 +45,6 @@ void append_value(std::string& out, const PointBatch& batch, std::size_t c, std:
       return append_raw(out, static_cast<float>(batch.real(c)[row]));
     default:
       return append_raw(out, batch.number(c, row));
-  }
-}
-
-const char* ply_type(h5::Type type) {
-  switch (type) {
-    case h5::Type::int8:
-      return "char";
-    case h5::Type::int32:
-      return "int";
-    case h5::Type::float32:
-      return "float";
-    default:
-      return "double";
-  }
-}
-
-struct PcdType {
-  char letter;
-  int bytes;
-};
-
-PcdType pcd_type(h5::Type type) {
-  switch (type) {
-    case h5::Type::int8:
-      return {'I', 1};
-    case h5::Type::int32:
-      return {'I', 4};
-    case h5::Type::float32:
-      return {'F', 4};
-    default:
-      return {'F', 8};
   }
 }
 
@@ -97,7 +77,7 @@ std::vector<PointProperty> point_properties(const PointReader& points, const Poi
     if (properties.size() < 3)
       properties.push_back({column, std::string(1, "xyz"[properties.size()]), position});
     else
-      properties.push_back({column, property_name(name), written_type(column.type)});
+      properties.push_back({column, property_name(name), written_as(column.type).type});
   }
   return properties;
 }
@@ -119,7 +99,7 @@ std::string ply_header(const std::vector<PointProperty>& properties, std::size_t
         "comment " + name + ": " + column.name + ", " + column.long_name + ", unit " + column.units + "\n";
   header += "element vertex " + std::to_string(count) + "\n";
   for (const PointProperty& property : properties)
-    header += std::string("property ") + ply_type(property.type) + " " + property.name + "\n";
+    header += std::string("property ") + written_as(property.type).ply + " " + property.name + "\n";
   return header + "end_header\n";
 }
 
@@ -150,11 +130,11 @@ std::string pcd_header(const std::vector<PointProperty>& properties, std::size_t
   std::string types = "TYPE";
   std::string counts = "COUNT";
   for (const auto& [column, name, type] : properties) {
-    const auto [letter, bytes] = pcd_type(type);
+    const WrittenType& as = written_as(type);
     header += "# " + name + ": " + column.name + ", " + column.long_name + ", unit " + column.units + "\n";
     fields += " " + name;
-    sizes += " " + std::to_string(bytes);
-    types += std::string(" ") + letter;
+    sizes += " " + std::to_string(h5::size_of(as.type));
+    types += std::string(" ") + as.pcd;
     counts += " 1";
   }
   const std::string number = std::to_string(count);

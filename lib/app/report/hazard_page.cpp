@@ -151,16 +151,6 @@ Json poses_json(const std::optional<WorstPoses>& poses, const Grid<double>& z) {
   return {{"steepest", pose_json(poses->steepest, z)}, {"roughest", pose_json(poses->roughest, z)}};
 }
 
-Grid<double> part_of(const Grid<double>& map, const GridSpec& window) {
-  Grid<double> part(window);
-  const std::int64_t first_row = window.first_row - map.spec().first_row;
-  const std::int64_t first_col = window.first_col - map.spec().first_col;
-  for (std::int64_t row = 0; row < window.rows; ++row)
-    for (std::int64_t col = 0; col < window.cols; ++col)
-      part.at({row, col}) = map.at({first_row + row, first_col + col});
-  return part;
-}
-
 /// Bins on each side of a site that show the lander with some room.
 std::int64_t crop_half_bins(const Lander& lander, double resolution_m) {
   constexpr double kRoom = 1.15;
@@ -178,7 +168,7 @@ Json sites_of(const HazardReport& content, const std::string& elevation, Packer&
     const std::int64_t factor = reduction_factor(window, kMaxCropCells);
     ReportLayer layer{elevation, "Elevation", "m"};
     Json crop = grid_json(window, factor);
-    crop["layers"] = {packer.keep(reduced_layer(std::move(layer), part_of(z, window), factor),
+    crop["layers"] = {packer.keep(reduced_layer(std::move(layer), cut_out(z, window), factor),
                                   "site-" + std::to_string(k + 1))};
     sites[k]["crop"] = std::move(crop);
     sites[k]["poses"] = poses_json(worst_poses(z, content.parameters, bin), z);

@@ -147,8 +147,7 @@ BinMask square_region(const GridSpec& dem, double half_width_m) {
 }
 
 std::int64_t count_set(const BinMask& mask) {
-  return static_cast<std::int64_t>(
-      std::count_if(mask.values().begin(), mask.values().end(), [](std::int8_t v) { return v != 0; }));
+  return std::ranges::count_if(mask.values(), [](std::int8_t v) { return v != 0; });
 }
 
 }  // namespace landfall

@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cctype>
 #include <cmath>
 #include <limits>
 #include <memory>
@@ -52,15 +51,20 @@ std::string named_array(const std::string& path) {
   return name.substr(std::min(name.find_first_not_of('/'), name.size()));
 }
 
+/// Whether the last two dimensions of an array, which has so many, are those of a raster.
+bool has_size(const GDALMDArray& array, const RasterSize& size) {
+  const auto& dimensions = array.GetDimensions();
+  const auto length = [&](std::size_t from_end) {
+    return static_cast<std::int64_t>(dimensions[dimensions.size() - from_end]->GetSize());
+  };
+  return length(1) == size.cols && length(2) == size.rows;
+}
+
 void add_arrays(const Group& group, const RasterSize& size, int depth, std::vector<Array>& found) {
   for (const std::string& name : group->GetMDArrayNames()) {
     Array array = group->OpenMDArray(name);
     if (!array || array->GetDimensionCount() < 2) continue;
-    const auto& dimensions = array->GetDimensions();
-    const auto length = [&](std::size_t from_end) {
-      return static_cast<std::int64_t>(dimensions[dimensions.size() - from_end]->GetSize());
-    };
-    if (length(1) == size.cols && length(2) == size.rows) found.push_back(std::move(array));
+    if (has_size(*array, size)) found.push_back(std::move(array));
   }
   if (depth == 0) return;
   for (const std::string& name : group->GetGroupNames())
@@ -263,11 +267,9 @@ FileArray description(const GDALMDArray& array) {
   return result;
 }
 
-/// The distance of a coordinate from the line through the first and the last one.
-double departure(const FileAxis& axis, std::size_t i) {
-  const double steps = static_cast<double>(axis.values.size() - 1);
-  const double step = (axis.values.back() - axis.values.front()) / steps;
-  return std::abs(axis.values[i] - (axis.values.front() + static_cast<double>(i) * step));
+/// From a coordinate to the next, in the mean.
+double step_of_axis(const FileAxis& axis) {
+  return (axis.values.back() - axis.values.front()) / static_cast<double>(axis.values.size() - 1);
 }
 
 void require_even(const FileAxis& axis, const DemBase& dem) {
@@ -278,12 +280,11 @@ void require_even(const FileAxis& axis, const DemBase& dem) {
   };
   for (std::size_t i = 0; i < axis.values.size(); ++i)
     if (!std::isfinite(axis.values[i])) refuse(i, "is not finite");
-  const double step =
-      (axis.values.back() - axis.values.front()) / static_cast<double>(axis.values.size() - 1);
+  const double step = step_of_axis(axis);
   if (step == 0) refuse(axis.values.size() - 1, "is that of the first one: there is no spacing");
   constexpr double kTolerance = 1e-3;  // of a pixel
   for (std::size_t i = 1; i < axis.values.size(); ++i) {
-    const double off = departure(axis, i);
+    const double off = std::abs(axis.values[i] - (axis.values.front() + static_cast<double>(i) * step));
     if (off <= kTolerance * std::abs(step)) continue;
     if (off > 4 * axis.rounding)
       refuse(i, "is off the even spacing of " + number_text(step) + " from the first to the last value");
@@ -304,11 +305,7 @@ std::optional<FileArray> file_array(const OpenRaster& raster, const DemBase& dem
   const Array array = root ? array_of(raster, dem, root) : nullptr;
   if (!array || array->GetDimensionCount() < 2 || array->GetDataType().GetClass() != GEDTC_NUMERIC)
     return std::nullopt;
-  const auto& dimensions = array->GetDimensions();
-  const auto length = [&](std::size_t from_end) {
-    return static_cast<std::int64_t>(dimensions[dimensions.size() - from_end]->GetSize());
-  };
-  if (length(1) != raster.size.cols || length(2) != raster.size.rows) return std::nullopt;
+  if (!has_size(*array, raster.size)) return std::nullopt;
   FileArray result = description(*array);
   const std::optional<bool> reversed = RowComparison(raster, *array, dem.band).reversed(dem.path);
   result.rows_reversed = reversed.value_or(false);  // of a symmetric array both orders are right
@@ -322,11 +319,8 @@ std::optional<std::array<double, 6>> axes_transform(const FileArray& array, cons
   require_even(columns, dem);
   require_even(rows, dem);
   if (array.rows_reversed) std::ranges::reverse(rows.values);
-  const auto step = [](const FileAxis& axis) {
-    return (axis.values.back() - axis.values.front()) / static_cast<double>(axis.values.size() - 1);
-  };
-  const double column_step = step(columns);
-  const double row_step = step(rows);
+  const double column_step = step_of_axis(columns);
+  const double row_step = step_of_axis(rows);
   const double column_edge = columns.values.front() - column_step / 2;
   const double row_edge = rows.values.front() - row_step / 2;
   const bool transposed = columns.is_northing || rows.is_easting;

@@ -28,9 +28,8 @@ Range range_of_tiles(const LayerFile& source, const ProgressCallback& progress) 
   const GridSpec& spec = source.layers.spec();
   Range range{std::numeric_limits<double>::infinity(), -std::numeric_limits<double>::infinity()};
   for (std::int64_t row = 0; row < spec.rows; row += source.layers.tile().row) {
-    GridSpec strip = spec;
-    strip.first_row += row;
-    strip.rows = std::min(source.layers.tile().row, spec.rows - row);
+    const GridSpec strip =
+        part_of(spec, {row, 0}, std::min(source.layers.tile().row, spec.rows - row), spec.cols);
     const Grid<double> nodes = source.layers.read_window<double>("z", strip);
     for (const double z : nodes.values()) {
       if (z < range[0]) range[0] = z;
