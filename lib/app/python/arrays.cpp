@@ -12,7 +12,6 @@
 #include "base/raster/grid_spec.h"
 #include "chain/terrain/relief/terrain_generator.h"
 #include "formats/gdal/gdal_loader.h"
-#include "store/files/crs.h"
 #include "store/files/imported_scan.h"
 #include "store/files/terrain_file.h"
 

@@ -3,9 +3,7 @@
 #include <pybind11/stl.h>
 
 #include <cstddef>
-#include <limits>
 #include <memory>
-#include <mutex>
 #include <utility>
 
 #include "app/host/lidar.h"

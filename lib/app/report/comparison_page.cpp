@@ -2,7 +2,6 @@
 #include "app/report/comparison_page.h"
 
 #include <algorithm>
-#include <cmath>
 #include <utility>
 
 #include "app/report/escape.h"

@@ -3,7 +3,6 @@
 #include "app/runs/default_grid.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <functional>
 #include <limits>

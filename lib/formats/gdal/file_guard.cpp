@@ -10,7 +10,6 @@
 #include <cpl_vsi_virtual.h>
 
 #include <algorithm>
-#include <cctype>
 #include <cerrno>
 #include <filesystem>
 #include <map>

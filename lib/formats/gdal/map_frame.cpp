@@ -7,7 +7,6 @@
 #include <cmath>
 #include <memory>
 #include <numbers>
-#include <utility>
 
 #include "chain/terrain/site_wkt.h"
 #include "formats/gdal/gdal_errors.h"

@@ -8,7 +8,6 @@
 #include <cmath>
 #include <limits>
 #include <memory>
-#include <string_view>
 #include <vector>
 
 #include "base/text/characters.h"

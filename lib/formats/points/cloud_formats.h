@@ -4,7 +4,6 @@
 #include <array>
 #include <cstdint>
 #include <memory>
-#include <optional>
 
 #include "base/text/stored_number.h"
 #include "formats/points/cloud_bytes.h"
