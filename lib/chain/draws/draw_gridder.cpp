@@ -36,15 +36,14 @@ DrawGridder::DrawGridder(const TrueRanges& truth, const GridSpec& grid,
   if (device) device_ = std::make_unique<DeviceGridder>(truth, grid, *device);
 }
 
-template <class Bins>
-void DrawGridder::take_values(const Bins& bins, TruthAt truth_at, const TerrainSurface& truth,
+void DrawGridder::take_values(const ReadBins& read, TruthAt truth_at, const TerrainSurface& truth,
                               DrawnDem& dem) const {
   require_layers(dem, grid_);
   const auto elevation = [&](double x_m, double y_m) { return truth.elevation(x_m, y_m); };
   parallel_for(static_cast<std::size_t>(grid_.rows), 16, [&](std::size_t begin, std::size_t end) {
     std::vector<BinValues> row(static_cast<std::size_t>(grid_.cols));
     for (auto r = static_cast<std::int64_t>(begin); r < static_cast<std::int64_t>(end); ++r) {
-      bins.values({r, 0}, row);
+      read({r, 0}, row);
       for (std::int64_t c = 0; c < grid_.cols; ++c) {
         const BinIndex bin{r, c};
         const BinValues& values = row[static_cast<std::size_t>(c)];
@@ -60,7 +59,10 @@ void DrawGridder::take_values(const Bins& bins, TruthAt truth_at, const TerrainS
 
 void DrawGridder::draw(const Simulation& simulation, Method method, TruthAt truth_at,
                        const TerrainSurface& truth, DrawnDem& dem) {
-  if (device_ && device_->draw(simulation, method)) return take_values(*device_, truth_at, truth, dem);
+  if (device_ && device_->draw(simulation, method)) {
+    const auto read = [this](BinIndex first, std::span<BinValues> out) { device_->values(first, out); };
+    return take_values(read, truth_at, truth, dem);
+  }
   Accumulator& bins = empty_bins(method);
   const auto rows = static_cast<std::int64_t>(simulation.rows_per_pulse());
   const std::int64_t pulses_per_pass = std::max<std::int64_t>(1, points_per_pass() / rows);
@@ -70,15 +72,19 @@ void DrawGridder::draw(const Simulation& simulation, Method method, TruthAt trut
       bins.add(points());
     }
   } while (bins.end_pass());
-  take_values(bins, truth_at, truth, dem);
+  const auto read = [&](BinIndex first, std::span<BinValues> out) { bins.take_values(first, out); };
+  take_values(read, truth_at, truth, dem);
+  are_empty_ = bins.forgets();
 }
 
 Accumulator& DrawGridder::empty_bins(Method method) {
-  if (!bins_ || method != method_ || !bins_->clear()) {
+  if (!are_empty_ || method != method_) {
     bins_.reset();  // the old bins first, so that both never exist at once
     bins_ = make_accumulator(method, grid_);
     method_ = method;
   }
+  are_empty_ = false;
+  bins_->restart();
   return *bins_;
 }
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <span>
@@ -66,9 +67,9 @@ class DrawGridder {
   /// All points of the batch, in order: those without an estimate are NaN, which reach no bin. Valid until
   /// the batch changes. The times are zeros: no layer of the DEM that is judged needs them.
   [[nodiscard]] GridPoints points();
-  /// `bins` are those of the device, or an Accumulator.
-  template <class Bins>
-  void take_values(const Bins& bins, TruthAt truth_at, const TerrainSurface& truth, DrawnDem& dem) const;
+  /// Fills the values of bins of the device, or of an Accumulator, from `first` on along its row.
+  using ReadBins = std::function<void(BinIndex first, std::span<BinValues> out)>;
+  void take_values(const ReadBins& read, TruthAt truth_at, const TerrainSurface& truth, DrawnDem& dem) const;
 
   TrueRanges truth_;
   GridSpec grid_;
@@ -78,6 +79,7 @@ class DrawGridder {
   std::unique_ptr<DeviceGridder> device_;
   std::unique_ptr<Accumulator> bins_;
   Method method_ = Method::bilinear_nearest;  ///< of the bins
+  bool are_empty_ = false;                    ///< the bins, after a draw that took their values
 };
 
 }  // namespace landfall

@@ -53,8 +53,11 @@ class Accumulator {
   /// Valid after the last pass.
   virtual void values(BinIndex first, std::span<BinValues> out) const = 0;
 
-  /// Forgets all returns, so that the memory can be used for another DEM; false for a method that cannot.
-  virtual bool clear() { return false; }
+  /// values(); if forgets(), the bins are empty after it, for which they are in the cache now. Once all are
+  /// taken and restart() is called, the memory can be used for another DEM.
+  virtual void take_values(BinIndex first, std::span<BinValues> out) { values(first, out); }
+  [[nodiscard]] virtual bool forgets() const { return false; }
+  void restart() { inside_count_ = outside_count_ = 0; }
 
   static constexpr std::int64_t kMaxReturns = std::numeric_limits<std::int32_t>::max();
 
@@ -73,7 +76,6 @@ class Accumulator {
       throw FormatError("more than " + std::to_string(kMaxReturns) +
                         " returns lie in the grid, the most that one DEM can count; give fewer scans");
   }
-  void clear_counts() { inside_count_ = outside_count_ = 0; }
 
  private:
   GridSpec spec_;

@@ -64,17 +64,6 @@ std::size_t run_length(std::span<const std::uint64_t> part, std::size_t first) {
 WeightedMeanAccumulator::WeightedMeanAccumulator(const GridSpec& spec, Weights weights)
     : Accumulator(spec), weights_(weights), bins_(spec.size()) {}
 
-bool WeightedMeanAccumulator::clear() {
-  constexpr std::size_t kBinsPerPiece = std::size_t{1} << 16U;
-  const std::span<BinSums> bins = bins_.values();
-  parallel_for(bins.size(), kBinsPerPiece, [&](std::size_t begin, std::size_t end) {
-    std::fill(bins.begin() + static_cast<std::ptrdiff_t>(begin),
-              bins.begin() + static_cast<std::ptrdiff_t>(end), BinSums{});
-  });
-  clear_counts();
-  return true;
-}
-
 void WeightedMeanAccumulator::add(const GridPoints& points) {
   std::size_t outside = 0;
   for (std::size_t begin = 0; begin < points.size(); begin += kPointsPerMeanPass) {
@@ -123,6 +112,11 @@ std::size_t WeightedMeanAccumulator::add_part(const GridPoints& points, std::spa
 void WeightedMeanAccumulator::values(BinIndex first, std::span<BinValues> out) const {
   const std::span<const BinSums> sums = bins().subspan(spec().index(first), out.size());
   std::ranges::transform(sums, out.begin(), [](const BinSums& bin) { return values_of(bin); });
+}
+
+void WeightedMeanAccumulator::take_values(BinIndex first, std::span<BinValues> out) {
+  values(first, out);
+  std::ranges::fill(bins_.values().subspan(spec().index(first), out.size()), BinSums{});
 }
 
 }  // namespace landfall

@@ -32,7 +32,8 @@ class WeightedMeanAccumulator final : public Accumulator {
 
   void add(const GridPoints& points) override;
   void values(BinIndex first, std::span<BinValues> out) const override;
-  bool clear() override;
+  void take_values(BinIndex first, std::span<BinValues> out) override;
+  [[nodiscard]] bool forgets() const override { return true; }
 
   /// Row-major, y ascending.
   [[nodiscard]] std::span<const BinSums> bins() const { return bins_.values(); }
