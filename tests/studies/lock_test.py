@@ -17,7 +17,10 @@ PATIENCE_S = 300  # no test takes this long; a busy machine may take a while
 
 
 def children_of(pid):
-    return [int(child) for child in read(f"/proc/{pid}/task/{pid}/children").split()]
+    try:
+        return [int(child) for child in read(f"/proc/{pid}/task/{pid}/children").split()]
+    except (FileNotFoundError, ProcessLookupError):  # it has ended
+        return []
 
 
 def processes_under(pid):
