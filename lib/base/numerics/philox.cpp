@@ -110,7 +110,7 @@ HWY_EXPORT(Uniforms);
 void single_uniforms(const PhiloxRow& row, std::size_t begin, std::span<double> first,
                      std::span<double> second) {
   for (std::size_t k = begin; k < first.size(); ++k) {
-    const auto words = r123::Philox4x64()({{row.i, row.first_j + k, row.draw, 0}}, row.key);
+    const auto words = philox_block(row.key, row.i, row.first_j + k, row.draw);
     first[k] = uniform_of(words[0]);
     if (!second.empty()) second[k] = uniform_of(words[1]);
   }

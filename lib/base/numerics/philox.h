@@ -16,6 +16,12 @@ struct PhiloxRow {
   std::uint64_t draw;
 };
 
+/// The block with the counter (i, j, draw, 0).
+[[nodiscard]] inline r123::Philox4x64::ctr_type philox_block(r123::Philox4x64::key_type key, std::uint64_t i,
+                                                             std::uint64_t j, std::uint64_t draw) {
+  return r123::Philox4x64()({{i, j, draw, 0}}, key);
+}
+
 /// The upper 53 bits of a word as a multiple of 2^-53 in [0, 1).
 [[nodiscard]] inline double uniform_of(std::uint64_t word) {
   return static_cast<double>(static_cast<std::int64_t>(word >> 11U)) * 0x1p-53;

@@ -54,7 +54,7 @@ class RandomField {
 
   /// Uniform in [0, 1), a multiple of 2^-53.
   [[nodiscard]] double uniform(std::uint64_t i, std::uint64_t j = 0) const {
-    return uniform_of(block(i, j)[0]);
+    return uniform_of(philox_block(key_, i, j, draw_)[0]);
   }
   /// out[k] = 1 where uniform(i, first_j + k) < limit, otherwise 0.
   void find_less(std::uint64_t i, std::uint64_t first_j, double limit, std::span<std::int8_t> out) const;
@@ -67,13 +67,7 @@ class RandomField {
   void normals_along_i(std::uint64_t first_i, std::uint64_t j, std::span<double> out) const;
 
  private:
-  using Generator = r123::Philox4x64;
-
-  [[nodiscard]] Generator::ctr_type block(std::uint64_t i, std::uint64_t j) const {
-    return Generator{}(Generator::ctr_type{{i, j, draw_, 0}}, key_);
-  }
-
-  Generator::key_type key_;
+  r123::Philox4x64::key_type key_;
   std::uint64_t draw_;
 };
 
