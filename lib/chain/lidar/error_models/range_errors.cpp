@@ -46,6 +46,10 @@ bool RangeErrors::is_dead(std::int64_t pixel) const {
 }
 
 void RangeErrors::find_dropouts(std::int64_t pulse, std::span<std::int8_t> is_dropped) const {
+  if (parameters_.dropout_frac == 0) {  // skips the draws, none of which is less
+    std::ranges::fill(is_dropped, std::int8_t{0});
+    return;
+  }
   const PulsePixel first{pulse, 0};
   dropout_.find_less(first.i(), first.j(), parameters_.dropout_frac, is_dropped);
 }

@@ -41,8 +41,6 @@ class RangeErrors {
   [[nodiscard]] bool is_noisy() const { return is_noisy_; }
   /// Whether the pixel is dead: one Bernoulli draw per pixel, for all pulses.
   [[nodiscard]] bool is_dead(std::int64_t pixel) const;
-  /// False: no pixel misses a pulse.
-  [[nodiscard]] bool has_dropouts() const { return parameters_.dropout_frac > 0; }
   /// Whether each pixel of a pulse, from pixel 0 on, misses it: one Bernoulli draw per pixel and pulse. All
   /// at once, for single draws take more than twice as long.
   void find_dropouts(std::int64_t pulse, std::span<std::int8_t> is_dropped) const;

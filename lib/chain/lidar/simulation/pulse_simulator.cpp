@@ -302,8 +302,8 @@ void PulseSimulator::require_above_terrain(const PulseInput& pulse, const Point<
 void PulseSimulator::find_statuses(std::int64_t pulse, const AimedPulse& aimed, const ReceivedPulse& received,
                                    MeasuredPulse& measured) const {
   const std::size_t pixels = aimed.beams.size();
-  measured.is_dropped.assign(pixels, 0);
-  if (lidar_.range_errors.has_dropouts()) lidar_.range_errors.find_dropouts(pulse, measured.is_dropped);
+  measured.is_dropped.resize(pixels);
+  lidar_.range_errors.find_dropouts(pulse, measured.is_dropped);
   measured.statuses.resize(pixels);
   const std::span<PointStatus> statuses = measured.statuses;
   const std::size_t max_count = lidar_.receiver.max_returns();
@@ -429,9 +429,11 @@ void PulseSimulator::record_estimate(const PulseInput& pulse, std::size_t first_
   const MeasuredPulse& measured = workspace.measured;
   const std::size_t pixels = dead_map_.size();
   const std::size_t max_count = lidar_.receiver.max_returns();
-  std::vector<double>& ranges_m = workspace.reported_m;
+  std::vector<double>& ranges_m = workspace.row_measured_m;
   ranges_m.resize(rows_per_pulse());
-  if (measured.detections.empty() && !lidar_.range_errors.has_false_returns()) {
+  const bool is_plain = measured.detections.empty() && !lidar_.range_errors.has_false_returns() &&
+                        out.intensity.empty() && out.return_number.empty();
+  if (is_plain) {
     std::ranges::copy(measured.statuses, &out.status[first_row]);
     for (std::size_t i = 0; i < pixels; ++i)
       ranges_m[i] = measured.statuses[i] == PointStatus::returned ? measured.measured_m[i] : kNan;
@@ -458,13 +460,13 @@ void PulseSimulator::record_truth(const PulseInput& pulse, std::size_t first_row
                                   PulseWorkspace& workspace) const {
   const std::size_t max_count = lidar_.receiver.max_returns();
   const std::size_t rows = rows_per_pulse();
-  std::vector<double>& shown_m = workspace.shown_m;
+  std::vector<double>& shown_m = workspace.row_shown_m;
   shown_m.resize(rows);
   for (std::size_t i = 0, k = 0; k < rows; ++i) {
     const double range_m = workspace.received.ranges_m[i];
     for (const std::size_t end = k + max_count; k < end; ++k) {
       const bool has_no_hit = std::isnan(range_m) && out.status[first_row + k] == PointStatus::false_return;
-      shown_m[k] = has_no_hit ? workspace.reported_m[k] : range_m;
+      shown_m[k] = has_no_hit ? workspace.row_measured_m[k] : range_m;
     }
   }
   beam_points(workspace.aimed.T_dem_lidar, workspace.aimed.beams, shown_m,

@@ -97,7 +97,7 @@ struct MeasuredPulse {
   std::vector<Detection> detections;    ///< by pixel, then return; empty without a receiver
   std::vector<double> reported_m;       ///< the ranges of one return of each pixel, before range errors
   std::vector<double> measured_m;       ///< by return, then pixel
-  std::vector<std::int8_t> is_dropped;  ///< of the pixels; all 0 unless the lidar has dropouts
+  std::vector<std::int8_t> is_dropped;  ///< of the pixels
   std::vector<PointStatus> statuses;    ///< of the pixels, without false returns
 };
 
@@ -107,8 +107,8 @@ struct PulseWorkspace {
   TracedPulse traced;
   ReceivedPulse received;
   MeasuredPulse measured;
-  std::vector<double> reported_m;  ///< the measured range of each row; NaN without a return
-  std::vector<double> shown_m;     ///< the range of each row's true point
+  std::vector<double> row_measured_m;  ///< the measured range of each row; NaN without a return
+  std::vector<double> row_shown_m;     ///< the range of each row's true point
 };
 
 /// One pulse from poses to points, independent of a Trajectory: a host simulator can step it with its own

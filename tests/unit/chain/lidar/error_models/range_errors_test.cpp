@@ -29,7 +29,7 @@ double fraction_of(const auto& happens) {
 
 bool is_dropped(const RangeErrors& errors, PulsePixel where) {
   std::vector<std::int8_t> all(static_cast<std::size_t>(where.pixel) + 1);
-  if (errors.has_dropouts()) errors.find_dropouts(where.pulse, all);
+  errors.find_dropouts(where.pulse, all);
   return all.back() != 0;
 }
 
