@@ -11,8 +11,8 @@ namespace landfall {
 
 /// One batch of returns, column by column, all of the same length. Metres in frame D; t in seconds. `_est` is
 /// the estimated position of the return (Eq. 7), `_true` where it really lies. All values of a return are
-/// finite: the code that reads returns from files checks that (ScanReader), gridding does not. A point whose
-/// estimate is NaN is no return and reaches no bin.
+/// finite: the code that reads returns from files checks that (ScanReader), gridding does not. A point
+/// without an estimate has a NaN position: it is not a return, and falls in no bin.
 struct GridPoints {
   using Columns = std::array<std::span<const double>, 7>;
 
