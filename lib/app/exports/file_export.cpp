@@ -231,7 +231,8 @@ std::string float_remark(const std::optional<MapFrame>& map, double rounding, co
   std::string remark;
   if (map)
     remark = "x, y and z are relative to the translation of VIEWPOINT, " +
-             joined(pcd_offset(map), ", ", number_text) + " in " + map->crs_name;
+             joined(pcd_offset(map), ", ", [](double value) { return number_text(value); }) + " in " +
+             map->crs_name;
   if (rounding_m > kVisible_m)
     remark += std::string(map ? "; they" : "x, y and z") + " are rounded to float32, by up to " +
               short_number(1000 * rounding_m) + " mm; a .ply keeps them";

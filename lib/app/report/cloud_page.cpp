@@ -19,7 +19,7 @@
 namespace landfall::html_report {
 namespace {
 
-using Json = nlohmann::ordered_json;
+using OrderedJson = nlohmann::ordered_json;
 
 constexpr int kPlaceSteps = 50000;  ///< 2 mm of 100 m
 constexpr int kCloudErrorSteps = 500;
@@ -66,11 +66,11 @@ constexpr Described kColumns[] = {
 };
 
 /// The colours are Okabe and Ito's.
-Json status_flags(const std::vector<double>& status) {
+OrderedJson status_flags(const std::vector<double>& status) {
   const auto flag = [&](PointStatus value, const char* text, std::uint32_t color) {
     const auto code = static_cast<int>(value);
     const auto count = std::ranges::count(status, static_cast<double>(code));
-    return Json{{"bits", 1 << code}, {"text", text}, {"color", css_color(color)}, {"count", count}};
+    return OrderedJson{{"bits", 1 << code}, {"text", text}, {"color", css_color(color)}, {"count", count}};
   };
   return {flag(PointStatus::false_return, "false return", 0xd55e00),
           flag(PointStatus::returned, "return", 0x0072b2)};
@@ -105,12 +105,12 @@ std::vector<std::uint16_t> half_of(const std::vector<std::uint32_t>& codes, unsi
 }
 
 struct PageColumn {
-  Json description;
+  OrderedJson description;
   std::vector<std::pair<std::string, std::string>> packed;
 };
 
 PageColumn page_column(const CloudContent& content, const Described& d, std::vector<double> values) {
-  Json flags = nullptr;
+  OrderedJson flags = nullptr;
   if (std::string(d.style) == "classes") {
     flags = status_flags(values);
     for (double& value : values) value = portable::exp2(value);  // flags need the bit of a status
@@ -184,7 +184,7 @@ ReportData cloud_data(const CloudContent& content) {
       columns[i] = page_column(content, *present[i].first, std::move(present[i].second));
   });
   ReportData data;
-  Json layers = Json::array();
+  OrderedJson layers = OrderedJson::array();
   for (PageColumn& column : columns) {
     layers.push_back(std::move(column.description));
     std::ranges::move(column.packed, std::back_inserter(data.packed));

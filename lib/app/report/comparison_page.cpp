@@ -11,7 +11,7 @@
 namespace landfall::html_report {
 namespace {
 
-using Json = nlohmann::ordered_json;
+using OrderedJson = nlohmann::ordered_json;
 
 /// The bits of a layer of flags, or 2^value of one of classes; 0 where there is no class.
 Grid<std::int32_t> class_bits(const Grid<double>& values, bool are_classes) {
@@ -58,20 +58,20 @@ ReportLayer difference_of(const ReportLayer& layer, const Grid<double>& a, const
   return reduced_layer(std::move(result), difference, factor);
 }
 
-std::string answer_html(const Json& answer) {
+std::string answer_html(const OrderedJson& answer) {
   if (!answer.is_object()) return "<p>Nothing judges files of this kind; the differences are below.</p>";
   std::string text = "<ul id=\"answer-points\">\n";
-  for (const Json& point : answer["points"])
+  for (const OrderedJson& point : answer["points"])
     text += "<li data-change=\"" + html_text(point["change"].get<std::string>()) + "\"><b>" +
             html_text(point["name"].get<std::string>()) +
             "</b>: " + html_text(point["text"].get<std::string>()) + "</li>\n";
   text += "</ul>\n";
-  for (const Json& note : answer["notes"])
+  for (const OrderedJson& note : answer["notes"])
     text += "<p>Note: " + html_text(note.get<std::string>()) + ".</p>\n";
   return text;
 }
 
-std::string answer_banner_html(const Json& answer) {
+std::string answer_banner_html(const OrderedJson& answer) {
   if (!answer.is_object()) return "";
   const std::string conclusion = answer["conclusion"].get<std::string>();
   const char* const style = conclusion == "better" ? "pass" : conclusion == "worse" ? "fail" : "unjudged";
@@ -79,7 +79,7 @@ std::string answer_banner_html(const Json& answer) {
          html_text(answer["sentence"].get<std::string>()) + "</div>";
 }
 
-std::string side_html(const char* name, const Json& side) {
+std::string side_html(const char* name, const OrderedJson& side) {
   return std::string(name) + " " + html_text(side["file"].get<std::string>()) + " <code>" +
          html_text(side["file_id"].get<std::string>()) + "</code>";
 }
@@ -105,19 +105,20 @@ void ComparisonReport::take(const std::string& kind, const ContentInfo& layer, c
   }
 }
 
-std::string ComparisonReport::page(const Json& comparison) const {
-  const Json answer = comparison.value("answer", Json());
+std::string ComparisonReport::page(const OrderedJson& comparison) const {
+  const OrderedJson answer = comparison.value("answer", OrderedJson());
   Packer packer;
-  Json list = Json::array();
+  OrderedJson list = OrderedJson::array();
   for (const ReportLayer& layer : layers_)
     list.push_back(packer.add(layer, "layer" + std::to_string(list.size())));
   ReportData data;
-  data.values = {{"grid", grid_ ? grid_json(*grid_, reduction_factor(*grid_, kMaxCells)) : Json(nullptr)},
-                 {"region", Json::object()},
-                 {"colors", colors_json()},
-                 {"layers", std::move(list)},
-                 {"groups", titles_},
-                 {"comparison", comparison}};
+  data.values = {
+      {"grid", grid_ ? grid_json(*grid_, reduction_factor(*grid_, kMaxCells)) : OrderedJson(nullptr)},
+      {"region", OrderedJson::object()},
+      {"colors", colors_json()},
+      {"layers", std::move(list)},
+      {"groups", titles_},
+      {"comparison", comparison}};
   data.packed = packer.pack();
   const std::string title = "Two files of kind " + comparison["kind"].get<std::string>() + " compared";
   return page_html("comparison.html", {{"title", html_text(title)},

@@ -27,7 +27,7 @@
 namespace landfall::html_report {
 namespace {
 
-using Json = nlohmann::ordered_json;
+using OrderedJson = nlohmann::ordered_json;
 
 /// The layers in the order of the page.
 class DrawsLayers {
@@ -35,7 +35,7 @@ class DrawsLayers {
   DrawsLayers(const Draws& draws, std::int64_t factor, Packer& packer)
       : draws_(draws), maps_(*draws.maps), factor_(factor), packer_(packer) {}
 
-  [[nodiscard]] Json all() {
+  [[nodiscard]] OrderedJson all() {
     if (draws_.map_truth) add("z_true_map", *draws_.map_truth);
     add("in_region", *draws_.region);
     add("p_invalid", share_of_draws(maps_.invalid, maps_.draws, nullptr));
@@ -71,11 +71,11 @@ class DrawsLayers {
   const DrawMaps& maps_;
   std::int64_t factor_;
   Packer& packer_;
-  Json list_ = Json::array();
+  OrderedJson list_ = OrderedJson::array();
 };
 
-Json values_json(const DrawColumn& column, std::int64_t shown) {
-  Json values = Json::array();
+OrderedJson values_json(const DrawColumn& column, std::int64_t shown) {
+  OrderedJson values = OrderedJson::array();
   for (std::int64_t i = 0; i < shown; ++i)
     values.push_back(finite_json(column.values[static_cast<std::size_t>(i)]));
   return {{"name", column.name}, {"values", std::move(values)}};
@@ -84,9 +84,9 @@ Json values_json(const DrawColumn& column, std::int64_t shown) {
 std::string unit_name(const std::string& unit) { return unit == "fraction" ? "frac" : unit; }
 
 /// A requirement whose columns begin with `path`.
-Json requirement_json(const DrawTable& table, const std::string& path, const std::string& name,
-                      std::int64_t shown) {
-  Json requirement = values_json(*find_metric(table, path + ".value"), shown);
+OrderedJson requirement_json(const DrawTable& table, const std::string& path, const std::string& name,
+                             std::int64_t shown) {
+  OrderedJson requirement = values_json(*find_metric(table, path + ".value"), shown);
   requirement["name"] = name;
   requirement["limits"] = values_json(*find_metric(table, path + ".limit"), shown)["values"];
   requirement["pass"] = values_json(*find_metric(table, path + ".pass"), shown)["values"];
@@ -124,8 +124,8 @@ std::optional<DrawColumn> largest_of(const DrawTable& table, const std::vector<s
 /// The length that decides a requirement, in each draw, and its limit: a passing count of 0 footprints shows
 /// no margin. Null for a requirement without one, for draws that keep only the counts, and where the limit
 /// varies.
-Json deciding_json(const DrawTable& table, const dictionary::Requirement& words, const nlohmann::json& limits,
-                   std::int64_t shown) {
+OrderedJson deciding_json(const DrawTable& table, const dictionary::Requirement& words,
+                          const nlohmann::json& limits, std::int64_t shown) {
   const std::string limit = words.worst_limit;
   const std::vector<std::string> worst = split_words(words.worst);
   const bool varies = std::ranges::any_of(
@@ -137,10 +137,11 @@ Json deciding_json(const DrawTable& table, const dictionary::Requirement& words,
       {"values", values_json(*largest, shown)["values"]}, {"limit", limits.at(limit)}, {"metrics", worst}};
 }
 
-Json requirements_json(const DrawTable& table, const nlohmann::json& config, std::int64_t shown) {
-  Json list = Json::array();
+OrderedJson requirements_json(const DrawTable& table, const nlohmann::json& config, std::int64_t shown) {
+  OrderedJson list = OrderedJson::array();
   for (const dictionary::Requirement& words : dictionary::kRequirements) {
-    Json requirement = requirement_json(table, "requirements." + std::string(words.name), words.name, shown);
+    OrderedJson requirement =
+        requirement_json(table, "requirements." + std::string(words.name), words.name, shown);
     requirement["measured"] = words.measured;
     requirement["unit"] = unit_name(words.unit);
     requirement["at_least"] = words.at_least;
@@ -149,7 +150,7 @@ Json requirements_json(const DrawTable& table, const nlohmann::json& config, std
     list.push_back(std::move(requirement));
   }
   for (const OwnColumn& own : own_columns(table)) {
-    Json requirement = requirement_json(table, own.path, own.name, shown);
+    OrderedJson requirement = requirement_json(table, own.path, own.name, shown);
     const std::string metric = own_metric(own, config);
     requirement["measured"] = metric;
     requirement["unit"] = unit_of_metric(metric);
@@ -169,26 +170,27 @@ bool is_shown(const DrawColumn& column) {
                      [&](double value) { return is_value(value) && value != *first; });
 }
 
-Json columns_json(const std::vector<DrawColumn>& columns, std::int64_t shown, const auto& keep) {
-  Json list = Json::array();
+OrderedJson columns_json(const std::vector<DrawColumn>& columns, std::int64_t shown, const auto& keep) {
+  OrderedJson list = OrderedJson::array();
   for (const DrawColumn& column : columns)
     if (keep(column)) list.push_back(values_json(column, shown));
   return list;
 }
 
 /// The configurations of the chain; none where each scan has its own.
-Json stages_json(const nlohmann::json& config) {
+OrderedJson stages_json(const nlohmann::json& config) {
   if (!config.at("scan").contains("detector")) return nullptr;
-  Json stages = {{"scan", config.at("scan")}, {"regrid", config.at("regrid")}, {"eval", config.at("eval")}};
+  OrderedJson stages = {
+      {"scan", config.at("scan")}, {"regrid", config.at("regrid")}, {"eval", config.at("eval")}};
   for (const char* const stage : {"hazard", "terrain"})
     if (config.contains(stage) && !config.at(stage).is_null()) stages[stage] = config.at(stage);
   return stages;
 }
 
 /// The touchdowns of both arms; none of a run whose draws do not land.
-Json landings_json(const DrawTable& table, std::int64_t shown) {
+OrderedJson landings_json(const DrawTable& table, std::int64_t shown) {
   if (find_metric(table, kLandingSafe) == nullptr) return nullptr;
-  Json arms;
+  OrderedJson arms;
   for (const char* const arm : {"landing", "blind"})
     for (const char* const key : {"x_m", "y_m", "slope_deg", "roughness_m", "safe"})
       arms[arm][key] = values_json(*find_metric(table, std::string(arm) + "." + key), shown)["values"];
@@ -196,10 +198,10 @@ Json landings_json(const DrawTable& table, std::int64_t shown) {
 }
 
 /// The border of the reachable places; null where they are the circle of the divert radius.
-Json reach_json(const nlohmann::json& config) {
+OrderedJson reach_json(const nlohmann::json& config) {
   if (!config.contains("hazard") || config.at("hazard").is_null()) return nullptr;
   const SiteParameters sites = hazard_config(config.at("hazard")).sites;
-  return sites.reach ? outline_json(*sites.reach) : Json(nullptr);
+  return sites.reach ? outline_json(*sites.reach) : OrderedJson(nullptr);
 }
 
 /// The assumptions of the draws; those that the metrics have are means over the draws.
@@ -227,7 +229,7 @@ ReportData draws_data(const DrawsReport& content, const nlohmann::json& config) 
                  {"quantile", parameters.quantile},
                  {"region", region_json(parameters.region_shape, parameters.region_radius_m,
                                         parameters.region_center_m, parameters.region_half_width_m)},
-                 {"layers", Json::array()},
+                 {"layers", OrderedJson::array()},
                  {"groups", groups_json("draws")},
                  {"draw_count", table.size()},
                  {"first_draw", table.first},
@@ -259,7 +261,7 @@ ReportData draws_data(const DrawsReport& content, const nlohmann::json& config) 
 
 std::string number_cell(const std::string& text) { return "<td class=\"number\">" + text + "</td>"; }
 
-std::string rate_row_html(const std::string& name, const Json& rate, bool is_stopped) {
+std::string rate_row_html(const std::string& name, const OrderedJson& rate, bool is_stopped) {
   const auto passed = rate.at("passed").get<std::int64_t>();
   const auto draws = rate.at("draws").get<std::int64_t>();
   const std::string note = is_stopped ? "<span class=\"note\"> not valid after stopping</span>" : "";
@@ -279,16 +281,16 @@ std::string rate_row_html(const std::string& name, const Json& rate, bool is_sto
                     number_cell(probability_text(rate.at("exact_lower_bound")) + note) + "</tr>\n");
 }
 
-std::string rates_html(const Json& verdict) {
+std::string rates_html(const OrderedJson& verdict) {
   std::string text =
       "<table id=\"rates\"><thead><tr><th>requirement</th><th class=\"number\">passed</th><th "
       "class=\"number\">share"
       "</th><th class=\"number\">Wilson interval, 95 %</th><th class=\"number\">probability at least, 95 "
       "%</th></tr>"
       "</thead><tbody>\n";
-  const auto rows = [&](const Json& result) {
+  const auto rows = [&](const OrderedJson& result) {
     const bool is_stopped = verdict.contains("sprt");
-    for (const Json& rate : result.at("rates"))
+    for (const OrderedJson& rate : result.at("rates"))
       text += rate_row_html(rate.at("requirement"), rate, is_stopped);
     if (result.contains("hazard"))
       text += rate_row_html("chosen_place_safe", result.at("hazard").at("chosen_place_safe"), is_stopped);
@@ -300,7 +302,7 @@ std::string rates_html(const Json& verdict) {
     text += "<tr><th colspan=\"5\" scope=\"rowgroup\">" + of + "</th></tr>\n";
   };
   if (verdict.contains("pairs")) {
-    for (const Json& pair : verdict.at("pairs")) {
+    for (const OrderedJson& pair : verdict.at("pairs")) {
       heading("pair " + std::to_string(pair.at("pair").get<int>()));
       rows(pair);
     }
@@ -310,8 +312,8 @@ std::string rates_html(const Json& verdict) {
   return text + "</tbody></table>\n";
 }
 
-std::string banner_html(const Json& verdict) {
-  const Json& all = verdict.at("rates").back();
+std::string banner_html(const OrderedJson& verdict) {
+  const OrderedJson& all = verdict.at("rates").back();
   const bool all_pass = all.at("passed") == all.at("draws");
   std::string text = grouped(all.at("passed").get<std::int64_t>()) + " of " +
                      grouped(all.at("draws").get<std::int64_t>()) + " draws pass all requirements";

@@ -19,11 +19,11 @@
 namespace landfall::html_report {
 namespace {
 
-using Json = nlohmann::ordered_json;
+using OrderedJson = nlohmann::ordered_json;
 
 constexpr std::size_t kMaxHoles = 10;
 
-Json footprint_json(const EvaluationParameters& parameters, double resolution_m) {
+OrderedJson footprint_json(const EvaluationParameters& parameters, double resolution_m) {
   return {{"shape", parameters.footprint_shape == FootprintShape::square ? "square" : "disc"},
           {"text", "footprint"},
           {"width_m", parameters.footprint_m},
@@ -31,9 +31,9 @@ Json footprint_json(const EvaluationParameters& parameters, double resolution_m)
 }
 
 /// Adds the coordinates on the map of a site that has a CRS to objects with x_m and y_m.
-void place_on_map(Json& places, const std::string& crs_wkt) {
+void place_on_map(OrderedJson& places, const std::string& crs_wkt) {
   std::vector<SitePoint> points;
-  for (const Json& place : places)
+  for (const OrderedJson& place : places)
     points.push_back({place["x_m"].is_number() ? place["x_m"].get<double>() : 0,
                       place["y_m"].is_number() ? place["y_m"].get<double>() : 0});
   const std::vector<MapPosition> positions = map_positions(crs_wkt, points);
@@ -41,10 +41,10 @@ void place_on_map(Json& places, const std::string& crs_wkt) {
 }
 
 /// Sorted by size, the largest first; equal sizes keep their order.
-Json holes_json(std::vector<Hole> holes, const GridSpec& spec, const std::string& crs_wkt) {
+OrderedJson holes_json(std::vector<Hole> holes, const GridSpec& spec, const std::string& crs_wkt) {
   std::ranges::stable_sort(holes, [](const Hole& a, const Hole& b) { return a.size_bins > b.size_bins; });
   holes.resize(std::min(holes.size(), kMaxHoles));
-  Json list = Json::array();
+  OrderedJson list = OrderedJson::array();
   for (const Hole& hole : holes)
     list.push_back(
         {{"size_bins", hole.size_bins},
@@ -57,23 +57,23 @@ Json holes_json(std::vector<Hole> holes, const GridSpec& spec, const std::string
   return list;
 }
 
-Json crop_json(const WorstFootprint& f, const EvaluationLimits& limits, const std::string& id,
-               Packer& packer) {
+OrderedJson crop_json(const WorstFootprint& f, const EvaluationLimits& limits, const std::string& id,
+                      Packer& packer) {
   const std::int64_t factor = reduction_factor(f.window, kMaxCropCells);
   const bool horizontal = f.axis == 'h';
   const std::string axis(1, f.axis);
   ReportLayer error{horizontal ? "e_xy" : "e_" + axis, horizontal ? "Horizontal error" : "Error in " + axis,
                     "m", horizontal ? Style::magnitude : Style::signed_error, Rule::extreme};
   error.limit = limit_of_layer(limits, error.name);
-  Json crop = grid_json(f.window, factor);
+  OrderedJson crop = grid_json(f.window, factor);
   crop["layers"] = {
       packer.keep(reduced_layer({"z_est", "Estimated elevation", "m"}, f.z_est, factor), id + "-z_est"),
       packer.keep(reduced_layer(std::move(error), f.error, factor), id + "-error")};
   return crop;
 }
 
-Json worst_json(const ReportContent& content, Packer& packer) {
-  Json list = Json::array();
+OrderedJson worst_json(const ReportContent& content, Packer& packer) {
+  OrderedJson list = OrderedJson::array();
   const GridSpec& spec = content.layers.spec();
   for (const WorstFootprint& f : content.worst) {
     const std::string id = "worst-" + std::to_string(list.size() + 1);
@@ -95,8 +95,8 @@ Json worst_json(const ReportContent& content, Packer& packer) {
 }
 
 /// A bin has the colour of the first of its flags.
-Json fail_flags_json() {
-  Json list = Json::array();
+OrderedJson fail_flags_json() {
+  OrderedJson list = OrderedJson::array();
   for (const dictionary::FailFlag& flag : dictionary::kFailFlags)
     list.push_back({{"bits", flag.bit},
                     {"text", flag.text},
@@ -105,8 +105,8 @@ Json fail_flags_json() {
   return list;
 }
 
-Json histograms_json(const ReportLayers& layers) {
-  Json result = Json::object();
+OrderedJson histograms_json(const ReportLayers& layers) {
+  OrderedJson result = OrderedJson::object();
   const std::pair<const char*, Axis> axes[] = {{"x", Axis::x}, {"y", Axis::y}, {"z", Axis::z}};
   for (const auto& [name, axis] : axes)
     result[name] = {{"error", fields_json(layers.histograms(axis).error)},
@@ -126,7 +126,7 @@ std::vector<const ReportLayer*> in_order(const std::vector<ReportLayer>& layers)
   return ordered;
 }
 
-Json footprint_limits_json(const EvaluationLimits& limits) {
+OrderedJson footprint_limits_json(const EvaluationLimits& limits) {
   return {{"relative_m", limits.relative_m()},
           {"horizontal_m", limits.horizontal_m},
           {"horizontal_share", limits.horizontal_share}};
@@ -135,10 +135,10 @@ Json footprint_limits_json(const EvaluationLimits& limits) {
 ReportData report_data(const ReportContent& content) {
   const ReportLayers& layers = content.layers;
   Packer packer;
-  Json list = Json::array();
+  OrderedJson list = OrderedJson::array();
   for (const ReportLayer* const layer : in_order(layers.layers()))
     list.push_back(packer.add(*layer, layer->name));
-  Json metrics = metrics_json(content.evaluation.metrics);
+  OrderedJson metrics = metrics_json(content.evaluation.metrics);
   ReportData data;
   data.values = {{"grid", grid_json(layers.spec(), layers.factor())},
                  {"footprint", footprint_json(content.parameters, layers.spec().resolution_m)},

@@ -18,7 +18,7 @@
 namespace landfall::html_report {
 namespace {
 
-using Json = nlohmann::ordered_json;
+using OrderedJson = nlohmann::ordered_json;
 
 constexpr int kMeasureSteps =
     2000;  // of slopes and roughnesses, whose digits of noise would enlarge the file
@@ -59,7 +59,7 @@ class Layers {
   Layers(const HazardReport& content, std::int64_t factor, Packer& packer)
       : content_(content), factor_(factor), packer_(packer) {}
 
-  [[nodiscard]] Json all(const std::string& elevation) {
+  [[nodiscard]] OrderedJson all(const std::string& elevation) {
     const HazardMap& map = content_.map;
     const PlaceCounts counts = count_places(map.safe, map.region);
     add_classes("safe", map.safe, with_counts("safe", {counts.hazard, counts.safe, counts.unknown}));
@@ -123,15 +123,15 @@ class Layers {
   const HazardReport& content_;
   std::int64_t factor_;
   Packer& packer_;
-  Json list_ = Json::array();
+  OrderedJson list_ = OrderedJson::array();
 };
 
-Json position_json(const GridSpec& spec, BinIndex bin, double z_m) {
+OrderedJson position_json(const GridSpec& spec, BinIndex bin, double z_m) {
   return {{"x_m", spec.x(bin.col)}, {"y_m", spec.y(bin.row)}, {"z_m", z_m}};
 }
 
-Json pose_json(const LanderPose& pose, const Grid<double>& z) {
-  Json pads = Json::array();
+OrderedJson pose_json(const LanderPose& pose, const Grid<double>& z) {
+  OrderedJson pads = OrderedJson::array();
   for (const LanderPose::Pad& pad : pose.pads) {
     pads.push_back(position_json(z.spec(), pad.bin, pad.z_m));
     pads.back()["touches"] = pad.touches;
@@ -146,7 +146,7 @@ Json pose_json(const LanderPose& pose, const Grid<double>& z) {
           {"pads", std::move(pads)}};
 }
 
-Json poses_json(const std::optional<WorstPoses>& poses, const Grid<double>& z) {
+OrderedJson poses_json(const std::optional<WorstPoses>& poses, const Grid<double>& z) {
   if (!poses) return nullptr;
   return {{"steepest", pose_json(poses->steepest, z)}, {"roughest", pose_json(poses->roughest, z)}};
 }
@@ -158,8 +158,8 @@ std::int64_t crop_half_bins(const Lander& lander, double resolution_m) {
   return static_cast<std::int64_t>(std::ceil(kRoom * reach_m / resolution_m)) + 2;
 }
 
-Json sites_of(const HazardReport& content, const std::string& elevation, Packer& packer) {
-  Json sites = sites_json(content.map)["sites"];
+OrderedJson sites_of(const HazardReport& content, const std::string& elevation, Packer& packer) {
+  OrderedJson sites = sites_json(content.map)["sites"];
   const Grid<double>& z = content.input.z;
   const std::int64_t half = crop_half_bins(content.parameters.lander, z.spec().resolution_m);
   for (std::size_t k = 0; k < std::min(sites.size(), kMaxDrawnSites); ++k) {
@@ -167,7 +167,7 @@ Json sites_of(const HazardReport& content, const std::string& elevation, Packer&
     const GridSpec window = window_about(bin, half, z.spec());
     const std::int64_t factor = reduction_factor(window, kMaxCropCells);
     ReportLayer layer{elevation, "Elevation", "m"};
-    Json crop = grid_json(window, factor);
+    OrderedJson crop = grid_json(window, factor);
     crop["layers"] = {packer.keep(reduced_layer(std::move(layer), cut_out(z, window), factor),
                                   "site-" + std::to_string(k + 1))};
     sites[k]["crop"] = std::move(crop);
@@ -176,7 +176,7 @@ Json sites_of(const HazardReport& content, const std::string& elevation, Packer&
   return sites;
 }
 
-Json lander_json(const Lander& lander) {
+OrderedJson lander_json(const Lander& lander) {
   return {{"legs", lander.legs},
           {"leg_radius_m", lander.leg_radius_m},
           {"pad_diameter_m", lander.pad_diameter_m},
@@ -264,13 +264,13 @@ std::string banner_html(const HazardMap& map, const RequirementVerdicts& own, do
 
 }  // namespace
 
-Json outline_json(const ReachableArea& area) {
-  Json vertices = Json::array();
+OrderedJson outline_json(const ReachableArea& area) {
+  OrderedJson vertices = OrderedJson::array();
   for (const Horizontal& vertex : area.outline()) vertices.push_back({vertex.x, vertex.y});
   return vertices;
 }
 
-Json region_json(RegionShape shape, double radius_m, Horizontal center_m, double half_width_m) {
+OrderedJson region_json(RegionShape shape, double radius_m, Horizontal center_m, double half_width_m) {
   switch (shape) {
     case RegionShape::circle:
       return {{"shape", "circle"},
@@ -312,7 +312,7 @@ ReportData hazard_data(const HazardReport& content, const std::string& elevation
       {"layers", Layers(content, factor, packer).all(elevation)},
       {"groups", groups_json("hazards")},
       {"sites", sites_of(content, elevation, packer)},
-      {"score", content.map.truth ? score_json(content.map.truth->score) : Json(nullptr)}};
+      {"score", content.map.truth ? score_json(content.map.truth->score) : OrderedJson(nullptr)}};
   data.packed = packer.pack();
   return data;
 }

@@ -17,7 +17,7 @@
 namespace landfall::html_report {
 namespace {
 
-using Json = nlohmann::ordered_json;
+using OrderedJson = nlohmann::ordered_json;
 
 std::string pretty(const nlohmann::json& value) {
   return html_text(value.dump(2, ' ', false, nlohmann::json::error_handler_t::replace));
@@ -61,7 +61,7 @@ std::string filled(const std::string& page, const std::map<std::string, std::str
 
 }  // namespace
 
-Json Packer::add(const ReportLayer& layer, const std::string& id) {
+OrderedJson Packer::add(const ReportLayer& layer, const std::string& id) {
   ids_.push_back(id);
   codes_.emplace_back(layer.values.codes);
   return layer_json(layer, id);
@@ -75,7 +75,7 @@ std::vector<std::pair<std::string, std::string>> Packer::pack() const {
   return result;
 }
 
-Json grid_json(const GridSpec& spec, std::int64_t factor) {
+OrderedJson grid_json(const GridSpec& spec, std::int64_t factor) {
   return {{"rows", spec.rows},
           {"cols", spec.cols},
           {"resolution_m", spec.resolution_m},
@@ -86,11 +86,11 @@ Json grid_json(const GridSpec& spec, std::int64_t factor) {
           {"cell_cols", (spec.cols + factor - 1) / factor}};
 }
 
-Json colors_json() {
-  Json maps = Json::object();
+OrderedJson colors_json() {
+  OrderedJson maps = OrderedJson::object();
   for (std::size_t k = 0; k < kColorMaps; ++k) {
     const auto colors = static_cast<Colors>(k);
-    Json anchors = Json::array();
+    OrderedJson anchors = OrderedJson::array();
     for (const std::uint32_t rrggbb : color_anchors(colors)) anchors.push_back(rrggbb);
     maps[name_of(colors)] = std::move(anchors);
   }
@@ -102,8 +102,8 @@ Json colors_json() {
           {"limit_near", dictionary::kLimitNear}};
 }
 
-Json groups_json(std::string_view page) {
-  Json titles = Json::array();
+OrderedJson groups_json(std::string_view page) {
+  OrderedJson titles = OrderedJson::array();
   for (const dictionary::Group& group : dictionary::kGroups)
     if (group.page == page) titles.push_back(group.title);
   return titles;

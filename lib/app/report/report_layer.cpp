@@ -51,7 +51,7 @@ double of_block(const Grid<T>& layer, BinIndex first, std::int64_t factor, Rule 
   return rule == Rule::mean && count > 0 ? result / static_cast<double>(count) : result;
 }
 
-using Json = nlohmann::ordered_json;
+using OrderedJson = nlohmann::ordered_json;
 
 /// Errors have about as many steps as a colour map has shades, because digits of noise would enlarge the
 /// file. Elevations have more steps, because relief is shown in three dimensions.
@@ -114,8 +114,8 @@ std::string colors_of(Style style) {
   return index < kColors.size() ? name_of(kColors.at(index)) : "";
 }
 
-Json classes_json(const std::vector<LayerClass>& classes) {
-  Json list = Json::array();
+OrderedJson classes_json(const std::vector<LayerClass>& classes) {
+  OrderedJson list = OrderedJson::array();
   for (const LayerClass& c : classes)
     list.push_back({{"bits", c.bit},
                     {"text", c.text},
@@ -179,19 +179,19 @@ template ReportLayer reduced_layer(ReportLayer, const Grid<float>&, std::int64_t
 template ReportLayer reduced_layer(ReportLayer, const Grid<std::int32_t>&, std::int64_t);
 template ReportLayer reduced_layer(ReportLayer, const Grid<std::int8_t>&, std::int64_t);
 
-Json layer_json(const ReportLayer& layer, const std::string& id) {
-  Json json = {{"id", id},
-               {"name", layer.name},
-               {"title", layer.title},
-               {"unit", layer.unit},
-               {"style", kStyles.at(static_cast<std::size_t>(layer.style))},
-               {"colors", colors_of(layer.style)},
-               {"limit", layer.limit ? Json(*layer.limit) : Json(nullptr)},
-               {"rule", kRules.at(static_cast<std::size_t>(layer.rule))},
-               {"offset", layer.values.offset},
-               {"step", layer.values.step},
-               {"low", layer.values.low},
-               {"high", layer.values.high}};
+OrderedJson layer_json(const ReportLayer& layer, const std::string& id) {
+  OrderedJson json = {{"id", id},
+                      {"name", layer.name},
+                      {"title", layer.title},
+                      {"unit", layer.unit},
+                      {"style", kStyles.at(static_cast<std::size_t>(layer.style))},
+                      {"colors", colors_of(layer.style)},
+                      {"limit", layer.limit ? OrderedJson(*layer.limit) : OrderedJson(nullptr)},
+                      {"rule", kRules.at(static_cast<std::size_t>(layer.rule))},
+                      {"offset", layer.values.offset},
+                      {"step", layer.values.step},
+                      {"low", layer.values.low},
+                      {"high", layer.values.high}};
   if (!layer.group.empty()) json["group"] = layer.group;
   if (!layer.quantity.empty()) json["quantity"] = layer.quantity;
   if (!layer.classes.empty()) json["flags"] = classes_json(layer.classes);

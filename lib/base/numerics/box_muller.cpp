@@ -70,7 +70,7 @@ HWY_INLINE void TransformLanes(const double* u, const double* v, double* out) {
   hn::StoreU(hn::Mul(radius, CosOfTurn(hn::LoadU(D(), v))), D(), out);
 }
 
-void Transform(std::span<const double> u, std::span<const double> v, std::span<double> out) {
+void TransformUniforms(std::span<const double> u, std::span<const double> v, std::span<double> out) {
   const std::size_t whole = out.size() / hn::Lanes(D()) * hn::Lanes(D());
   for (std::size_t i = 0; i < whole; i += hn::Lanes(D()))
     TransformLanes(u.data() + i, v.data() + i, out.data() + i);
@@ -90,11 +90,11 @@ HWY_AFTER_NAMESPACE();
 #if HWY_ONCE
 namespace landfall {
 
-HWY_EXPORT(Transform);
+HWY_EXPORT(TransformUniforms);
 
 void box_muller(std::span<const double> u, std::span<const double> v, std::span<double> out) {
   assert(u.size() == out.size() && v.size() == out.size());
-  HWY_DYNAMIC_DISPATCH(Transform)(u, v, out);
+  HWY_DYNAMIC_DISPATCH(TransformUniforms)(u, v, out);
 }
 
 }  // namespace landfall

@@ -17,17 +17,17 @@ namespace landfall {
 namespace {
 
 constexpr std::size_t kNone = std::numeric_limits<std::size_t>::max();
-constexpr std::size_t kValuesPerPiece = std::size_t{1} << 18U;
+constexpr std::size_t kValuesPerTask = std::size_t{1} << 18U;
 
 /// The index of the first of the values that is not in [least, most]; kNone without one. NaN counts as valid.
 template <class T>
 std::size_t first_outside(std::span<const T> values, T minimum, T maximum) {
-  std::vector<std::size_t> found((values.size() + kValuesPerPiece - 1) / kValuesPerPiece, kNone);
-  parallel_for(values.size(), kValuesPerPiece, [&](std::size_t begin, std::size_t end) {
+  std::vector<std::size_t> found((values.size() + kValuesPerTask - 1) / kValuesPerTask, kNone);
+  parallel_for(values.size(), kValuesPerTask, [&](std::size_t begin, std::size_t end) {
     const auto piece = values.subspan(begin, end - begin);
     const auto first = std::ranges::find_if(piece, [&](T v) { return v < minimum || v > maximum; });
     if (first != piece.end())
-      found[begin / kValuesPerPiece] = begin + static_cast<std::size_t>(first - piece.begin());
+      found[begin / kValuesPerTask] = begin + static_cast<std::size_t>(first - piece.begin());
   });
   const auto first = std::ranges::min_element(found);
   return first == found.end() ? kNone : *first;

@@ -122,12 +122,12 @@ double doubled_area(const Polygon::Ring& ring) {
   return sum;
 }
 
-struct Box {
+struct PolygonBox {
   double low_x, high_x, low_y, high_y;
 };
 
-Box box_of(const std::vector<Polygon>& polygons) {
-  Box box{kInfinity, -kInfinity, kInfinity, -kInfinity};
+PolygonBox box_of(const std::vector<Polygon>& polygons) {
+  PolygonBox box{kInfinity, -kInfinity, kInfinity, -kInfinity};
   for (const Polygon& polygon : polygons)
     for (const Polygon::Ring& ring : polygon.rings())
       for (const Horizontal& vertex : ring)
@@ -137,12 +137,12 @@ Box box_of(const std::vector<Polygon>& polygons) {
 }
 
 /// The outer edges of the bins.
-Box box_of(const GridSpec& dem) {
+PolygonBox box_of(const GridSpec& dem) {
   const double half_m = dem.resolution_m / 2;
   return {dem.x(0) - half_m, dem.x(dem.cols - 1) + half_m, dem.y(0) - half_m, dem.y(dem.rows - 1) + half_m};
 }
 
-std::string text_of(const Box& box) {
+std::string text_of(const PolygonBox& box) {
   return "x " + short_number(box.low_x) + " to " + short_number(box.high_x) + " and y " +
          short_number(box.low_y) + " to " + short_number(box.high_y) + " m";
 }
@@ -175,8 +175,8 @@ BinMask clipped_polygons(const GridSpec& dem, const std::vector<Polygon>& polygo
 }
 
 BinMask polygon_region(const GridSpec& dem, const std::vector<Polygon>& polygons, const std::string& what) {
-  const Box box = box_of(polygons);
-  const Box map = box_of(dem);
+  const PolygonBox box = box_of(polygons);
+  const PolygonBox map = box_of(dem);
   if (box.low_x < map.low_x || box.high_x > map.high_x || box.low_y < map.low_y || box.high_y > map.high_y)
     throw UsageError(what + ": the polygon reaches beyond the map: " + text_of(box) + "; the map covers " +
                      text_of(map));

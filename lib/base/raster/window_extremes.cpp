@@ -12,7 +12,7 @@ namespace landfall {
 namespace {
 
 constexpr double kLowest = -std::numeric_limits<double>::infinity();
-constexpr std::size_t kRowsPerPiece = 32;
+constexpr std::size_t kRowsPerStrip = 32;
 constexpr std::size_t kColsPerPiece = 64;  // side by side in one pass along columns
 
 /// Samples along a line, each of `lanes` neighbouring values; `step` from one sample to the next.
@@ -78,7 +78,7 @@ Grid<double> extremes(const Grid<double>& values, std::int64_t half_bins, double
   auto result = Grid<double>::unset(spec);
   const std::int64_t half_cols = std::min(half_bins, spec.cols - 1);  // a wider window has no more bins
   const std::int64_t half_rows = std::min(half_bins, spec.rows - 1);
-  parallel_for(static_cast<std::size_t>(spec.rows), kRowsPerPiece, [&](std::size_t begin, std::size_t end) {
+  parallel_for(static_cast<std::size_t>(spec.rows), kRowsPerStrip, [&](std::size_t begin, std::size_t end) {
     std::vector<double> signed_row(static_cast<std::size_t>(spec.cols));
     LineMaxima maxima(half_cols, 1);
     for (auto row = static_cast<std::int64_t>(begin); row < static_cast<std::int64_t>(end); ++row) {

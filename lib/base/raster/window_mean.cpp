@@ -248,7 +248,7 @@ HWY_AFTER_NAMESPACE();
 namespace landfall {
 namespace {
 
-constexpr std::size_t kRowsPerPiece = 128;
+constexpr std::size_t kRowsPerTask = 128;
 
 }  // namespace
 
@@ -257,7 +257,7 @@ HWY_EXPORT(WriteBand);
 WindowMeans window_means(const Grid<double>& values, const Footprint& footprint) {
   const GridSpec& spec = values.spec();
   WindowMeans result{Grid<double>::unset(spec), Grid<std::int32_t>::unset(spec)};
-  parallel_for(static_cast<std::size_t>(spec.rows), kRowsPerPiece, [&](std::size_t begin, std::size_t end) {
+  parallel_for(static_cast<std::size_t>(spec.rows), kRowsPerTask, [&](std::size_t begin, std::size_t end) {
     HWY_DYNAMIC_DISPATCH(WriteBand)
     (values, footprint, static_cast<std::int64_t>(begin), static_cast<std::int64_t>(end), result);
   });

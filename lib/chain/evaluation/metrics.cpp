@@ -8,8 +8,8 @@
 namespace landfall {
 namespace {
 
-using Words = dictionary::Requirement;
-static_assert(std::ranges::all_of(dictionary::kRequirements, [](const Words& words) {
+using RequirementWords = dictionary::Requirement;
+static_assert(std::ranges::all_of(dictionary::kRequirements, [](const RequirementWords& words) {
   return std::ranges::any_of(dictionary::kUnits, [&](const dictionary::Unit& unit) {
     return unit.name == std::string_view(words.unit);
   });
@@ -18,7 +18,7 @@ static_assert(std::ranges::all_of(dictionary::kRequirements, [](const Words& wor
 }  // namespace
 
 Table1Verdicts::Table1Verdicts(const EvaluationLimits& limits) {
-  for (const Words& words : dictionary::kRequirements)
+  for (const RequirementWords& words : dictionary::kRequirements)
     all.push_back(
         {{words.name, words.value, limit_of_key(limits, words.limit).value_or(0), words.at_least}, false});
 }
@@ -34,7 +34,7 @@ Table1Verdicts judge(const Metrics& metrics, const EvaluationLimits& limits, boo
 }
 
 std::optional<bool> overall_pass(const Table1Verdicts& requirements) {
-  const auto is_of_truth = [&](const Words& words) {
+  const auto is_of_truth = [&](const RequirementWords& words) {
     const RequirementVerdict& verdict = requirements[words.name];
     return *words.footprints != '\0' && (verdict.pass || verdict.reason);
   };

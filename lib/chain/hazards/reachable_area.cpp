@@ -14,7 +14,7 @@
 namespace landfall {
 namespace {
 
-constexpr double kBorder_m = 1e-9;
+constexpr double kRim_m = 1e-9;
 constexpr int kArcSteps = 72;  // of a half circle
 
 double distance(Horizontal a, Horizontal b) { return portable::hypot(a.x - b.x, a.y - b.y); }
@@ -54,7 +54,7 @@ bool ReachableArea::contains(Horizontal place) const {
   if (const auto* polygon = std::get_if<Polygon>(&shape_)) return polygon->contains(place);
   const auto& lens = std::get<Lens>(shape_);
   return std::ranges::all_of(
-      lens.centres, [&](Horizontal centre) { return distance(place, centre) <= lens.radius_m + kBorder_m; });
+      lens.centres, [&](Horizontal centre) { return distance(place, centre) <= lens.radius_m + kRim_m; });
 }
 
 std::vector<Horizontal> ReachableArea::outline() const {

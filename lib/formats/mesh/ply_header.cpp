@@ -30,7 +30,7 @@ constexpr std::array<TypeName, 16> kTypeNames{{{"char", NumberType::int8},
                                                {"double", NumberType::float64},
                                                {"float64", NumberType::float64}}};
 
-NumberType type_of(MeshText& text) {
+NumberType number_type_of(MeshText& text) {
   const std::string_view word = text.word_of_line();
   for (const TypeName& known : kTypeNames)
     if (known.name == word) return known.type;
@@ -51,10 +51,10 @@ void add_property(MeshText& text, std::vector<PlyElement>& elements) {
   MeshText after_list = text;
   if (after_list.word_of_line() == "list") {
     text = after_list;
-    property.length = type_of(text);
+    property.length = number_type_of(text);
     if (*property.length >= NumberType::float32) text.fail("the length of a list has no integer type");
   }
-  property.type = type_of(text);
+  property.type = number_type_of(text);
   property.name = text.word_of_line();
   elements.back().properties.push_back(property);
 }

@@ -25,7 +25,7 @@ std::int64_t pixel_of(double distance_m, double pixel_m, std::int64_t count) {
   return std::clamp<std::int64_t>(static_cast<std::int64_t>(std::floor(distance_m / pixel_m)), 0, count - 1);
 }
 
-struct Slope {
+struct SurfaceSlope {
   double east = 0;
   double north = 0;
 };
@@ -40,7 +40,7 @@ double slope_between(double before, double middle, double after, double pixel_m)
   return 0;
 }
 
-Slope slope_at(const PixelMap& map, std::int64_t row, std::int64_t col) {
+SurfaceSlope slope_at(const PixelMap& map, std::int64_t row, std::int64_t col) {
   const auto value = [&](std::int64_t r, std::int64_t c) {
     const bool inside = r >= 0 && r < map.rows && c >= 0 && c < map.cols;
     return inside ? map.at(r, c) : std::numeric_limits<double>::quiet_NaN();
@@ -51,7 +51,7 @@ Slope slope_at(const PixelMap& map, std::int64_t row, std::int64_t col) {
           slope_between(value(row + 1, col), z, value(row - 1, col), map.pixel_m)};
 }
 
-double shade_of(const Slope& slope, double factor) {
+double shade_of(const SurfaceSlope& slope, double factor) {
   // Normal (-east, -north, 1) times light (-1, 1, sqrt 2) / 2, divided by its value on level terrain.
   const double east = factor * slope.east;
   const double north = factor * slope.north;
@@ -175,7 +175,7 @@ PixelMap PointMap::values() const {
 PixelMap PointMap::count() const { return filled(counts_); }
 
 std::vector<double> hillshade(const PixelMap& elevations) {
-  std::vector<Slope> slopes;
+  std::vector<SurfaceSlope> slopes;
   double squares = 0;
   double count = 0;
   for (std::int64_t row = 0; row < elevations.rows; ++row)
@@ -186,7 +186,7 @@ std::vector<double> hillshade(const PixelMap& elevations) {
     }
   const double rms = count > 0 ? std::sqrt(squares / count) : 0;
   const double factor = rms > 0 ? std::clamp(0.4 / rms, 0.25, 5.0) : 1;
-  return mapped(slopes, [factor](const Slope& slope) { return shade_of(slope, factor); });
+  return mapped(slopes, [factor](const SurfaceSlope& slope) { return shade_of(slope, factor); });
 }
 
 }  // namespace landfall

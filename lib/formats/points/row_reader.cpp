@@ -9,7 +9,7 @@
 namespace landfall {
 namespace {
 
-constexpr std::size_t kRowsPerPiece = 1U << 14U;
+constexpr std::size_t kRowsPerTask = 1U << 14U;
 
 class PlainRowReader final : public RowReader {
  public:
@@ -77,7 +77,7 @@ bool RowReader::next(CloudBatch& batch) {
   bytes_.resize(count * layout_.row_size);
   file_->read(layout_.begin + next_ * layout_.row_size, bytes_);
   for (std::size_t f = 0; f < kCloudFieldCount; ++f) batch.columns[f].resize(info_.columns[f] ? count : 0);
-  parallel_for(count, kRowsPerPiece,
+  parallel_for(count, kRowsPerTask,
                [&](std::size_t begin, std::size_t end) { decode(bytes_, begin, end, batch); });
   next_ += count;
   return true;

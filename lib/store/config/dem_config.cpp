@@ -14,7 +14,7 @@ namespace landfall {
 
 namespace {
 
-Method method_of(const std::string& name) {
+Method method_named(const std::string& name) {
   using enum Method;
   static const std::map<std::string, Method> kMethods = {{"bilinear_nearest", bilinear_nearest},
                                                          {"bilinear4", bilinear4},
@@ -36,7 +36,7 @@ RegridConfig regrid_config(const nlohmann::json& resolved, const std::string& na
   config.grid = grid_over({pair_of(resolved.at("half_width_m")), map_center(resolved)},
                           resolved.at("resolution_m").get<double>(), (name + ": /").c_str());
   config.truth_at = resolved.at("truth_at") == "centroid" ? TruthAt::centroid : TruthAt::bin_center;
-  config.method = method_of(resolved.at("method").get<std::string>());
+  config.method = method_named(resolved.at("method").get<std::string>());
   return config;
 }
 

@@ -39,7 +39,7 @@ struct Node {
   const Json& plain;       ///< the defaults without any choice
 };
 
-const Json& member(const Json& value, const std::string& key) {
+const Json& member_of(const Json& value, const std::string& key) {
   static const Json kNone;
   return value.is_object() && value.contains(key) ? value[key] : kNone;
 }
@@ -47,8 +47,8 @@ const Json& member(const Json& value, const std::string& key) {
 void add_changes(const Node& node, const std::string& path, std::vector<ConfigChange>& changes) {
   for (const auto& [key, value] : node.value.items()) {
     const std::string name = path.empty() ? key : path + "." + key;
-    const Json& plain = member(node.plain, key);
-    const Json& expected = key == "type" ? plain : member(node.of_choices, key);
+    const Json& plain = member_of(node.plain, key);
+    const Json& expected = key == "type" ? plain : member_of(node.of_choices, key);
     if (value.is_object() && expected.is_object())
       add_changes({value, expected, plain}, name, changes);
     else if (value != expected)

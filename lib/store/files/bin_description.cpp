@@ -21,7 +21,7 @@
 namespace landfall {
 namespace {
 
-using Json = nlohmann::ordered_json;
+using OrderedJson = nlohmann::ordered_json;
 
 /// A return of the bin, as its row of the scan.
 struct BinReturn {
@@ -54,17 +54,17 @@ std::vector<BinReturn> returns_in(const TableReader& points, const Placement& pl
   return found;
 }
 
-Json value_at(const TableReader& points, const char* column, std::size_t row,
-              const Placement& placement = {}) {
+OrderedJson value_at(const TableReader& points, const char* column, std::size_t row,
+                     const Placement& placement = {}) {
   if (!points.has(column)) return nullptr;
   std::array<double, 1> value = {0};
   points.read<double>(column, row, value);
   placement.raise(value);
-  return std::isfinite(value[0]) ? Json(value[0]) : Json(nullptr);
+  return std::isfinite(value[0]) ? OrderedJson(value[0]) : OrderedJson(nullptr);
 }
 
 /// Null where the scan, an imported one, has no such column.
-Json integer_at(const TableReader& points, const char* column, std::size_t row) {
+OrderedJson integer_at(const TableReader& points, const char* column, std::size_t row) {
   if (!points.has(column)) return nullptr;
   std::array<std::int32_t, 1> value = {0};
   points.read<std::int32_t>(column, row, value);
@@ -72,10 +72,11 @@ Json integer_at(const TableReader& points, const char* column, std::size_t row) 
 }
 
 /// The time of a return since the scan's epoch.
-Json time_at(const ScanReader& scan, const TableReader& points, const Json& pulse, std::size_t row) {
+OrderedJson time_at(const ScanReader& scan, const TableReader& points, const OrderedJson& pulse,
+                    std::size_t row) {
   if (!scan.has_truth()) {
-    const Json t = value_at(points, "t", row);
-    return t.is_number() ? Json(t.get<double>() - scan.epoch_s()) : Json(nullptr);
+    const OrderedJson t = value_at(points, "t", row);
+    return t.is_number() ? OrderedJson(t.get<double>() - scan.epoch_s()) : OrderedJson(nullptr);
   }
   const auto number = pulse.get<std::int64_t>();
   if (number < 0 || static_cast<std::size_t>(number) >= scan.pulse_times_s().size()) return nullptr;
@@ -101,9 +102,9 @@ std::string method_of(const LandfallFileReader& dem) {
 }
 
 /// `weight_sum` is that of the DEM, in which other scans may have returns too.
-Json returns_json(const LandfallFileReader& dem, const GridLayerReader& layers, BinIndex bin,
-                  const Json& weight_sum, const std::filesystem::path& path,
-                  const ProgressCallback& progress) {
+OrderedJson returns_json(const LandfallFileReader& dem, const GridLayerReader& layers, BinIndex bin,
+                         const OrderedJson& weight_sum, const std::filesystem::path& path,
+                         const ProgressCallback& progress) {
   const ScanReader scan(path);
   const GridSpec& grid = layers.spec();
   const Placement placement = placement_in_dem(dem, layers.crs_wkt(), dem.file_id(), scan);
@@ -113,42 +114,42 @@ Json returns_json(const LandfallFileReader& dem, const GridLayerReader& layers, 
   double sum = 0;
   for (const BinReturn& point : found) sum += weight_of(method, grid, bin, point).value_or(0);
   if (weight_sum.is_number()) sum = weight_sum.get<double>();
-  Json all = Json::array();
+  OrderedJson all = OrderedJson::array();
   for (const BinReturn& point : found) {
-    const Json pulse = integer_at(points, "pulse", point.row);
+    const OrderedJson pulse = integer_at(points, "pulse", point.row);
     const std::optional<double> weight = weight_of(method, grid, bin, point);
-    Json entry = {{"pulse", pulse},
-                  {"pixel", integer_at(points, "pixel", point.row)},
-                  {"t_s", time_at(scan, points, pulse, point.row)},
-                  {"status", status_name(point.status)},
-                  {"range_true_m", value_at(points, "range_true", point.row)},
-                  {"range_measured_m", value_at(points, "range_measured", point.row)},
-                  {"x_est_m", point.x_est_m},
-                  {"y_est_m", point.y_est_m},
-                  {"z_est_m", value_at(points, "z_est", point.row, placement)},
-                  {"weight", weight ? Json(*weight) : Json(nullptr)},
-                  {"share", weight && sum > 0 ? Json(*weight / sum) : Json(nullptr)}};
+    OrderedJson entry = {{"pulse", pulse},
+                         {"pixel", integer_at(points, "pixel", point.row)},
+                         {"t_s", time_at(scan, points, pulse, point.row)},
+                         {"status", status_name(point.status)},
+                         {"range_true_m", value_at(points, "range_true", point.row)},
+                         {"range_measured_m", value_at(points, "range_measured", point.row)},
+                         {"x_est_m", point.x_est_m},
+                         {"y_est_m", point.y_est_m},
+                         {"z_est_m", value_at(points, "z_est", point.row, placement)},
+                         {"weight", weight ? OrderedJson(*weight) : OrderedJson(nullptr)},
+                         {"share", weight && sum > 0 ? OrderedJson(*weight / sum) : OrderedJson(nullptr)}};
     all.push_back(std::move(entry));
   }
   return all;
 }
 
 /// One value of each layer, by its name.
-Json layers_json(const LandfallFileReader& dem, const GridLayerReader& grid, BinIndex bin) {
+OrderedJson layers_json(const LandfallFileReader& dem, const GridLayerReader& grid, BinIndex bin) {
   const GridSpec one = part_of(grid.spec(), bin, 1, 1);
-  Json layers = Json::object();
+  OrderedJson layers = OrderedJson::object();
   for (const ContentInfo& layer : layers_of(dem, grid.spec())) {
     const double value = grid.read_part(layer.name, one).values().front();
     const bool is_whole = layer.type != h5::Type::float64 && layer.type != h5::Type::float32;
-    layers[layer.name] = !std::isfinite(value) ? Json(nullptr)
-                         : is_whole            ? Json(static_cast<std::int64_t>(value))
-                                               : Json(value);
+    layers[layer.name] = !std::isfinite(value) ? OrderedJson(nullptr)
+                         : is_whole            ? OrderedJson(static_cast<std::int64_t>(value))
+                                               : OrderedJson(value);
   }
   return layers;
 }
 
-Json units_json(const LandfallFileReader& dem, const GridSpec& spec) {
-  Json units = Json::object();
+OrderedJson units_json(const LandfallFileReader& dem, const GridSpec& spec) {
+  OrderedJson units = OrderedJson::object();
   for (const ContentInfo& layer : layers_of(dem, spec)) units[layer.name] = layer.units;
   return units;
 }
@@ -193,25 +194,25 @@ BinIndex bin_on_map(const GridSpec& spec, const SitePoint& point, const std::str
                    " m");
 }
 
-Json place_of_bin(const std::filesystem::path& path, const GridLayerReader& grid, BinIndex bin) {
+OrderedJson place_of_bin(const std::filesystem::path& path, const GridLayerReader& grid, BinIndex bin) {
   const GridSpec& spec = grid.spec();
   const SitePoint centre{spec.x(bin.col), spec.y(bin.row)};
-  Json json = {{"file", path.string()}, {"x_m", centre.x_m}, {"y_m", centre.y_m}};
+  OrderedJson json = {{"file", path.string()}, {"x_m", centre.x_m}, {"y_m", centre.y_m}};
   json.update(map_position_json(map_positions(grid.crs_wkt(), {centre}).front()));
-  json.update(Json{{"row", bin.row}, {"column", bin.col}, {"resolution_m", spec.resolution_m}});
+  json.update(OrderedJson{{"row", bin.row}, {"column", bin.col}, {"resolution_m", spec.resolution_m}});
   return json;
 }
 
-Json describe_bin(const std::filesystem::path& path, const SitePoint& point,
-                  const std::optional<std::filesystem::path>& scan, const ProgressCallback& progress) {
+OrderedJson describe_bin(const std::filesystem::path& path, const SitePoint& point,
+                         const std::optional<std::filesystem::path>& scan, const ProgressCallback& progress) {
   const LandfallFileReader dem(path, {"dem"});
   const GridLayerReader grid(dem);
   const GridSpec& spec = grid.spec();
   const BinIndex bin = bin_on_map(spec, point, dem.name());
-  Json json = place_of_bin(path, grid, bin);
-  json.update(Json{{"layers", layers_json(dem, grid, bin)}, {"units", units_json(dem, spec)}});
+  OrderedJson json = place_of_bin(path, grid, bin);
+  json.update(OrderedJson{{"layers", layers_json(dem, grid, bin)}, {"units", units_json(dem, spec)}});
   if (!scan) return json;
-  const Json weight_sum = json["layers"].value("weight_sum", Json());
+  const OrderedJson weight_sum = json["layers"].value("weight_sum", OrderedJson());
   json["returns"] = returns_json(dem, grid, bin, weight_sum, *scan, progress);
   return json;
 }

@@ -31,42 +31,43 @@
 namespace landfall {
 namespace {
 
-using Json = nlohmann::ordered_json;
+using OrderedJson = nlohmann::ordered_json;
 
 /// The configurations of all steps by tool; of several steps of one tool those that follow get a number.
-std::vector<std::pair<std::string, Json>> configurations(const Json& description) {
-  std::vector<std::pair<std::string, Json>> steps;
+std::vector<std::pair<std::string, OrderedJson>> configurations(const OrderedJson& description) {
+  std::vector<std::pair<std::string, OrderedJson>> steps;
   std::map<std::string, int> count;
-  const Json chain = description.value("chain", Json::array());
-  for (const Json& step : chain) {
+  const OrderedJson chain = description.value("chain", OrderedJson::array());
+  for (const OrderedJson& step : chain) {
     const std::string tool = step.value("tool", "");
     const int number = ++count[tool];
-    Json config = step.value("config", Json());
+    OrderedJson config = step.value("config", OrderedJson());
     if (step.contains("options") && step["options"].is_object()) config["--"] = step["options"];
     steps.emplace_back(number == 1 ? tool : tool + " " + std::to_string(number), std::move(config));
   }
   return steps;
 }
 
-Json config_of_step(const std::vector<std::pair<std::string, Json>>& steps, const std::string& tool) {
-  const auto found = std::ranges::find(steps, tool, &std::pair<std::string, Json>::first);
-  return found == steps.end() ? Json() : found->second;
+OrderedJson config_of_step(const std::vector<std::pair<std::string, OrderedJson>>& steps,
+                           const std::string& tool) {
+  const auto found = std::ranges::find(steps, tool, &std::pair<std::string, OrderedJson>::first);
+  return found == steps.end() ? OrderedJson() : found->second;
 }
 
 /// The keys that differ; a key that one of the files does not have has no value there.
-Json configuration_json(const Json& a, const Json& b) {
+OrderedJson configuration_json(const OrderedJson& a, const OrderedJson& b) {
   const auto steps_a = configurations(a);
   const auto steps_b = configurations(b);
   std::vector<std::string> tools;
   for (const auto& steps : {steps_a, steps_b})
     for (const auto& [tool, config] : steps)
       if (std::ranges::find(tools, tool) == tools.end()) tools.push_back(tool);
-  Json differing = Json::array();
+  OrderedJson differing = OrderedJson::array();
   for (const std::string& tool : tools) {
     for (const auto& [path, in_a, in_b] :
          value_pairs(config_of_step(steps_a, tool), config_of_step(steps_b, tool))) {
       if (in_a == in_b) continue;
-      Json entry = {{"tool", tool}, {"key", path}};
+      OrderedJson entry = {{"tool", tool}, {"key", path}};
       if (in_a) entry["a"] = *in_a;
       if (in_b) entry["b"] = *in_b;
       differing.push_back(std::move(entry));
@@ -76,16 +77,16 @@ Json configuration_json(const Json& a, const Json& b) {
 }
 
 /// The numbers of two objects side by side; arrays and texts are left out.
-Json numbers_json(const Json& a, const Json& b) {
-  const auto is_number = [](const std::optional<Json>& value) {
+OrderedJson numbers_json(const OrderedJson& a, const OrderedJson& b) {
+  const auto is_number = [](const std::optional<OrderedJson>& value) {
     return value && (value->is_number() || value->is_null());
   };
-  Json numbers = Json::array();
+  OrderedJson numbers = OrderedJson::array();
   for (const auto& [path, in_a, in_b] : value_pairs(a, b)) {
     if (path == "version" || !(is_number(in_a) || is_number(in_b))) continue;
-    const Json value_a = is_number(in_a) ? *in_a : Json();
-    const Json value_b = is_number(in_b) ? *in_b : Json();
-    Json entry = {{"metric", path}, {"a", value_a}, {"b", value_b}, {"difference", nullptr}};
+    const OrderedJson value_a = is_number(in_a) ? *in_a : OrderedJson();
+    const OrderedJson value_b = is_number(in_b) ? *in_b : OrderedJson();
+    OrderedJson entry = {{"metric", path}, {"a", value_a}, {"b", value_b}, {"difference", nullptr}};
     if (value_a.is_number() && value_b.is_number())
       entry["difference"] = value_b.get<double>() - value_a.get<double>();
     numbers.push_back(std::move(entry));
@@ -93,23 +94,24 @@ Json numbers_json(const Json& a, const Json& b) {
   return numbers;
 }
 
-Json requirements_json(const Json& a, const Json& b) {
-  Json all = Json::array();
+OrderedJson requirements_json(const OrderedJson& a, const OrderedJson& b) {
+  OrderedJson all = OrderedJson::array();
   for (const char* const section : {"requirements", "own_requirements"}) {
-    const Json in_a = a.value(section, Json::object());
-    const Json in_b = b.value(section, Json::object());
+    const OrderedJson in_a = a.value(section, OrderedJson::object());
+    const OrderedJson in_b = b.value(section, OrderedJson::object());
     std::vector<std::string> names;
-    for (const Json& side : {in_a, in_b})
+    for (const OrderedJson& side : {in_a, in_b})
       for (const auto& [name, requirement] : side.items())
         if (std::ranges::find(names, name) == names.end()) names.push_back(name);
     for (const std::string& name : names)
-      all.push_back({{"name", name}, {"a", in_a.value(name, Json())}, {"b", in_b.value(name, Json())}});
+      all.push_back(
+          {{"name", name}, {"a", in_a.value(name, OrderedJson())}, {"b", in_b.value(name, OrderedJson())}});
   }
   return all;
 }
 
 /// The statistics of B - A where both have a value.
-Json difference_json(const Grid<double>& a, const Grid<double>& b) {
+OrderedJson difference_json(const Grid<double>& a, const Grid<double>& b) {
   Grid<double> difference(a.spec(), std::numeric_limits<double>::quiet_NaN());
   std::int64_t only_a = 0;
   std::int64_t only_b = 0;
@@ -141,7 +143,7 @@ Json difference_json(const Grid<double>& a, const Grid<double>& b) {
 }
 
 /// Classes, whose differences mean nothing, are counted where they differ.
-Json class_json(const Grid<double>& a, const Grid<double>& b) {
+OrderedJson class_json(const Grid<double>& a, const Grid<double>& b) {
   std::int64_t differing = 0;
   for (std::size_t i = 0; i < a.spec().size(); ++i) differing += a.values()[i] != b.values()[i] ? 1 : 0;
   return {{"bins", a.spec().size()}, {"differing", differing}};
@@ -203,7 +205,7 @@ class GridPair {
   }
 
   /// Adds the places, the common bins and, with statistics, the layers, or why there are none.
-  void add_to(Json& json, const std::string& kind, const ComparisonRequest& request,
+  void add_to(OrderedJson& json, const std::string& kind, const ComparisonRequest& request,
               const ProgressCallback& progress) const {
     json["a"]["place"] = place_json(grid_a_.crs_wkt());
     json["b"]["place"] = place_json(grid_b_.crs_wkt());
@@ -226,7 +228,7 @@ class GridPair {
 
  private:
   /// Row and column of the first common bin in a grid.
-  [[nodiscard]] Json first_in(const GridSpec& grid) const {
+  [[nodiscard]] OrderedJson first_in(const GridSpec& grid) const {
     return {common_.first_row - grid.first_row, common_.first_col - grid.first_col};
   }
   /// The layers of A and of B on the common bins, B in the frame of A.
@@ -237,12 +239,13 @@ class GridPair {
         on_bins(grid_b_.read<double>(layer), placed_b_, common_, shift_of(kind, layer, meeting_.placement))};
   }
   /// The errors of both DEMs on the bins that have an elevation and a truth in both.
-  [[nodiscard]] Json elevation_errors() const {
+  [[nodiscard]] OrderedJson elevation_errors() const {
     auto [a, b] = read("dem", "z_est");
     const auto empty = [](const Grid<double>& z) {
       return std::ranges::count_if(z.values(), [](double value) { return std::isnan(value); });
     };
-    Json json = {{"empty_a", empty(a)}, {"empty_b", empty(b)}, {"rms_a_m", nullptr}, {"rms_b_m", nullptr}};
+    OrderedJson json = {
+        {"empty_a", empty(a)}, {"empty_b", empty(b)}, {"rms_a_m", nullptr}, {"rms_b_m", nullptr}};
     if (!grid_a_.has("z_true") || !grid_b_.has("z_true")) return json;
     const auto [true_a, true_b] = read("dem", "z_true");
     double sum_a = 0, sum_b = 0, count = 0;
@@ -259,9 +262,9 @@ class GridPair {
     json["rms_b_m"] = std::sqrt(sum_b / count);
     return json;
   }
-  void add_layers(Json& json, const std::string& kind, const ComparisonRequest& request,
+  void add_layers(OrderedJson& json, const std::string& kind, const ComparisonRequest& request,
                   const ProgressCallback& progress) const {
-    json["layers"] = Json::array();
+    json["layers"] = OrderedJson::array();
     const std::vector<ContentInfo> layers = layers_of(file_a_, grid_a_.spec());
     const std::vector<ContentInfo> others = layers_of(file_b_, grid_b_.spec());
     std::size_t done = 0;
@@ -270,7 +273,7 @@ class GridPair {
       if (std::ranges::find(others, layer.name, &ContentInfo::name) == others.end()) continue;
       const auto [a, b] = read(kind, layer.name);
       if (request.on_layer) request.on_layer(kind, layer, a, b);
-      Json entry = {{"layer", layer.name}, {"unit", layer.units}};
+      OrderedJson entry = {{"layer", layer.name}, {"unit", layer.units}};
       entry.update(is_class(layer) ? class_json(a, b) : difference_json(a, b));
       json["layers"].push_back(std::move(entry));
     }
@@ -285,7 +288,7 @@ class GridPair {
 };
 
 /// NaN is a draw that is not judged, of which no pair is made.
-Json pair_json(const std::string& name, std::vector<double> a, std::vector<double> b) {
+OrderedJson pair_json(const std::string& name, std::vector<double> a, std::vector<double> b) {
   std::size_t judged = 0;
   for (std::size_t i = 0; i < a.size(); ++i)
     if (!std::isnan(a[i]) && !std::isnan(b[i]))
@@ -353,20 +356,20 @@ std::vector<double> rows_of(const std::vector<double>& values, const std::vector
   return mapped(rows, [&](std::size_t row) { return values[row]; });
 }
 
-void add_draws(Json& json, const std::filesystem::path& a, const std::filesystem::path& b) {
+void add_draws(OrderedJson& json, const std::filesystem::path& a, const std::filesystem::path& b) {
   const DrawTable table_a = read_draws(a).draws.table;
   const DrawTable table_b = read_draws(b).draws.table;
   const DrawPairs common = draws_in_common(table_a, table_b);
   json["draws"] = {{"a", table_a.size()}, {"b", table_b.size()}, {"common", common.rows_a.size()}};
   if (common.rows_a.empty()) return;
-  json["differing_keys"] = Json::array();
+  json["differing_keys"] = OrderedJson::array();
   for (const DrawColumn& column : table_a.varied) {
     const auto other = std::ranges::find(table_b.varied, column.name, &DrawColumn::name);
     if (other != table_b.varied.end() &&
         rows_of(column.values, common.rows_a) != rows_of(other->values, common.rows_b))
       json["differing_keys"].push_back(column.name);
   }
-  json["pairs"] = Json::array();
+  json["pairs"] = OrderedJson::array();
   const auto outcomes_b = outcomes(table_b);
   for (const auto& [name, values] : outcomes(table_a)) {
     const auto other = std::ranges::find(outcomes_b, name, [](const auto& outcome) { return outcome.first; });
@@ -378,22 +381,22 @@ void add_draws(Json& json, const std::filesystem::path& a, const std::filesystem
 
 }  // namespace
 
-Json compare_files(const std::filesystem::path& a, const std::filesystem::path& b,
-                   const ComparisonRequest& request, const ProgressCallback& progress) {
-  const Json of_a = describe_file(a, {.statistics = false});
-  const Json of_b = describe_file(b, {.statistics = false});
+OrderedJson compare_files(const std::filesystem::path& a, const std::filesystem::path& b,
+                          const ComparisonRequest& request, const ProgressCallback& progress) {
+  const OrderedJson of_a = describe_file(a, {.statistics = false});
+  const OrderedJson of_b = describe_file(b, {.statistics = false});
   if (of_a["kind"] != of_b["kind"])
     throw UsageError("--compare needs two files of one kind; " + a.string() + ": " +
                      of_a["kind"].get<std::string>() + ", " + b.string() + ": " +
                      of_b["kind"].get<std::string>());
-  Json json = {{"kind", of_a["kind"]},
-               {"a", {{"file", a.string()}, {"file_id", of_a["file_id"]}}},
-               {"b", {{"file", b.string()}, {"file_id", of_b["file_id"]}}},
-               {"same_file_id", of_a["file_id"] == of_b["file_id"]},
-               {"configuration", configuration_json(of_a, of_b)}};
+  OrderedJson json = {{"kind", of_a["kind"]},
+                      {"a", {{"file", a.string()}, {"file_id", of_a["file_id"]}}},
+                      {"b", {{"file", b.string()}, {"file_id", of_b["file_id"]}}},
+                      {"same_file_id", of_a["file_id"] == of_b["file_id"]},
+                      {"configuration", configuration_json(of_a, of_b)}};
   for (const char* const part : {"scan", "metrics", "score", "plan"}) {
     if (!of_a.contains(part) || !of_b.contains(part)) continue;
-    const Json requirements = requirements_json(of_a[part], of_b[part]);
+    const OrderedJson requirements = requirements_json(of_a[part], of_b[part]);
     if (!requirements.empty()) json["requirements"] = requirements;
     json["metrics"] = numbers_json(of_a[part], of_b[part]);
   }

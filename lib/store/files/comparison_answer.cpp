@@ -17,7 +17,7 @@
 namespace landfall {
 namespace {
 
-using Json = nlohmann::ordered_json;
+using OrderedJson = nlohmann::ordered_json;
 using Value = std::optional<double>;
 
 /// A smaller change counts as none.
@@ -25,11 +25,13 @@ constexpr double kSameShare = 0.01;
 /// The largest McNemar p of a difference between draws.
 constexpr double kSignificant = 0.05;
 
-Value number_in(const Json& json) { return json.is_number() ? Value(json.get<double>()) : std::nullopt; }
+Value number_in(const OrderedJson& json) {
+  return json.is_number() ? Value(json.get<double>()) : std::nullopt;
+}
 
 /// The number at a dotted path.
-Value at_path(const Json& json, const std::string& path) {
-  const Json* at = &json;
+Value at_path(const OrderedJson& json, const std::string& path) {
+  const OrderedJson* at = &json;
   for (const std::string& part : split_at(path, '.')) {
     const auto found = at->is_object() ? at->find(part) : at->end();
     if (found == at->end()) return std::nullopt;
@@ -39,7 +41,7 @@ Value at_path(const Json& json, const std::string& path) {
 }
 
 /// The largest of the numbers at several paths, separated by spaces.
-Value largest_at(const Json& json, const std::string& paths) {
+Value largest_at(const OrderedJson& json, const std::string& paths) {
   Value largest;
   for (const std::string& path : split_words(paths))
     if (const Value found = at_path(json, path)) largest = std::max(largest.value_or(*found), *found);
@@ -90,7 +92,7 @@ struct AnswerPoint {
   int sign = 0;         ///< of a verdict that changes, of a failure, or of a number that nothing judges
   int margin_sign = 0;  ///< of a requirement that both meet
   std::string text;
-  Json numbers = Json::object();
+  OrderedJson numbers = OrderedJson::object();
   bool is_known = true;  ///< whether the files tell the change
 };
 
@@ -98,13 +100,14 @@ const char* change_word(const AnswerPoint& point, int sign) {
   return sign > 0 ? "better" : sign < 0 ? "worse" : point.is_known ? "same" : "unknown";
 }
 
-const char* verdict_of(const Json& requirement) {
-  const Json pass = requirement.is_object() ? requirement.value("pass", Json()) : Json();
+const char* verdict_of(const OrderedJson& requirement) {
+  const OrderedJson pass = requirement.is_object() ? requirement.value("pass", OrderedJson()) : OrderedJson();
   return !pass.is_boolean() ? "not judged" : pass.get<bool>() ? "pass" : "FAIL";
 }
 
 /// The signs of a requirement by its verdicts, the value that is judged and that which uses up the limit.
-void set_signs(AnswerPoint& point, const Json& a, const Json& b, bool at_least, int worst_sign) {
+void set_signs(AnswerPoint& point, const OrderedJson& a, const OrderedJson& b, bool at_least,
+               int worst_sign) {
   const std::string_view in_a = verdict_of(a), in_b = verdict_of(b);
   point.numbers = {{"verdict_a", in_a}, {"verdict_b", in_b}};
   point.text = in_a == in_b ? std::string(in_a) + " in both" : std::string(in_a) + " -> " + std::string(in_b);
@@ -121,9 +124,9 @@ void set_signs(AnswerPoint& point, const Json& a, const Json& b, bool at_least, 
 }
 
 /// ", 0.4 % -> 0.7 % of all": the shares of footprints that are counted along each axis.
-std::string shares_text(const dictionary::Requirement& words, Value value_a, Value value_b, const Json& a,
-                        const Json& b) {
-  const auto share = [&](Value value, const Json& file) -> Value {
+std::string shares_text(const dictionary::Requirement& words, Value value_a, Value value_b,
+                        const OrderedJson& a, const OrderedJson& b) {
+  const auto share = [&](Value value, const OrderedJson& file) -> Value {
     const Value bins = at_path(file["metrics"], "region.bin_count");
     const auto axes = static_cast<double>(std::string_view(words.footprints).size());
     return value && bins && *bins > 0 ? Value(*value / (*bins * axes)) : std::nullopt;
@@ -132,8 +135,8 @@ std::string shares_text(const dictionary::Requirement& words, Value value_a, Val
 }
 
 /// A requirement of the dictionary. `a` and `b` describe the files.
-AnswerPoint requirement_point(const dictionary::Requirement& words, const Json& in_a, const Json& in_b,
-                              const Json& a, const Json& b) {
+AnswerPoint requirement_point(const dictionary::Requirement& words, const OrderedJson& in_a,
+                              const OrderedJson& in_b, const OrderedJson& a, const OrderedJson& b) {
   AnswerPoint point{words.name, 0, 0, "", {}};
   const Value worst_a = largest_at(a["metrics"], words.worst);
   const Value worst_b = largest_at(b["metrics"], words.worst);
@@ -146,7 +149,7 @@ AnswerPoint requirement_point(const dictionary::Requirement& words, const Json& 
   const Value value_a = number_in(in_a["value"]), value_b = number_in(in_b["value"]);
   point.text += std::string("; ") + words.measured + ": " + change_text(key, value_a, value_b);
   if (counts_footprints) point.text += shares_text(words, value_a, value_b, a, b);
-  point.numbers.update(Json{{"a", in_a["value"]}, {"b", in_b["value"]}});
+  point.numbers.update(OrderedJson{{"a", in_a["value"]}, {"b", in_b["value"]}});
   if (std::string_view(words.worst) == words.value) {
     point.text += limit_text(words.worst_limit, limit_a, limit_b);
     return point;
@@ -154,17 +157,17 @@ AnswerPoint requirement_point(const dictionary::Requirement& words, const Json& 
   const char* const what = words.at_least ? "95th percentile " : "worst ";
   point.text += std::string("; ") + what + change_text("_m", worst_a, worst_b) +
                 limit_text(words.worst_limit, limit_a, limit_b);
-  point.numbers.update(Json{{"worst_a_m", worst_a ? Json(*worst_a) : Json(nullptr)},
-                            {"worst_b_m", worst_b ? Json(*worst_b) : Json(nullptr)}});
+  point.numbers.update(OrderedJson{{"worst_a_m", worst_a ? OrderedJson(*worst_a) : OrderedJson(nullptr)},
+                                   {"worst_b_m", worst_b ? OrderedJson(*worst_b) : OrderedJson(nullptr)}});
   return point;
 }
 
 /// A requirement of the user's own. Of one that judges other numbers in B than in A the change is unknown.
-AnswerPoint own_point(const std::string& name, const Json& in_a, const Json& in_b) {
+AnswerPoint own_point(const std::string& name, const OrderedJson& in_a, const OrderedJson& in_b) {
   AnswerPoint point{name, 0, 0, "", {}};
-  const Json& any = in_b.is_object() ? in_b : in_a;
+  const OrderedJson& any = in_b.is_object() ? in_b : in_a;
   const bool at_least = any.value("at_least", false);
-  const auto number = [](const Json& side, const char* key) { return at_path(side, key); };
+  const auto number = [](const OrderedJson& side, const char* key) { return at_path(side, key); };
   const Value value_a = number(in_a, "value"), value_b = number(in_b, "value");
   const Value limit_a = number(in_a, "limit"), limit_b = number(in_b, "limit");
   set_signs(point, in_a, in_b, at_least, share_sign(value_a, value_b, limit_a, limit_b, at_least));
@@ -180,9 +183,10 @@ AnswerPoint own_point(const std::string& name, const Json& in_a, const Json& in_
   return point;
 }
 
-std::vector<AnswerPoint> requirement_points(const Json& comparison, const Json& a, const Json& b) {
+std::vector<AnswerPoint> requirement_points(const OrderedJson& comparison, const OrderedJson& a,
+                                            const OrderedJson& b) {
   std::vector<AnswerPoint> points;
-  for (const Json& entry : comparison.value("requirements", Json::array())) {
+  for (const OrderedJson& entry : comparison.value("requirements", OrderedJson::array())) {
     const std::string name = entry["name"].get<std::string>();
     const auto* const words =
         std::ranges::find(dictionary::kRequirements, name, &dictionary::Requirement::name);
@@ -195,13 +199,15 @@ std::vector<AnswerPoint> requirement_points(const Json& comparison, const Json& 
 
 /// A number that nothing judges.
 AnswerPoint number_point(const std::string& name, const std::string& key, Value a, Value b) {
-  AnswerPoint point{name, sign_of(a, b, std::nullopt, false), 0, change_text(key, a, b), Json::object()};
-  point.numbers = {{"a", a ? Json(*a) : Json(nullptr)}, {"b", b ? Json(*b) : Json(nullptr)}};
+  AnswerPoint point{name, sign_of(a, b, std::nullopt, false), 0, change_text(key, a, b),
+                    OrderedJson::object()};
+  point.numbers = {{"a", a ? OrderedJson(*a) : OrderedJson(nullptr)},
+                   {"b", b ? OrderedJson(*b) : OrderedJson(nullptr)}};
   point.is_known = a.has_value() == b.has_value();
   return point;
 }
 
-std::vector<AnswerPoint> hazard_points(const Json& a, const Json& b) {
+std::vector<AnswerPoint> hazard_points(const OrderedJson& a, const OrderedJson& b) {
   std::vector<AnswerPoint> points;
   const auto add = [&](const char* name, const char* key, const char* share) {
     points.push_back(number_point(name, key, at_path(a["score"], key), at_path(b["score"], key)));
@@ -213,9 +219,9 @@ std::vector<AnswerPoint> hazard_points(const Json& a, const Json& b) {
   return points;
 }
 
-std::vector<AnswerPoint> dem_points(const Json& comparison) {
+std::vector<AnswerPoint> dem_points(const OrderedJson& comparison) {
   std::vector<AnswerPoint> points;
-  const Json errors = comparison.value("elevation_errors", Json());
+  const OrderedJson errors = comparison.value("elevation_errors", OrderedJson());
   if (!errors.is_object()) return points;
   points.push_back(number_point("bins without an elevation", "", number_in(errors["empty_a"]),
                                 number_in(errors["empty_b"])));
@@ -225,9 +231,9 @@ std::vector<AnswerPoint> dem_points(const Json& comparison) {
   return points;
 }
 
-std::vector<AnswerPoint> draw_points(const Json& comparison) {
+std::vector<AnswerPoint> draw_points(const OrderedJson& comparison) {
   std::vector<AnswerPoint> points;
-  for (const Json& pair : comparison.value("pairs", Json::array())) {
+  for (const OrderedJson& pair : comparison.value("pairs", OrderedJson::array())) {
     const std::string name = pair["name"].get<std::string>();
     const auto count = [&](const char* key) { return pair[key].get<std::int64_t>(); };
     const std::int64_t all = count("both") + count("only_a") + count("only_b") + count("neither");
@@ -237,7 +243,7 @@ std::vector<AnswerPoint> draw_points(const Json& comparison) {
     const double p = pair["mcnemar_p"].get<double>();
     if (p < kSignificant) point.sign = count("only_b") > count("only_a") ? 1 : -1;
     point.is_known = point.sign != 0 || count("only_a") + count("only_b") == 0;
-    const Json& difference = pair["difference"];
+    const OrderedJson& difference = pair["difference"];
     point.text = "passed by " + grouped(count("both") + count("only_a")) + " -> " +
                  grouped(count("both") + count("only_b")) + " of " + grouped(all) + " draws; difference " +
                  percent_text(difference["value"].get<double>()) + ", 95 % interval " +
@@ -270,10 +276,10 @@ std::optional<std::pair<std::string, std::string>> concluded(const std::vector<A
 }
 
 /// Keys that judge: with other ones two verdicts do not compare the maps alone.
-Json notes_of(const Json& comparison) {
-  Json notes = Json::array();
+OrderedJson notes_of(const OrderedJson& comparison) {
+  OrderedJson notes = OrderedJson::array();
   std::vector<std::string> keys;
-  for (const Json& entry : comparison["configuration"])
+  for (const OrderedJson& entry : comparison["configuration"])
     if (const auto key = entry["key"].get<std::string>();
         entry["tool"] == "dem-eval" || entry["tool"] == "hazard-map" ||
         (entry["tool"] == "monte-carlo" && (key.starts_with("eval.") || key.starts_with("hazard."))))
@@ -286,7 +292,7 @@ Json notes_of(const Json& comparison) {
 
 }  // namespace
 
-Json answer_of(const Json& comparison, const Json& a, const Json& b) {
+OrderedJson answer_of(const OrderedJson& comparison, const OrderedJson& a, const OrderedJson& b) {
   const std::string kind = comparison["kind"].get<std::string>();
   if (kind == "terrain" || kind == "scan") return nullptr;
   std::vector<AnswerPoint> points = requirement_points(comparison, a, b);
@@ -304,12 +310,12 @@ Json answer_of(const Json& comparison, const Json& a, const Json& b) {
   if (!conclusion && points.empty())
     conclusion.emplace("unknown", "whether B is better is unknown: no number of both is judged");
   if (!conclusion) conclusion.emplace("equal", "B is equal to A: no change of more than 1 %");
-  Json json = {
-      {"conclusion", conclusion->first}, {"sentence", conclusion->second}, {"points", Json::array()}};
+  OrderedJson json = {
+      {"conclusion", conclusion->first}, {"sentence", conclusion->second}, {"points", OrderedJson::array()}};
   for (const AnswerPoint& point : points) {
-    Json entry = {{"name", point.name},
-                  {"change", change_word(point, point.sign)},
-                  {"margin", change_word(point, point.margin_sign)}};
+    OrderedJson entry = {{"name", point.name},
+                         {"change", change_word(point, point.sign)},
+                         {"margin", change_word(point, point.margin_sign)}};
     entry.update(point.numbers);
     entry["text"] = point.text;
     json["points"].push_back(std::move(entry));

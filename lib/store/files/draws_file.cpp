@@ -27,7 +27,7 @@
 namespace landfall {
 namespace {
 
-using Json = nlohmann::ordered_json;
+using OrderedJson = nlohmann::ordered_json;
 
 constexpr const char* kFirstDraw = "first_draw";
 
@@ -204,7 +204,7 @@ void require_no_more(const LandfallFileReader& file, const NamedCounts& part, co
 }
 
 /// Appends the numbers of a tree by their dotted paths: null as NaN, true as 1.
-void flatten(const Json& tree, const std::string& path, std::vector<NamedNumber>& flat) {
+void flatten(const OrderedJson& tree, const std::string& path, std::vector<NamedNumber>& flat) {
   if (tree.is_object()) {
     for (const auto& [key, inner] : tree.items())
       if (key != "pass" || !path.empty()) flatten(inner, path.empty() ? key : path + "." + key, flat);
@@ -422,12 +422,12 @@ std::vector<NamedNumber> flat_metrics(const DrawResult& result) {
           flat);
   if (!result.hazards) return flat;
   const auto landing = [&](const std::string& arm, const Landing& landed) {
-    flatten(Json{{"x_m", landed.touchdown.x_m},
-                 {"y_m", landed.touchdown.y_m},
-                 {"yaw_deg", landed.touchdown.yaw_deg},
-                 {"slope_deg", landed.slope_deg},
-                 {"roughness_m", landed.roughness_m},
-                 {"safe", landed.is_safe ? 1 : 0}},
+    flatten(OrderedJson{{"x_m", landed.touchdown.x_m},
+                        {"y_m", landed.touchdown.y_m},
+                        {"yaw_deg", landed.touchdown.yaw_deg},
+                        {"slope_deg", landed.slope_deg},
+                        {"roughness_m", landed.roughness_m},
+                        {"safe", landed.is_safe ? 1 : 0}},
             arm, flat);
   };
   flatten(score_json(result.hazards->score), "score", flat);
@@ -442,7 +442,7 @@ std::vector<NamedNumber> flat_metrics(const DrawResult& result) {
   return flat;
 }
 
-void write_draws(LandfallFileWriter& file, const Draws& draws, const Json& verdict,
+void write_draws(LandfallFileWriter& file, const Draws& draws, const OrderedJson& verdict,
                  const std::string& crs_wkt) {
   if (draws.maps) write_layers(file, draws, crs_wkt);
   write_rows(file, draws.table);

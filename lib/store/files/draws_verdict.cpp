@@ -15,9 +15,9 @@
 namespace landfall {
 namespace {
 
-using Json = nlohmann::ordered_json;
+using OrderedJson = nlohmann::ordered_json;
 
-Json rate_json(const std::string& name, const PassRate& rate) {
+OrderedJson rate_json(const std::string& name, const PassRate& rate) {
   const ProbabilityInterval interval = wilson(rate);
   return {{"requirement", name},
           {"passed", rate.k},
@@ -30,10 +30,10 @@ Json rate_json(const std::string& name, const PassRate& rate) {
 /// The rate of a requirement from the pass_flag() of each draw, or NaN where it is not judged. A draw that is
 /// not judged might pass or fail: the interval holds for both (D452).
 template <class T>
-Json requirement_rate(const std::string& name, const std::vector<T>& passes) {
+OrderedJson requirement_rate(const std::string& name, const std::vector<T>& passes) {
   const PassRate rate{std::ranges::count(passes, T{1}), std::ssize(passes)};
   const std::int64_t judged = rate.k + std::ranges::count(passes, T{0});
-  Json json = rate_json(name, rate);
+  OrderedJson json = rate_json(name, rate);
   json["judged"] = judged;
   json["wilson_high"] = wilson({rate.k + rate.n - judged, rate.n}).high;
   return json;
@@ -41,8 +41,8 @@ Json requirement_rate(const std::string& name, const std::vector<T>& passes) {
 
 /// The share of draws whose chosen place is safe in truth, of a run of draws that judges hazards. A draw
 /// without a safe place, or whose place is unknown in truth, counts as not safe.
-Json hazard_json(std::int64_t draws, const std::vector<double>& chosen_safe,
-                 const std::vector<double>& site_x_m, const std::vector<double>& missed) {
+OrderedJson hazard_json(std::int64_t draws, const std::vector<double>& chosen_safe,
+                        const std::vector<double>& site_x_m, const std::vector<double>& missed) {
   const auto sites = std::ranges::count_if(site_x_m, [](double x_m) { return !std::isnan(x_m); });
   double sum = 0;
   std::int64_t known = 0;
@@ -53,12 +53,13 @@ Json hazard_json(std::int64_t draws, const std::vector<double>& chosen_safe,
     }
   return {
       {"draws_with_site", sites},
-      {"missed_hazard_frac_mean", known > 0 ? Json(sum / static_cast<double>(known)) : Json(nullptr)},
+      {"missed_hazard_frac_mean",
+       known > 0 ? OrderedJson(sum / static_cast<double>(known)) : OrderedJson(nullptr)},
       {"chosen_place_safe", rate_json("chosen_place_safe", {std::ranges::count(chosen_safe, 1.0), draws})}};
 }
 
 /// Landings with the lidar and without, in pairs. `is_valid` is false after a sequential test.
-Json landing_json(const DrawTable& table, bool is_valid) {
+OrderedJson landing_json(const DrawTable& table, bool is_valid) {
   const std::vector<double>& with = find_metric(table, kLandingSafe)->values;
   const std::vector<double>& without = find_metric(table, kBlindSafe)->values;
   const PairedCounts pairs = paired_counts(with, without);
@@ -67,12 +68,12 @@ Json landing_json(const DrawTable& table, bool is_valid) {
                                  [](double slope_deg) { return std::isnan(slope_deg); });
   };
   const auto arm = [](const PassRate& rate) {
-    Json json = rate_json("", rate);
+    OrderedJson json = rate_json("", rate);
     json.erase("requirement");
     return json;
   };
   const ProbabilityDifference difference = newcombe_difference(pairs);
-  Json json = {
+  OrderedJson json = {
       {"safe", arm(pairs.rate_a())},
       {"blind", arm(pairs.rate_b())},
       {"off_terrain",
@@ -88,15 +89,15 @@ Json landing_json(const DrawTable& table, bool is_valid) {
 }
 
 /// The rates of all rows.
-Json result_json(const DrawTable& table, bool is_valid) {
-  Json rates = Json::array();
+OrderedJson result_json(const DrawTable& table, bool is_valid) {
+  OrderedJson rates = OrderedJson::array();
   for (const dictionary::Requirement& words : dictionary::kRequirements)
     rates.push_back(requirement_rate(words.name, pass_column(table, words.name).values));
   rates.push_back(requirement_rate("all", six_passed(table)));
   const std::vector<OwnColumn> own = own_columns(table);
   for (const OwnColumn& column : own) rates.push_back(requirement_rate(column.name, column.passes->values));
   if (!own.empty()) rates.push_back(requirement_rate("all_and_own", table.pass));
-  Json result = {{"rates", std::move(rates)}};
+  OrderedJson result = {{"rates", std::move(rates)}};
   const DrawColumn* const chosen_safe = find_metric(table, "site.true_safe");
   const DrawColumn* const site_x = find_metric(table, "site.x_m");
   const DrawColumn* const missed = find_metric(table, "score.missed_hazard_frac");
@@ -120,8 +121,8 @@ DrawTable rows_of_pair(const DrawTable& table, std::ptrdiff_t begin, std::ptrdif
 
 }  // namespace
 
-Json verdict_json(const DrawTable& table, const std::optional<SprtState>& sprt) {
-  Json verdict = {{"format", "landfall.draws_verdict"}, {"version", 1}, {"confidence", 0.95}};
+OrderedJson verdict_json(const DrawTable& table, const std::optional<SprtState>& sprt) {
+  OrderedJson verdict = {{"format", "landfall.draws_verdict"}, {"version", 1}, {"confidence", 0.95}};
   if (sprt) {
     constexpr std::array kStates = {"running", "accepted", "rejected"};
     verdict["sprt"] = kStates.at(static_cast<std::size_t>(*sprt));
@@ -132,7 +133,7 @@ Json verdict_json(const DrawTable& table, const std::optional<SprtState>& sprt) 
     const std::vector<double>& pairs = table.varied.front().values;
     for (auto begin = pairs.begin(); begin != pairs.end();) {  // the rows of a pair follow each other
       const auto end = std::find_if(begin + 1, pairs.end(), [&](double pair) { return pair != *begin; });
-      Json result = {{"pair", *begin}};
+      OrderedJson result = {{"pair", *begin}};
       result.update(result_json(rows_of_pair(table, begin - pairs.begin(), end - pairs.begin()), !sprt));
       verdict["pairs"].push_back(std::move(result));
       begin = end;

@@ -28,45 +28,45 @@
 namespace landfall {
 namespace {
 
-using Json = nlohmann::ordered_json;
+using OrderedJson = nlohmann::ordered_json;
 
 /// The root's own datasets come first, under this name.
 constexpr const char* kLayers = "layers";
 
-Json parsed(const std::optional<std::string>& text) { return stored_json<Json>(text); }
+OrderedJson parsed(const std::optional<std::string>& text) { return stored_json<OrderedJson>(text); }
 
 std::string text_attribute(hid_t object, const char* name) {
   return h5::read_text_attribute(object, name).value_or("");
 }
 
-Json head(const std::filesystem::path& path, const LandfallFileReader& file) {
+OrderedJson head(const std::filesystem::path& path, const LandfallFileReader& file) {
   const std::string format = text_attribute(file.root(), "format_name");
-  Json json = {{"file", path.string()},
-               {"kind", format.substr(format.find('.') + 1)},
-               {"title", text_attribute(file.root(), "title")},
-               {"format_version", text_attribute(file.root(), "format_version")},
-               {"complete", true},
-               {"size_bytes", std::filesystem::file_size(path)},
-               {"file_id", file.file_id()},
-               {"source", text_attribute(file.root(), "source")}};
+  OrderedJson json = {{"file", path.string()},
+                      {"kind", format.substr(format.find('.') + 1)},
+                      {"title", text_attribute(file.root(), "title")},
+                      {"format_version", text_attribute(file.root(), "format_version")},
+                      {"complete", true},
+                      {"size_bytes", std::filesystem::file_size(path)},
+                      {"file_id", file.file_id()},
+                      {"source", text_attribute(file.root(), "source")}};
   const std::string wkt = read_crs(file);
   json["crs"] = {{"name", name_in_wkt(wkt).value_or("")}, {"wkt", wkt}, {"place", place_json(wkt)}};
-  const Json origin = map_position_json(map_positions(wkt, {SitePoint{}}).front());
+  const OrderedJson origin = map_position_json(map_positions(wkt, {SitePoint{}}).front());
   if (!origin.empty()) json["crs"]["origin"] = origin;
   return json;
 }
 
 /// The names by which GDAL and GMT open the most important layer of a grid.
-Json opens_as(const std::filesystem::path& path, const std::vector<DatasetEntry>& layers) {
+OrderedJson opens_as(const std::filesystem::path& path, const std::vector<DatasetEntry>& layers) {
   std::string layer = layers.front().name;
   for (const char* const elevation : {"z_est", "z", "e_z"})
     for (const DatasetEntry& entry : layers)
       if (entry.name == elevation) layer = elevation;
   const std::optional<std::string> gdal = netcdf_name(path.string(), layer);
-  return {{"gdal", gdal ? Json(*gdal) : Json()}, {"gmt", path.string() + "?" + layer}};
+  return {{"gdal", gdal ? OrderedJson(*gdal) : OrderedJson()}, {"gmt", path.string() + "?" + layer}};
 }
 
-Json grid_json(const GridSpec& spec) {
+OrderedJson grid_json(const GridSpec& spec) {
   return {{"resolution_m", spec.resolution_m},
           {"rows", spec.rows},
           {"columns", spec.cols},
@@ -75,10 +75,10 @@ Json grid_json(const GridSpec& spec) {
 }
 
 /// Counts how often each named value, or each named bit, occurs.
-Json flag_counts(const DatasetEntry& entry, const ValueStatistics& statistics) {
+OrderedJson flag_counts(const DatasetEntry& entry, const ValueStatistics& statistics) {
   const bool bits = !entry.flag_masks.empty();
   const std::vector<int>& flags = bits ? entry.flag_masks : entry.flag_values;
-  Json counts = Json::object();
+  OrderedJson counts = OrderedJson::object();
   for (std::size_t i = 0; i < std::min(flags.size(), entry.flag_meanings.size()); ++i) {
     std::int64_t count = 0;
     for (std::size_t k = 0; k < statistics.int8_counts.size(); ++k) {
@@ -90,7 +90,8 @@ Json flag_counts(const DatasetEntry& entry, const ValueStatistics& statistics) {
   return counts;
 }
 
-void add_statistics(Json& json, const DatasetEntry& entry, const std::optional<ValueStatistics>& statistics) {
+void add_statistics(OrderedJson& json, const DatasetEntry& entry,
+                    const std::optional<ValueStatistics>& statistics) {
   if (!statistics) {
     for (const char* const key : {"count", "nan_count", "infinite_count", "min", "max", "mean", "std"})
       json[key] = nullptr;
@@ -103,14 +104,14 @@ void add_statistics(Json& json, const DatasetEntry& entry, const std::optional<V
   json["count"] = s.count;
   json["nan_count"] = s.nan_count;
   json["infinite_count"] = s.infinite_count;
-  json["min"] = any ? finite_json(s.min) : Json(nullptr);
-  json["max"] = any ? finite_json(s.max) : Json(nullptr);
-  json["mean"] = any ? finite_json(s.mean) : Json(nullptr);
-  json["std"] = any ? finite_json(s.std()) : Json(nullptr);
+  json["min"] = any ? finite_json(s.min) : OrderedJson(nullptr);
+  json["max"] = any ? finite_json(s.max) : OrderedJson(nullptr);
+  json["mean"] = any ? finite_json(s.mean) : OrderedJson(nullptr);
+  json["std"] = any ? finite_json(s.std()) : OrderedJson(nullptr);
   if (entry.type == "int8" && !entry.flag_meanings.empty()) json["flag_counts"] = flag_counts(entry, s);
 }
 
-Json entry_json(const DatasetEntry& entry) {
+OrderedJson entry_json(const DatasetEntry& entry) {
   return {{"name", entry.name},   {"type", entry.type},
           {"shape", entry.shape}, {"stored_bytes", entry.stored_bytes},
           {"unit", entry.units},  {"long_name", entry.long_name}};
@@ -158,12 +159,12 @@ class Share {
   double done_ = 0;
 };
 
-Json datasets_json(const LandfallFileReader& file, const std::vector<Group>& groups, bool statistics,
-                   const ProgressCallback& progress) {
+OrderedJson datasets_json(const LandfallFileReader& file, const std::vector<Group>& groups, bool statistics,
+                          const ProgressCallback& progress) {
   Share share(groups, progress);
-  Json result = Json::object();
+  OrderedJson result = OrderedJson::object();
   for (const Group& group : groups) {
-    Json& list = result[group.name] = Json::array();
+    OrderedJson& list = result[group.name] = OrderedJson::array();
     for (const DatasetEntry& entry : group.entries) {
       list.push_back(entry_json(entry));
       if (!statistics) continue;
@@ -176,14 +177,14 @@ Json datasets_json(const LandfallFileReader& file, const std::vector<Group>& gro
 }
 
 /// The number of rows of a table, from its first column.
-std::int64_t row_count(const Json& datasets, const char* group) {
+std::int64_t row_count(const OrderedJson& datasets, const char* group) {
   return datasets.contains(group) && !datasets[group].empty()
              ? datasets[group][0]["shape"][0].get<std::int64_t>()
              : 0;
 }
 
-Json member(const Json& config, std::initializer_list<const char*> path) {
-  const Json* value = &config;
+OrderedJson config_member(const OrderedJson& config, std::initializer_list<const char*> path) {
+  const OrderedJson* value = &config;
   for (const char* const key : path) {
     if (!value->is_object() || !value->contains(key)) return nullptr;
     value = &(*value)[key];
@@ -191,16 +192,17 @@ Json member(const Json& config, std::initializer_list<const char*> path) {
   return *value;
 }
 
-Json scan_json(const LandfallFileReader& file, const Json& datasets, const Json& config) {
+OrderedJson scan_json(const LandfallFileReader& file, const OrderedJson& datasets,
+                      const OrderedJson& config) {
   if (!h5::exists(file.root(), "pulses") && !is_imported_scan(file)) file.fail("no table /pulses");
   const std::int64_t pulses = row_count(datasets, "pulses");
-  Json json = {{"row_count", row_count(datasets, "points")},
-               {"pulse_count", pulses},
-               {"pixel_count", row_count(datasets, "detector")},
-               {"detector_rows", member(config, {"detector", "rows"})},
-               {"detector_columns", member(config, {"detector", "columns"})},
-               {"t_first_s", nullptr},
-               {"t_last_s", nullptr}};
+  OrderedJson json = {{"row_count", row_count(datasets, "points")},
+                      {"pulse_count", pulses},
+                      {"pixel_count", row_count(datasets, "detector")},
+                      {"detector_rows", config_member(config, {"detector", "rows"})},
+                      {"detector_columns", config_member(config, {"detector", "columns"})},
+                      {"t_first_s", nullptr},
+                      {"t_last_s", nullptr}};
   std::array<double, 1> t = {};
   if (pulses > 0) {
     const TableReader table(file.root(), "pulses", file.name());
@@ -218,8 +220,9 @@ Json scan_json(const LandfallFileReader& file, const Json& datasets, const Json&
   for (const PointStatusInfo& info : kPointStatuses) {
     if (!info.is_counted(points.has(name_of(&PointColumns::intensity)))) continue;
     const auto count = h5::read_number_attribute(points.group(), info.count_name);
-    json[info.count_name] =
-        count && std::abs(*count) < 0x1p62 ? Json(static_cast<std::int64_t>(*count)) : Json(nullptr);
+    json[info.count_name] = count && std::abs(*count) < 0x1p62
+                                ? OrderedJson(static_cast<std::int64_t>(*count))
+                                : OrderedJson(nullptr);
   }
   json["misses_kept"] = h5::read_number_attribute(points.group(), "misses_kept").value_or(0) == 1;
   return json;
@@ -246,14 +249,14 @@ std::array<std::array<double, 2>, 3> mesh_bounds(const LandfallFileReader& file,
   return bounds;
 }
 
-Json mesh_json(const LandfallFileReader& file, const Group& mesh, bool statistics) {
+OrderedJson mesh_json(const LandfallFileReader& file, const Group& mesh, bool statistics) {
   const auto find = [&](const char* name) -> const DatasetEntry& {
     for (const DatasetEntry& entry : mesh.entries)
       if (entry.name == name && entry.shape.size() == 2 && entry.shape[1] == 3) return entry;
     file.fail("no dataset /mesh/" + std::string(name) + " of the shape (n, 3)");
   };
   const DatasetEntry& vertices = find("vertices");
-  Json json = {{"vertex_count", vertices.shape[0]}, {"triangle_count", find("triangles").shape[0]}};
+  OrderedJson json = {{"vertex_count", vertices.shape[0]}, {"triangle_count", find("triangles").shape[0]}};
   constexpr std::array kAxes = {"x_m", "y_m", "z_m"};
   for (const char* const axis : kAxes) json[axis] = nullptr;
   if (!statistics || vertices.shape[0] == 0) return json;
@@ -263,11 +266,11 @@ Json mesh_json(const LandfallFileReader& file, const Group& mesh, bool statistic
   return json;
 }
 
-Json features_json(const Json& datasets) {
-  Json json = {{"count", row_count(datasets, "features")}, {"count_by_kind", nullptr}};
-  for (const Json& entry : datasets["features"])
+OrderedJson features_json(const OrderedJson& datasets) {
+  OrderedJson json = {{"count", row_count(datasets, "features")}, {"count_by_kind", nullptr}};
+  for (const OrderedJson& entry : datasets["features"])
     if (entry["name"] == "kind" && entry.contains("flag_counts")) {
-      json["count_by_kind"] = Json::object();
+      json["count_by_kind"] = OrderedJson::object();
       for (const auto& [kind, count] : entry["flag_counts"].items())
         if (count != 0) json["count_by_kind"][kind] = count;
     }
@@ -286,8 +289,8 @@ std::optional<double> first_value(const LandfallFileReader& file, const DatasetE
 
 /// Whether the first site is safe on the true terrain, null if there is no site or it is unknown; its
 /// coordinates on the map, if the file has them.
-Json best_site_json(const LandfallFileReader& file, const Group& sites) {
-  Json json = {{"true_safe", nullptr}};
+OrderedJson best_site_json(const LandfallFileReader& file, const Group& sites) {
+  OrderedJson json = {{"true_safe", nullptr}};
   for (const DatasetEntry& entry : sites.entries) {
     const auto* const coordinate = std::ranges::find(kMapCoordinates, entry.name, &MapCoordinate::column);
     if (entry.name != "true_safe" && coordinate == kMapCoordinates.end()) continue;
@@ -301,13 +304,13 @@ Json best_site_json(const LandfallFileReader& file, const Group& sites) {
   return json;
 }
 
-void add_provenance(Json& json, const LandfallFileReader& file) {
+void add_provenance(OrderedJson& json, const LandfallFileReader& file) {
   json["config"] = file.config();
   json["options"] = nullptr;
   json["inputs"] = nullptr;
   json["environment"] = nullptr;
   if (!file.chain().empty() && file.chain().back().value("file_id", "") == file.file_id()) {
-    const Json step = file.chain().back();
+    const OrderedJson step = file.chain().back();
     json["tool"] = step["tool"];
     json["version"] = step["version"];
     json["inputs"] = step["inputs"];
@@ -320,18 +323,18 @@ void add_provenance(Json& json, const LandfallFileReader& file) {
 
 }  // namespace
 
-Json describe_file(const std::filesystem::path& path, const DescriptionOptions& options,
-                   const ProgressCallback& progress) {
+OrderedJson describe_file(const std::filesystem::path& path, const DescriptionOptions& options,
+                          const ProgressCallback& progress) {
   const LandfallFileReader file(path, kLandfallKinds);
-  Json json = head(path, file);
+  OrderedJson json = head(path, file);
   if (h5::exists(file.root(), "x") && h5::exists(file.root(), "y"))
     json["grid"] = grid_json(GridLayerReader(file).spec());
   const std::vector<Group> groups = groups_of(file);
   if (json.contains("grid") && !groups.empty() && groups.front().name == kLayers)
     json["opens_as"] = opens_as(path, groups.front().entries);
-  const Json datasets = datasets_json(file, groups, options.statistics, progress);
+  const OrderedJson datasets = datasets_json(file, groups, options.statistics, progress);
   report(progress, 1);
-  if (json["kind"] == "scan") json["scan"] = scan_json(file, datasets, Json(file.config()));
+  if (json["kind"] == "scan") json["scan"] = scan_json(file, datasets, OrderedJson(file.config()));
   for (const Group& group : groups)
     if (json["kind"] == "hazards" && group.name == "sites") json["best_site"] = best_site_json(file, group);
   for (const Group& group : groups)

@@ -21,13 +21,13 @@
 namespace landfall {
 namespace {
 
-using Json = nlohmann::ordered_json;
+using OrderedJson = nlohmann::ordered_json;
 
 const std::vector<std::int8_t> kSafetyValues = {0, 1, 2};
 constexpr const char* kSafetyMeanings = "hazard safe unknown";
 
-Json true_safe(Safety truth) {
-  return truth == Safety::unknown ? Json(nullptr) : Json(truth == Safety::safe);
+OrderedJson true_safe(Safety truth) {
+  return truth == Safety::unknown ? OrderedJson(nullptr) : OrderedJson(truth == Safety::safe);
 }
 
 void write_measures(GridLayerWriter& layers, const PlaceMeasures& measures, const std::string& suffix) {
@@ -188,25 +188,25 @@ void place_on_map(std::vector<LandingSite>& sites, const std::string& crs_wkt) {
   for (std::size_t i = 0; i < sites.size(); ++i) sites[i].map = positions[i];
 }
 
-Json site_json(const LandingSite& site) {
-  Json json = {{"x_m", site.x_m}, {"y_m", site.y_m}};
+OrderedJson site_json(const LandingSite& site) {
+  OrderedJson json = {{"x_m", site.x_m}, {"y_m", site.y_m}};
   json.update(map_position_json(site.map));
-  json.update(Json{{"z_m", site.z_m},
-                   {"cost", site.cost},
-                   {"p_touchdown", site.p_touchdown},
-                   {"p_safe", or_null(site.p_safe)},
-                   {"slope_deg", site.slope_deg},
-                   {"roughness_m", site.roughness_m},
-                   {"distance_to_hazard_m", or_null(site.hazard_distance_m)},
-                   {"true_safe", true_safe(site.truth)},
-                   {"p_capped", site.p_safe ? Json(site.p_capped) : Json()}});
+  json.update(OrderedJson{{"z_m", site.z_m},
+                          {"cost", site.cost},
+                          {"p_touchdown", site.p_touchdown},
+                          {"p_safe", or_null(site.p_safe)},
+                          {"slope_deg", site.slope_deg},
+                          {"roughness_m", site.roughness_m},
+                          {"distance_to_hazard_m", or_null(site.hazard_distance_m)},
+                          {"true_safe", true_safe(site.truth)},
+                          {"p_capped", site.p_safe ? OrderedJson(site.p_capped) : OrderedJson()}});
   return json;
 }
 
-Json sites_json(const HazardMap& map) {
-  Json sites = Json::array();
+OrderedJson sites_json(const HazardMap& map) {
+  OrderedJson sites = OrderedJson::array();
   for (const LandingSite& site : map.sites) {
-    Json ranked = {{"rank", sites.size() + 1}};
+    OrderedJson ranked = {{"rank", sites.size() + 1}};
     ranked.update(site_json(site));
     sites.push_back(std::move(ranked));
   }
@@ -216,22 +216,22 @@ Json sites_json(const HazardMap& map) {
           {"sites", std::move(sites)}};
 }
 
-Json score_json(const HazardScore& score) {
+OrderedJson score_json(const HazardScore& score) {
   using Point = HazardScore::RocPoint;
   using Bin = HazardScore::ReliabilityBin;
-  Json roc = {{"roughness_limit_m", mapped(score.roc, &Point::roughness_limit_m)},
-              {"missed_hazard_frac",
-               mapped(score.roc, [](const Point& p) { return or_null(p.rates.missed_hazard_frac); })},
-              {"false_alarm_frac",
-               mapped(score.roc, [](const Point& p) { return or_null(p.rates.false_alarm_frac); })}};
-  Json reliability = {
+  OrderedJson roc = {{"roughness_limit_m", mapped(score.roc, &Point::roughness_limit_m)},
+                     {"missed_hazard_frac",
+                      mapped(score.roc, [](const Point& p) { return or_null(p.rates.missed_hazard_frac); })},
+                     {"false_alarm_frac",
+                      mapped(score.roc, [](const Point& p) { return or_null(p.rates.false_alarm_frac); })}};
+  OrderedJson reliability = {
       {"p_low", mapped(score.reliability, &Bin::p_low)},
       {"p_high", mapped(score.reliability, &Bin::p_high)},
       {"count", mapped(score.reliability, &Bin::count)},
       {"safe_frac", mapped(score.reliability, [](const Bin& bin) { return or_null(bin.safe_frac); })}};
-  const Json numbers = fields_json(score);
+  const OrderedJson numbers = fields_json(score);
   const bool has_own = !score.own_requirements.all.empty();
-  Json json = {{"format", "landfall.hazard_score"}, {"version", 1}};
+  OrderedJson json = {{"format", "landfall.hazard_score"}, {"version", 1}};
   if (has_own) json["pass"] = all_pass(score.own_requirements);
   for (const char* const key : {"counts", "filled_truth_bins", "missed_hazard_frac", "false_alarm_frac"})
     json[key] = numbers.at(key);

@@ -7,10 +7,10 @@
 namespace landfall {
 namespace {
 
-using Json = nlohmann::ordered_json;
-using Leaves = std::vector<std::pair<std::string, Json>>;
+using OrderedJson = nlohmann::ordered_json;
+using Leaves = std::vector<std::pair<std::string, OrderedJson>>;
 
-void add_leaves(const Json& json, const std::string& path, Leaves& leaves) {
+void add_leaves(const OrderedJson& json, const std::string& path, Leaves& leaves) {
   if (!json.is_object() || json.empty()) {
     if (!path.empty()) leaves.emplace_back(path, json);
     return;
@@ -19,20 +19,20 @@ void add_leaves(const Json& json, const std::string& path, Leaves& leaves) {
     add_leaves(value, path.empty() ? key : path + "." + key, leaves);
 }
 
-Leaves leaves_of(const Json& json) {
+Leaves leaves_of(const OrderedJson& json) {
   Leaves leaves;
   add_leaves(json, "", leaves);
   return leaves;
 }
 
-std::optional<Json> find(const Leaves& leaves, const std::string& path) {
+std::optional<OrderedJson> find(const Leaves& leaves, const std::string& path) {
   const auto found = std::ranges::find(leaves, path, &Leaves::value_type::first);
   return found == leaves.end() ? std::nullopt : std::optional(found->second);
 }
 
 }  // namespace
 
-std::vector<ValuePair> value_pairs(const Json& a, const Json& b) {
+std::vector<ValuePair> value_pairs(const OrderedJson& a, const OrderedJson& b) {
   const Leaves leaves_a = leaves_of(a);
   const Leaves leaves_b = leaves_of(b);
   std::vector<ValuePair> pairs;

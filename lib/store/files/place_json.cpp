@@ -14,14 +14,14 @@ std::optional<std::string> name_in_wkt(const std::string& wkt) {
 }
 
 nlohmann::ordered_json place_json(const std::string& crs_wkt) {
-  using Json = nlohmann::ordered_json;
+  using OrderedJson = nlohmann::ordered_json;
   const MapPlace place = place_of(crs_wkt).value_or(unplaced(crs_wkt));
-  Json json;
+  OrderedJson json;
   json["map"] =
       or_null(name_in_wkt(place.map_wkt.empty() && !is_local_crs(crs_wkt) ? crs_wkt : place.map_wkt));
   json["center"] = {finite_json(place.center[0]), finite_json(place.center[1])};
   json["height_m"] = finite_json(place.center[2]);
-  json["vertical_datum"] = place.vertical.empty() ? Json() : Json(place.vertical);
+  json["vertical_datum"] = place.vertical.empty() ? OrderedJson() : OrderedJson(place.vertical);
   return json;
 }
 

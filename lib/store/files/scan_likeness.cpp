@@ -21,13 +21,13 @@
 namespace landfall {
 namespace {
 
-using Json = nlohmann::ordered_json;
+using OrderedJson = nlohmann::ordered_json;
 using Kind = ReturnQuantity::Kind;
 
 constexpr std::size_t kMaxReturns = std::size_t{1} << 20U;
 
 /// A rectangle of the frame of A.
-struct Extent {
+struct SeenExtent {
   std::array<double, 2> low{kInfinity, kInfinity}, high{-kInfinity, -kInfinity};
 
   void add(double x, double y) {
@@ -63,7 +63,7 @@ class ComparedScanReader {
   }
 
   /// The returns in an extent, in the order of their times; the first kMaxReturns if there are more.
-  [[nodiscard]] ComparedScan read(const Extent& within) {
+  [[nodiscard]] ComparedScan read(const SeenExtent& within) {
     found_ = {};
     found_.quantities = quantities_;
     if (scan_.has_truth())
@@ -78,7 +78,7 @@ class ComparedScanReader {
   }
 
   /// The extent of all returns that the last read() saw, and how many lie in the one that was asked for.
-  [[nodiscard]] const Extent& seen() const { return seen_; }
+  [[nodiscard]] const SeenExtent& seen() const { return seen_; }
   [[nodiscard]] std::size_t count() const { return count_; }
 
  private:
@@ -92,7 +92,7 @@ class ComparedScanReader {
     placement_.raise(lidar_[2]);
   }
 
-  void read_batch(std::size_t begin, std::size_t count, const Extent& within) {
+  void read_batch(std::size_t begin, std::size_t count, const SeenExtent& within) {
     scan_.read(begin, count, batch_);
     placement_.to_first(batch_.columns.x_est, batch_.columns.y_est);
     placement_.raise(batch_.columns.z_est);
@@ -114,7 +114,7 @@ class ComparedScanReader {
   }
 
   /// Whether a return of the batch is kept, and its position and time are.
-  bool keep(std::size_t i, const Extent& within) {
+  bool keep(std::size_t i, const SeenExtent& within) {
     const double x = batch_.columns.x_est[i], y = batch_.columns.y_est[i];
     if (std::isnan(x)) return false;  // no place in the frame of A
     seen_.add(x, y);
@@ -166,19 +166,19 @@ class ComparedScanReader {
   std::array<std::vector<double>, 3> lidar_;
   ScanPoints batch_;
   ComparedScan found_;
-  Extent seen_;
+  SeenExtent seen_;
   std::size_t count_ = 0;
 };
 
 /// Both scans, in one frame, in the extent that is compared.
-struct ScanPair {
+struct ComparedScans {
   ComparedScan a, b;
   std::string note;  ///< the extent, if it is not that of both
 };
 
-ScanPair read_pair(ComparedScanReader& a, ComparedScanReader& b) {
-  const Extent everywhere{{-kInfinity, -kInfinity}, {kInfinity, kInfinity}};
-  ScanPair pair{a.read(everywhere), b.read(everywhere), ""};
+ComparedScans read_pair(ComparedScanReader& a, ComparedScanReader& b) {
+  const SeenExtent everywhere{{-kInfinity, -kInfinity}, {kInfinity, kInfinity}};
+  ComparedScans pair{a.read(everywhere), b.read(everywhere), ""};
   const std::size_t total = std::max(a.count(), b.count());
   std::array<double, 2> middle{};
   double half = kInfinity;
@@ -192,7 +192,7 @@ ScanPair read_pair(ComparedScanReader& a, ComparedScanReader& b) {
   while (std::max(a.count(), b.count()) > kMaxReturns) {
     half *= 0.9 *
             std::sqrt(static_cast<double>(kMaxReturns) / static_cast<double>(std::max(a.count(), b.count())));
-    const Extent square{{middle[0] - half, middle[1] - half}, {middle[0] + half, middle[1] + half}};
+    const SeenExtent square{{middle[0] - half, middle[1] - half}, {middle[0] + half, middle[1] + half}};
     pair = {a.read(square), b.read(square),
             "of at most " + grouped(static_cast<std::int64_t>(total)) + " returns those within " +
                 short_number(half) + " m of x " + short_number(middle[0]) + " m, y " +
@@ -201,7 +201,7 @@ ScanPair read_pair(ComparedScanReader& a, ComparedScanReader& b) {
   return pair;
 }
 
-Json statistic_json(const LikenessStatistic& s) {
+OrderedJson statistic_json(const LikenessStatistic& s) {
   const auto differs = s.differs();
   return {{"name", s.name},
           {"unit", s.unit.empty() ? "1" : s.unit},
@@ -211,18 +211,18 @@ Json statistic_json(const LikenessStatistic& s) {
           {"distance_unit", s.distance_unit.empty() ? "1" : s.distance_unit},
           {"chance", finite_json(s.chance)},
           {"p", finite_json(s.p)},
-          {"differs", differs ? Json(*differs) : Json()}};
+          {"differs", differs ? OrderedJson(*differs) : OrderedJson()}};
 }
 
-Json likeness_json(const Likeness& likeness, const ScanPair& pair) {
-  Json json = {{"returns", {{"a", pair.a.x.size()}, {"b", pair.b.x.size()}}},
-               {"posting_m", likeness.posting_m},
-               {"bins", likeness.bins},
-               {"block_overlap_frac", likeness.block_overlap},
-               {"exchanges", kExchanges},
-               {"statistics", Json::array()},
-               {"not_in_both", likeness.not_in_both},
-               {"covered_frac", {{"a", likeness.covered_a}, {"b", likeness.covered_b}}}};
+OrderedJson likeness_json(const Likeness& likeness, const ComparedScans& pair) {
+  OrderedJson json = {{"returns", {{"a", pair.a.x.size()}, {"b", pair.b.x.size()}}},
+                      {"posting_m", likeness.posting_m},
+                      {"bins", likeness.bins},
+                      {"block_overlap_frac", likeness.block_overlap},
+                      {"exchanges", kExchanges},
+                      {"statistics", OrderedJson::array()},
+                      {"not_in_both", likeness.not_in_both},
+                      {"covered_frac", {{"a", likeness.covered_a}, {"b", likeness.covered_b}}}};
   for (const LikenessStatistic& statistic : likeness.statistics)
     json["statistics"].push_back(statistic_json(statistic));
   const SurfaceDifference& s = likeness.surface;
@@ -249,9 +249,9 @@ std::string point_text(const LikenessStatistic& s) {
   return text + ", chance " + with_unit(s.chance, s.distance_unit) + (*s.differs() ? ": beyond chance" : "");
 }
 
-Json answer_json(const Likeness& likeness, const std::string& note) {
+OrderedJson answer_json(const Likeness& likeness, const std::string& note) {
   std::vector<std::string> beyond, within;
-  Json points = Json::array();
+  OrderedJson points = OrderedJson::array();
   for (const LikenessStatistic& s : likeness.statistics) {
     const auto differs = s.differs();
     if (differs) (*differs ? beyond : within).push_back(s.name);
@@ -264,9 +264,9 @@ Json answer_json(const Likeness& likeness, const std::string& note) {
   const auto list = [](const std::vector<std::string>& names) {
     return names.empty() ? "nothing" : joined(names, ", ");
   };
-  Json notes = {"bins of " + number_text(likeness.posting_m) + " m; chance: the second largest distance of " +
-                std::to_string(kExchanges) +
-                " exchanges of random blocks of time, beyond which p is at most 0.01"};
+  OrderedJson notes = {"bins of " + number_text(likeness.posting_m) +
+                       " m; chance: the second largest distance of " + std::to_string(kExchanges) +
+                       " exchanges of random blocks of time, beyond which p is at most 0.01"};
   if (likeness.block_overlap < 0.5)
     notes.push_back("blocks of equal time see other ground (" + percent_text(likeness.block_overlap) +
                     " in common): statistics of places have no chance level");
@@ -284,7 +284,7 @@ Json answer_json(const Likeness& likeness, const std::string& note) {
 
 }  // namespace
 
-void add_likeness(Json& comparison, const std::filesystem::path& a, const std::filesystem::path& b,
+void add_likeness(OrderedJson& comparison, const std::filesystem::path& a, const std::filesystem::path& b,
                   const ComparisonRequest& request, const ProgressCallback& progress) {
   Provenance unused;
   const Scans scans = open_scans({a.string(), b.string()}, unused);
@@ -297,7 +297,7 @@ void add_likeness(Json& comparison, const std::filesystem::path& a, const std::f
   if (!meeting.refusal.empty() || !request.statistics) return;
   try {
     ComparedScanReader reader_a(*scans[0], {}), reader_b(*scans[1], meeting.placement);
-    const ScanPair pair = read_pair(reader_a, reader_b);
+    const ComparedScans pair = read_pair(reader_a, reader_b);
     const Likeness likeness = likeness_of(pair.a, pair.b, static_cast<bool>(request.on_layer), progress);
     comparison["likeness"] = likeness_json(likeness, pair);
     comparison["answer"] = answer_json(likeness, pair.note);

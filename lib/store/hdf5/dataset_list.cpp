@@ -42,7 +42,7 @@ std::string type_name(hid_t dataset) {
   return (H5Tget_sign(type.get()) == H5T_SGN_NONE ? "uint" : "int") + bits;
 }
 
-std::vector<hsize_t> shape_of(hid_t dataset) {
+std::vector<hsize_t> extents_of(hid_t dataset) {
   const h5::Handle space(H5Dget_space(dataset), H5Sclose);
   std::vector<hsize_t> shape = h5::extent_of(space.get());
   if (shape.size() != 1 && shape.size() != 2) shape.clear();
@@ -56,7 +56,7 @@ std::optional<DatasetEntry> entry_of(hid_t group, const std::string& name) {
   const hid_t dataset = entry.dataset.get();
   entry.name = name;
   entry.type = type_name(dataset);
-  entry.shape = shape_of(dataset);
+  entry.shape = extents_of(dataset);
   if (entry.type.empty() || entry.shape.empty()) return std::nullopt;
   entry.units = h5::read_text_attribute(dataset, "units").value_or("");
   entry.long_name = h5::read_text_attribute(dataset, "long_name").value_or("");

@@ -64,7 +64,7 @@ void write_chunk(hid_t dataset, std::size_t begin, std::size_t end, std::span<co
     throw IoError("writing column " + name + " failed: " + h5::failure_reason());
 }
 
-void describe(hid_t dataset, const ColumnSpec& spec) {
+void describe_column(hid_t dataset, const ColumnSpec& spec) {
   h5::write_attribute(dataset, "units", spec.units);
   h5::write_attribute(dataset, "long_name", spec.long_name);
   if (spec.flag_values.empty()) return;
@@ -112,7 +112,7 @@ void TableWriter::create_columns(std::size_t chunk_rows) {
     column.dataset =
         h5::create_dataset(group_.get(), column.spec.name, column.spec.type,
                            {.size = {0}, .chunk = {chunk_rows}, .growing = true, .level = compression_});
-    describe(column.dataset.get(), column.spec);
+    describe_column(column.dataset.get(), column.spec);
   }
 }
 

@@ -136,12 +136,13 @@ std::int64_t first_block(std::int64_t first, std::int64_t bins) {
   return (bins - (past + bins) % bins) % bins;
 }
 
-struct Blocks {
+struct BlockCounts {
   std::int64_t all = 0, filled = 0;
 };
 
-Blocks count_blocks(const SetBins& inside, const SetBins& seen, const GridSpec& spec, std::int64_t bins) {
-  Blocks blocks;
+BlockCounts count_blocks(const SetBins& inside, const SetBins& seen, const GridSpec& spec,
+                         std::int64_t bins) {
+  BlockCounts blocks;
   for (std::int64_t row = first_block(spec.first_row, bins); row + bins <= spec.rows; row += bins)
     for (std::int64_t col = first_block(spec.first_col, bins); col + bins <= spec.cols; col += bins) {
       if (inside.in_block({row, col}, bins) < bins * bins) continue;
@@ -158,7 +159,7 @@ std::optional<FilledPosting> finest_posting(const Grid<std::int32_t>& count, con
   const SetBins inside(region);
   const SetBins seen(count);
   for (std::int64_t bins = 1;; ++bins) {
-    const Blocks blocks = count_blocks(inside, seen, region.spec(), bins);
+    const BlockCounts blocks = count_blocks(inside, seen, region.spec(), bins);
     if (blocks.all < kMinBlocks) return std::nullopt;
     const double share = static_cast<double>(blocks.filled) / static_cast<double>(blocks.all);
     if (share >= filled_frac) return FilledPosting{bins, share};

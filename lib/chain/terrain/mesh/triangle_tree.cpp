@@ -14,7 +14,7 @@ constexpr std::size_t kLeafSize = 4;
 constexpr std::size_t kWorthAThread = 1U << 14U;
 constexpr std::size_t kGrain = 1U << 12U;
 
-TriangleBox box_of(const std::array<Eigen::Vector3d, 3>& corners) {
+TriangleBox box_around(const std::array<Eigen::Vector3d, 3>& corners) {
   const Eigen::Vector3d low = corners[0].cwiseMin(corners[1]).cwiseMin(corners[2]);
   const Eigen::Vector3d high = corners[0].cwiseMax(corners[1]).cwiseMax(corners[2]);
   TriangleBox box{};
@@ -106,7 +106,7 @@ TriangleTree::TriangleTree(const IndexedTriangles& mesh) : order_(mesh.triangles
   boxes_.resize(2 * leaves - 1);
   Builder builder{*this, std::vector<TriangleBox>(order_.size())};
   parallel_for(order_.size(), kGrain, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; ++i) builder.triangle_boxes[i] = box_of(mesh.corners(i));
+    for (std::size_t i = begin; i < end; ++i) builder.triangle_boxes[i] = box_around(mesh.corners(i));
   });
   builder.build({0, 0, order_.size()});
 }
