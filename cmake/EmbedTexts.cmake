@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 # landfall_embed_texts(NAME assets FILES a.html b.css ...): files as raw string literals in a header that CMake makes, so
-# that a tool needs no file beside it. The library of this folder names it as GENERATED:
+# that a tool needs no file beside it:
 #   #include "app/embedded_assets.h"  // namespace landfall::embedded: kAssets[i].name, kAssets[i].text
-# The header's path is left in embedded_assets; its include folder must be added to the target. The file is also the script
-# that writes it: cmake -DOUTPUT=... -DNAME=assets "-DTEXTS=a.html;b.css" -P EmbedTexts.cmake
+# Its path is left in embedded_assets. The file is also the script that writes it:
+# cmake -DOUTPUT=... -DNAME=assets "-DTEXTS=a.html;b.css" -P EmbedTexts.cmake
 if(CMAKE_SCRIPT_MODE_FILE)
   string(SUBSTRING ${NAME} 0 1 initial)
   string(TOUPPER ${initial} initial)
@@ -25,9 +25,10 @@ function(landfall_embed_texts)
   cmake_parse_arguments(arg "" "NAME" "FILES" ${ARGN})
   set(script ${CMAKE_SOURCE_DIR}/cmake/EmbedTexts.cmake)
   cmake_path(RELATIVE_PATH CMAKE_CURRENT_SOURCE_DIR BASE_DIRECTORY ${CMAKE_SOURCE_DIR}/lib OUTPUT_VARIABLE folder)
-  set(header ${CMAKE_CURRENT_BINARY_DIR}/include/${folder}/embedded_${arg_NAME}.h)
+  set(header ${CMAKE_BINARY_DIR}/include/${folder}/embedded_${arg_NAME}.h)
   add_custom_command(OUTPUT ${header}
     COMMAND ${CMAKE_COMMAND} -DOUTPUT=${header} -DNAME=${arg_NAME} "-DTEXTS=${arg_FILES}" -P ${script}
     DEPENDS ${arg_FILES} ${script} VERBATIM)
+  landfall_generates(embedded_${arg_NAME} ${header})
   set(embedded_${arg_NAME} ${header} PARENT_SCOPE)
 endfunction()

@@ -71,35 +71,37 @@ function(landfall_uses_precompiled_strings target)
   endif()
 endfunction()
 
-# landfall_builds_fast(target [LOOPS]): a target without loops that are worth more than the time of its compilation: -Og takes a
-# quarter less of it than -O1. LOOPS: it has loops that -Og would slow down (regrid by a tenth), so -O1.
+# landfall_builds_fast(target): a target without loops that are worth more than the time of its compilation: -Og takes a quarter less of
+# it than -O1.
 function(landfall_builds_fast target)
-  cmake_parse_arguments(arg "LOOPS" "" "" ${ARGN})
-  target_compile_options(${target} PRIVATE $<$<CONFIG:Release>:$<IF:$<BOOL:${arg_LOOPS}>,-O1,-Og>>)
+  target_compile_options(${target} PRIVATE $<$<CONFIG:Release>:-Og>)
 endfunction()
 
-# landfall_unity_groups(target SOURCES a.cpp ... APART b.cpp ... ALONE c.cpp ...): with LANDFALL_UNITY compiles up to 48
-# sources at a time.
+# landfall_unity_groups(target SOURCES a.cpp ... ALONE b.cpp ...): with LANDFALL_UNITY compiles up to 100 sources at a time, or up to 48
+# where more than four processors share the work.
 function(landfall_unity_groups target)
   if(NOT LANDFALL_UNITY)
     return()
   endif()
-  cmake_parse_arguments(arg "" "" "SOURCES;APART;ALONE" ${ARGN})
-  list(REMOVE_ITEM arg_SOURCES ${arg_APART} ${arg_ALONE})
-  list(REMOVE_ITEM arg_APART ${arg_ALONE})
-  foreach(group SOURCES APART)
-    list(LENGTH arg_${group} count)
-    math(EXPR groups "(${count} + 47) / 48")
-    set(place 0)
-    foreach(source IN LISTS arg_${group})
-      math(EXPR number "${place} * ${groups} / ${count}")
-      set_source_files_properties(${source} PROPERTIES UNITY_GROUP ${group}_${number})
-      math(EXPR place "${place} + 1")
-    endforeach()
+  cmake_parse_arguments(arg "" "" "SOURCES;ALONE" ${ARGN})
+  list(REMOVE_ITEM arg_SOURCES ${arg_ALONE})
+  cmake_host_system_information(RESULT processors QUERY NUMBER_OF_LOGICAL_CORES)
+  if(processors GREATER 4)
+    set(most 48)
+  else()
+    set(most 100)
+  endif()
+  list(LENGTH arg_SOURCES count)
+  math(EXPR groups "(${count} + ${most} - 1) / ${most}")
+  set(place 0)
+  foreach(source IN LISTS arg_SOURCES)
+    math(EXPR number "${place} * ${groups} / ${count}")
+    set_source_files_properties(${source} PROPERTIES UNITY_GROUP SOURCES_${number})
+    math(EXPR place "${place} + 1")
   endforeach()
   set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_MODE GROUP)
   # g++ takes unnamed namespaces of files that another one includes for those of headers. It would take up to a
-  # sixteenth of a group's time to free memory: the largest takes 2.0 GB, and would take 1.75.
+  # sixteenth of a group's time to free memory: the largest takes 2.5 GB.
   target_compile_options(${target} PRIVATE $<$<CXX_COMPILER_ID:GNU>:-Wno-subobject-linkage>
                                            $<$<CXX_COMPILER_ID:GNU>:--param=ggc-min-expand=1000>)
 endfunction()
@@ -118,57 +120,80 @@ function(landfall_kernel_unit target)
   set_source_files_properties(${ARGN} PROPERTIES HEADER_FILE_ONLY ON)
 endfunction()
 
-# landfall_library(module [FAST | LOOPS] [FOLDERS ...] [EXCEPT a.cpp ...] [GENERATED b.h ...] LINKS landfall::base ... [PRIVATE_LINKS ...]
-#                  [PRECOMPILED name] [APART c.cpp folder ...] [ALONE d.cpp ...] [KERNELS e.cpp ...])
-# A static library landfall::<module> of all units of the folder, or of those FOLDERS in it, but EXCEPT. GENERATED: headers that the
-# build makes.
-# LANDFALL_UNITY compiles its units together; scripts/check_unity.py finds names that would collide. APART: units that the lidar of a
-# host simulator (lib/app/host) does not need, for they need libraries that it has not: they are compiled apart from those that it
-# needs, and its archive is without them. ALONE: units that include themselves once per instruction set, or a header that no other unit
-# shall see. KERNELS: those of the first kind that may be one unit, landfall_kernel_unit. FAST, LOOPS: landfall_builds_fast.
-function(landfall_library module)
-  cmake_parse_arguments(arg "FAST;LOOPS" "PRECOMPILED" "FOLDERS;EXCEPT;GENERATED;LINKS;PRIVATE_LINKS;APART;ALONE;KERNELS" ${ARGN})
-  set(patterns *.cpp)
-  if(arg_FOLDERS)
-    list(TRANSFORM arg_FOLDERS APPEND /*.cpp OUTPUT_VARIABLE patterns)
-  endif()
-  file(GLOB_RECURSE sources CONFIGURE_DEPENDS RELATIVE ${CMAKE_CURRENT_SOURCE_DIR} ${patterns})
-  list(REMOVE_ITEM sources ${arg_EXCEPT})
-  set(apart)
-  foreach(name IN LISTS arg_APART)
-    set(of_name ${sources})
-    list(FILTER of_name INCLUDE REGEX "^${name}(/|$)")
-    list(APPEND apart ${of_name})
+# landfall_generates(target a.h ...): headers under ${CMAKE_BINARY_DIR}/include that a command of this folder makes, before any library is
+# compiled. A target that links nothing makes them, for a source of a library would be made after all libraries that it links.
+target_include_directories(landfall_flags INTERFACE ${CMAKE_BINARY_DIR}/include)
+function(landfall_generates target)
+  add_custom_target(${target} DEPENDS ${ARGN})
+  set_property(GLOBAL APPEND PROPERTY LANDFALL_GENERATED ${target})
+endfunction()
+
+# landfall_library(name [FAST] FOLDERS folder a.cpp ... [EXCEPT folder b.cpp ...] LINKS landfall::chain ... [PRIVATE_LINKS ...]
+#                  [PRECOMPILED name] [ALONE c.cpp ...] [KERNELS d.cpp ...])
+# A static library landfall::<name> of all units of the folders and files, but EXCEPT and those of the plugins and libraries before it. FAST:
+# landfall_builds_fast.
+# LANDFALL_UNITY compiles its units together; scripts/check_unity.py finds names that would collide. ALONE: units that include
+# themselves once per instruction set, or a header that no other unit shall see. KERNELS: units of the first kind that may be one
+# unit, landfall_kernel_unit.
+function(landfall_library name)
+  cmake_parse_arguments(arg "FAST" "PRECOMPILED" "FOLDERS;EXCEPT;LINKS;PRIVATE_LINKS;ALONE;KERNELS" ${ARGN})
+  foreach(kind FOLDERS EXCEPT)
+    set(${kind})
+    foreach(place IN LISTS arg_${kind})
+      if(place MATCHES "[.]cpp$")
+        list(APPEND ${kind} ${place})
+      else()
+        file(GLOB_RECURSE units CONFIGURE_DEPENDS RELATIVE ${CMAKE_CURRENT_SOURCE_DIR} ${place}/*.cpp)
+        list(APPEND ${kind} ${units})
+      endif()
+    endforeach()
   endforeach()
-  add_library(landfall_${module} STATIC ${sources})
-  if(arg_GENERATED)  # by a target that links nothing: as sources of the library they would be made after all libraries that it links
-    add_custom_target(landfall_${module}_generated DEPENDS ${arg_GENERATED})
-    add_dependencies(landfall_${module} landfall_${module}_generated)
-  endif()
-  add_library(landfall::${module} ALIAS landfall_${module})
-  target_link_libraries(landfall_${module} PUBLIC landfall_flags ${arg_LINKS} PRIVATE ${arg_PRIVATE_LINKS})
-  set_property(GLOBAL APPEND PROPERTY LANDFALL_MODULES landfall_${module})
-  set_target_properties(landfall_${module} PROPERTIES LANDFALL_APART "${apart}")
+  get_property(taken GLOBAL PROPERTY LANDFALL_TAKEN)
+  list(REMOVE_ITEM FOLDERS ${EXCEPT} ${taken})
+  set_property(GLOBAL APPEND PROPERTY LANDFALL_TAKEN ${FOLDERS})
+  add_library(landfall_${name} STATIC ${FOLDERS})
+  get_property(generated GLOBAL PROPERTY LANDFALL_GENERATED)
+  add_dependencies(landfall_${name} ${generated})
+  add_library(landfall::${name} ALIAS landfall_${name})
+  target_link_libraries(landfall_${name} PUBLIC landfall_flags ${arg_LINKS} PRIVATE ${arg_PRIVATE_LINKS})
+  set_property(GLOBAL APPEND PROPERTY LANDFALL_LIBRARIES landfall_${name})
   if(arg_PRECOMPILED AND NOT LANDFALL_UNITY)
-    target_precompile_headers(landfall_${module} REUSE_FROM precompiled_${arg_PRECOMPILED})
-    landfall_uses_precompiled_strings(landfall_${module})
+    target_precompile_headers(landfall_${name} REUSE_FROM precompiled_${arg_PRECOMPILED})
+    landfall_uses_precompiled_strings(landfall_${name})
   endif()
   if(arg_FAST)
-    landfall_builds_fast(landfall_${module})
-  elseif(arg_LOOPS)
-    landfall_builds_fast(landfall_${module} LOOPS)
+    landfall_builds_fast(landfall_${name})
   endif()
-  landfall_unity_groups(landfall_${module} SOURCES ${sources} APART ${apart} ALONE ${arg_ALONE} ${arg_KERNELS})
+  landfall_unity_groups(landfall_${name} SOURCES ${FOLDERS} ALONE ${arg_ALONE} ${arg_KERNELS})
   if(arg_KERNELS AND LANDFALL_UNITY)
-    landfall_kernel_unit(landfall_${module} ${arg_KERNELS})
+    landfall_kernel_unit(landfall_${name} ${arg_KERNELS})
   endif()
 endfunction()
 
-# landfall_lacks_nothing(plugin): a symbol that it lacks is an error of the linker, not of the program that loads it.
-function(landfall_lacks_nothing plugin)
+# landfall_plugin(name SOURCES a.cpp ... LINKS ...): landfall-<name>.so, which a program loads when it needs its libraries. What it calls of
+# landfall is exported by liblandfall.so; a symbol that it lacks is an error of the linker, not of the program that loads it.
+function(landfall_plugin name)
+  cmake_parse_arguments(arg "" "" "SOURCES;LINKS" ${ARGN})
+  set(plugin landfall_${name}_plugin)
+  set(objects landfall_${name}_objects)
+  add_library(${objects} OBJECT ${arg_SOURCES})
+  cmake_path(RELATIVE_PATH CMAKE_CURRENT_SOURCE_DIR BASE_DIRECTORY ${CMAKE_SOURCE_DIR}/lib OUTPUT_VARIABLE folder)
+  list(TRANSFORM arg_SOURCES PREPEND ${folder}/ OUTPUT_VARIABLE taken)
+  set_property(GLOBAL APPEND PROPERTY LANDFALL_TAKEN ${taken})
+  get_property(generated GLOBAL PROPERTY LANDFALL_GENERATED)
+  add_dependencies(${objects} ${generated})
+  landfall_unity_groups(${objects} SOURCES ${arg_SOURCES})
+  target_compile_definitions(${objects} PRIVATE LANDFALL_VERSION="${PROJECT_VERSION}")
+  target_link_libraries(${objects} PRIVATE landfall_flags TBB::tbb Eigen3::Eigen ${arg_LINKS})
+  set_property(GLOBAL APPEND PROPERTY LANDFALL_EXPORTED_TO $<TARGET_OBJECTS:${objects}>)
+  add_library(${plugin} MODULE $<TARGET_OBJECTS:${objects}>)
+  target_link_libraries(${plugin} PRIVATE landfall_flags landfall_shared ${arg_LINKS})
   if(NOT LANDFALL_SANITIZE)
     target_link_options(${plugin} PRIVATE LINKER:-z,defs)
   endif()
+  set_target_properties(${plugin} PROPERTIES PREFIX "" OUTPUT_NAME landfall-${name} LINKER_LANGUAGE CXX BUILD_WITH_INSTALL_RPATH ON
+    INSTALL_RPATH "$ORIGIN" LIBRARY_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/lib/landfall)
+  install(TARGETS ${plugin} LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR}/landfall)
 endfunction()
 
 # landfall_uses_regex(a.cpp ...): sources with std::regex, whose states g++ 12 takes for uninitialised when a sanitizer is on

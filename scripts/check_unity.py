@@ -14,9 +14,8 @@ import pathlib
 import re
 import sys
 
-TARGET = re.compile(r"(?:landfall_library\(|landfall_unity_groups\(|landfall_gtest\()(\w+)(.*?)\)", re.S)
-APART = re.compile(r"(?:ALONE|KERNELS|EXCEPT)((?:\s+[^\s)]+\.cpp)+)")
-SETTING = re.compile(r"set\((\w+)([^)]*)\)")
+TARGET = re.compile(r"(?:landfall_library|landfall_plugin|landfall_unity_groups|landfall_gtest)\((\w+)(.*?)\)", re.S)
+WORD = re.compile(r"[^\s)]+")
 GLOB = re.compile(r"file\(GLOB (\w+) CONFIGURE_DEPENDS RELATIVE \S+ (\S+)\)\s*list\(REMOVE_ITEM \1 ([^)]*)\)")
 INCLUDE = re.compile(r'^#include "([^"]+)"', re.M)
 TEST = re.compile(r"TEST(?:_F|_P)?\(\s*(\w+),\s*(\w+)\s*\)|INSTANTIATE_TEST_SUITE_P\(\s*(\w+),\s*(\w+),")
@@ -116,22 +115,41 @@ def shared_headers(folders, files):
     return sorted({*(header for folder in folders for header in folder.rglob("*.h")), *(header for header in included if header.exists())})
 
 
+def lists_of(arguments: str):
+    """The words of each list of a call."""
+    lists, name = collections.defaultdict(list), ""
+    for word in WORD.findall(arguments):
+        if word.isupper():
+            name = word
+        else:
+            lists[name].append(word)
+    return lists
+
+
+def units_of(folder: pathlib.Path, places):
+    """The sources that are named, and those of the folders that are."""
+    named = [folder / place for place in places]
+    return [unit for place in named for unit in ([place] if place.suffix == ".cpp" else sorted(place.rglob("*.cpp")))]
+
+
 def violations(root: pathlib.Path):
-    for list_file in sorted([*root.glob("lib/**/CMakeLists.txt"), *root.glob("tests/unit/**/CMakeLists.txt"), *root.glob("tools/CMakeLists.txt")]):
+    taken = set()  # A source is of the first library that names it, and the plugins stand before them.
+    lists = sorted(root.glob("lib/**/CMakeLists.txt"), key=lambda path: -len(path.parts))
+    for list_file in [*lists, *sorted(root.glob("tests/unit/**/CMakeLists.txt"))]:
         text = re.sub(r"#.*", "", list_file.read_text()).replace("${CMAKE_SOURCE_DIR}", str(root.resolve()))
-        for name, value in SETTING.findall(text):
-            text = text.replace("${" + name + "}", value)
         for name, pattern, others in GLOB.findall(text):
             units = {str(unit.relative_to(list_file.parent)) for unit in list_file.parent.glob(pattern)}
             text = text.replace("${" + name + "}", " ".join(sorted(units - set(others.split()))))
         for library, arguments in TARGET.findall(text):
-            sources = re.search(r"SOURCES\b(.*?)(\bLINKS|$)", arguments, re.S)
-            named = [list_file.parent / name for name in sources[1].split() if name.endswith(".cpp")] if sources else []
-            folders = re.search(r"FOLDERS((?:\s+[a-z_/.]+)+)", arguments)
-            rooms = [list_file.parent / name for name in folders[1].split()] if folders else [list_file.parent]
-            units = named or sorted(unit for room in rooms for unit in room.rglob("*.cpp"))
-            apart = [list_file.parent / name for names in APART.findall(arguments) for name in names.split()]
+            words = lists_of(arguments)
+            units = units_of(list_file.parent, [*words["FOLDERS"], *words["SOURCES"]])
+            left_out = {*units_of(list_file.parent, words["EXCEPT"]), *(taken if words["FOLDERS"] else ())}
+            units = [unit for unit in units if unit.resolve() not in {other.resolve() for other in left_out}]
+            if root / "lib" in list_file.parents:
+                taken.update(units)
+            apart = units_of(list_file.parent, words["ALONE"] + words["KERNELS"])
             files = [unit for unit in units if unit not in apart]
+            rooms = sorted({unit.parent for unit in files})
             yield from collisions(library, files, shared_headers(rooms, files))
 
 

@@ -17,7 +17,7 @@ def check(root):
 
 
 class Unity(unittest.TestCase):
-    def checked(self, one, other, library="landfall_library(some LINKS)", header=""):
+    def checked(self, one, other, library="landfall_library(some FOLDERS . LINKS)", header=""):
         with tempfile.TemporaryDirectory(prefix="landfall-unity-") as folder:
             some = pathlib.Path(folder) / "lib" / "some"
             some.mkdir(parents=True)
@@ -65,14 +65,15 @@ class Unity(unittest.TestCase):
             self.assertEqual(self.checked(one, other, "landfall_gtest(some SOURCES one.cpp other.cpp LINKS ALONE one.cpp)"), 0)
 
     def test_only_units_that_are_compiled_together_matter(self):
-        alone_first = "landfall_library(some ALONE {} LINKS)"
+        alone_first = "landfall_library(some FOLDERS . ALONE {} LINKS)"
         self.assertEqual(self.checked("int f() { return 1; }", "int f() { return 2; }", alone_first.format("third.cpp")), 1)
-        plugin = "set(all one.cpp other.cpp)\nadd_library(some MODULE ${all})\nlandfall_unity_groups(some SOURCES ${all})"
+        plugin = "file(GLOB all CONFIGURE_DEPENDS RELATIVE ${CMAKE_CURRENT_SOURCE_DIR} *.cpp)\nlist(REMOVE_ITEM all third.cpp)\nlandfall_plugin(some SOURCES ${all} LINKS)"
         self.assertEqual(self.checked("int f() { return 1; }", "int f() { return 2; }", plugin), 1)
         for library in ["landfall_library(some FOLDERS room LINKS)",
                         alone_first.format("other.cpp"),
-                        "landfall_library(some LINKS ALONE third.cpp KERNELS other.cpp)",
-                        "landfall_library(some LINKS ALONE other.cpp)"]:
+                        "landfall_library(some FOLDERS . LINKS ALONE third.cpp KERNELS other.cpp)",
+                        "landfall_library(first FOLDERS one.cpp LINKS)\nlandfall_library(some FOLDERS . LINKS)",
+                        "landfall_library(some FOLDERS . EXCEPT other.cpp LINKS)"]:
             self.assertEqual(self.checked("int f() { return 1; }", "int f() { return 2; }", library), 0, library)
 
 
