@@ -2,7 +2,7 @@
 # landfall_embed_texts(NAME assets FILES a.html b.css ...): files as raw string literals in a header that CMake makes, so
 # that a tool needs no file beside it:
 #   #include "app/embedded_assets.h"  // namespace landfall::embedded: kAssets[i].name, kAssets[i].text
-# Its path is left in embedded_assets. The file is also the script that writes it:
+# The file is also the script that writes it:
 # cmake -DOUTPUT=... -DNAME=assets "-DTEXTS=a.html;b.css" -P EmbedTexts.cmake
 if(CMAKE_SCRIPT_MODE_FILE)
   string(SUBSTRING ${NAME} 0 1 initial)
@@ -30,5 +30,4 @@ function(landfall_embed_texts)
     COMMAND ${CMAKE_COMMAND} -DOUTPUT=${header} -DNAME=${arg_NAME} "-DTEXTS=${arg_FILES}" -P ${script}
     DEPENDS ${arg_FILES} ${script} VERBATIM)
   landfall_generates(embedded_${arg_NAME} ${header})
-  set(embedded_${arg_NAME} ${header} PARENT_SCOPE)
 endfunction()
