@@ -6,21 +6,27 @@
 #include <optional>
 #include <string>
 #include <string_view>
-#include <tuple>
 #include <type_traits>
 #include <utility>
 
-/// Lists the members of a struct for a FieldWalk, and defines == as equality of these members.
-#define LANDFALL_FIELDS(...)                                 \
-  auto tied_fields() { return std::tie(__VA_ARGS__); }       \
-  auto tied_fields() const { return std::tie(__VA_ARGS__); } \
-  static void fields(auto& walk, auto& m) { walk.all(#__VA_ARGS__, m.tied_fields()); }
+/// Lists the members of a struct for a FieldWalk, and defines == as equality of these members. Only
+/// templates: most units that include a struct never walk it.
+#define LANDFALL_FIELDS(...)                                                  \
+  using ListsFields = void;                                                   \
+  auto with_fields(const auto& take) { return take(__VA_ARGS__); }            \
+  auto with_fields(const auto& take) const { return take(__VA_ARGS__); }      \
+  static void fields(auto& walk, auto& m) {                                   \
+    m.with_fields([&](auto&... field) { walk.all(#__VA_ARGS__, field...); }); \
+  }
 
 namespace landfall {
 
 template <class T>
-requires requires(const T& m) { m.tied_fields(); }
-bool operator==(const T& a, const T& b) { return a.tied_fields() == b.tied_fields(); }
+requires requires { typename T::ListsFields; }
+bool operator==(const T& a, const T& b) {
+  return a.with_fields(
+      [&](const auto&... x) { return b.with_fields([&](const auto&... y) { return (... && (x == y)); }); });
+}
 
 /// Visits the values of nested structs by their dotted paths ("accuracy.absolute.x.p95_m"), so that a file's
 /// writer, its reader and a table of results share one list of names.
@@ -40,14 +46,13 @@ class FieldWalk {
   }
 
   /// `names` are separated by ", ".
-  template <class... T>
-  void all(std::string_view names, std::tuple<T&...> fields) {
+  void all(std::string_view names, auto&... field) {
     const auto next_name = [&] {
       const std::string_view name = names.substr(0, names.find(','));
       names.remove_prefix(std::min(names.size(), name.size() + 2));
       return name;
     };
-    std::apply([&](T&... field) { ((*this)(next_name(), field), ...); }, fields);
+    ((*this)(next_name(), field), ...);
   }
 
   /// Prefixes the paths that `work` visits with `name`.

@@ -54,12 +54,12 @@ struct PlanMetrics {
   std::optional<Posting> posting;  ///< none in files of landfall 0.2.0 and earlier
 
   static void fields(auto& walk, auto& m) {
-    walk.all("region, time, returns", std::tie(m.region, m.time, m.returns));
+    walk.all("region, time, returns", m.region, m.time, m.returns);
     walk.inside("coverage", [&] {
       walk("uncovered_count", m.coverage.invalid_count);
       walk("uncovered_frac", m.coverage.invalid_frac);
-      walk.all("hole_count, largest_hole_bins, max_distance_bins",
-               std::tie(m.coverage.hole_count, m.coverage.largest_hole_bins, m.coverage.max_distance_bins));
+      walk.all("hole_count, largest_hole_bins, max_distance_bins", m.coverage.hole_count,
+               m.coverage.largest_hole_bins, m.coverage.max_distance_bins);
     });
     walk("returns_per_bin", m.returns_per_bin);
     walk.inside("frames_per_bin", [&] {

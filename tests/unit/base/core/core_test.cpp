@@ -33,7 +33,7 @@ struct Shape {
   std::optional<Shown> inner;
   int last = 1;
   static void fields(auto& walk, auto& m) {
-    walk.inside("outer", [&] { walk.all("corner, inner", std::tie(m.corner, m.inner)); });
+    walk.inside("outer", [&] { walk.all("corner, inner", m.corner, m.inner); });
     walk("last", m.last);
   }
 };
