@@ -30,6 +30,8 @@ target_compile_options(landfall_flags INTERFACE
   $<$<CONFIG:Release>:-ffile-prefix-map=${CMAKE_SOURCE_DIR}=.>)
 target_link_options(landfall_flags INTERFACE $<$<CONFIG:Release>:LINKER:-z,relro,-z,now>)
 target_include_directories(landfall_flags INTERFACE ${CMAKE_SOURCE_DIR}/lib)
+# Philox uses none of the intrinsics of x86 that Random123 would include: half a second of each unit.
+target_compile_definitions(landfall_flags INTERFACE R123_USE_SSE=0 R123_USE_X86INTRIN_H=0)
 if(CMAKE_SYSTEM_PROCESSOR MATCHES "aarch64|arm64")
   target_include_directories(landfall_flags BEFORE INTERFACE ${CMAKE_SOURCE_DIR}/cmake/arm64)
   # The instructions of Highway's functions, which g++ 12 inlines only into functions with the same; the constructors that it makes
