@@ -58,8 +58,8 @@ struct Slot {
 };
 
 // File-scope so that a signal handler, which may not allocate or lock, can read it.
-std::array<Slot, 8> slots;  // NOLINT(*-avoid-non-const-global-variables)
-std::mutex slots_mutex;
+std::array<Slot, 8> file_slots;  // NOLINT(*-avoid-non-const-global-variables)
+std::mutex file_slots_mutex;
 std::array<char, 256> farewell{};   // NOLINT(*-avoid-non-const-global-variables)
 std::array<char, 256> no_memory{};  // NOLINT(*-avoid-non-const-global-variables)
 
@@ -74,7 +74,7 @@ void write_stderr(std::string_view text) {
 }
 
 void remove_temporaries() {
-  for (Slot& slot : slots)
+  for (Slot& slot : file_slots)
     if (slot.used.load(std::memory_order_acquire)) ::unlink(slot.path.data());
 }
 
@@ -133,8 +133,8 @@ void handle(int signal_number, void (*handler)(int)) {
 }  // namespace
 
 void register_temporary_file(const std::string& path) {
-  const std::lock_guard lock(slots_mutex);
-  for (Slot& slot : slots) {
+  const std::lock_guard lock(file_slots_mutex);
+  for (Slot& slot : file_slots) {
     if (slot.used.load(std::memory_order_relaxed) || path.size() >= slot.path.size()) continue;
     std::memcpy(slot.path.data(), path.c_str(), path.size() + 1);
     slot.used.store(true, std::memory_order_release);
@@ -143,8 +143,8 @@ void register_temporary_file(const std::string& path) {
 }
 
 void forget_temporary_file(const std::string& path) {
-  const std::lock_guard lock(slots_mutex);
-  for (Slot& slot : slots)
+  const std::lock_guard lock(file_slots_mutex);
+  for (Slot& slot : file_slots)
     if (slot.used.load(std::memory_order_relaxed) && path == slot.path.data())
       slot.used.store(false, std::memory_order_release);
 }

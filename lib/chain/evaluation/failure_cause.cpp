@@ -243,9 +243,9 @@ void measure_absolute(const std::vector<BinErrors>& bins, const GridSpec& spec, 
   if (!found) return;
   set(Measure::turn_misfit,
       misfit(*found, {displaced_by_turn({1, 0, 0}, r, range_m), displaced_by_turn({0, 1, 0}, r, range_m)}));
-  Displacement late = displaced_by_turn(motion.rate_radps, r, range_m);
-  for (std::size_t i = 0; i < 3; ++i) late[i] += motion.velocity_mps[i];
-  set(Measure::clock_misfit, misfit(*found, {late}));
+  Displacement by_clock = displaced_by_turn(motion.rate_radps, r, range_m);
+  for (std::size_t i = 0; i < 3; ++i) by_clock[i] += motion.velocity_mps[i];
+  set(Measure::clock_misfit, misfit(*found, {by_clock}));
   set(Measure::shift_misfit, misfit(*found, {{1, 0, 0, 0, 0}, {0, 1, 0, 0, 0}, {0, 0, 1, 0, 0}}));
 }
 

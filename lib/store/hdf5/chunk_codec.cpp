@@ -48,12 +48,12 @@ bool looks_like_noise(Bytes plane, libdeflate_compressor* codec) {
 /// True if pieces of the plane occur again within the reach of deflate: noise that is repeated, for example
 /// by pulses that all measure the same.
 bool repeats(Bytes plane) {
-  constexpr std::size_t kPieces = 4;
+  constexpr std::size_t kProbes = 4;
   constexpr std::size_t kPieceBytes = 8;
   constexpr std::size_t kReach = 32768;
   const std::string_view text(reinterpret_cast<const char*>(plane.data()), plane.size());
-  for (std::size_t i = 1; i <= kPieces; ++i) {
-    const std::size_t at = plane.size() * i / kPieces - kPieceBytes;
+  for (std::size_t i = 1; i <= kProbes; ++i) {
+    const std::size_t at = plane.size() * i / kProbes - kPieceBytes;
     const std::size_t begin = at - std::min(at, kReach);
     if (text.substr(begin, at - begin).find(text.substr(at, kPieceBytes)) != std::string_view::npos)
       return true;
