@@ -24,7 +24,6 @@ constexpr int kMaxShiftSteps = 20;  // of the shift between the scans as they ar
 constexpr double kMinOverlap = 0.5;
 constexpr double kSignificantP = 0.01;
 constexpr double kNmadPerMad = 1.4826;
-constexpr double kNoValue = LikenessStatistic::kNone;
 
 struct TwoScans {
   const ComparedScan& a;
@@ -103,7 +102,8 @@ std::array<ReturnQuantity, 2> of_surface(const BinnedScans& scans, const Compare
     const Gradient& g = gradients[bin];
     const double height = scan.z[i] - sum.z / sum.count - g.x * (scan.x[i] - sum.x / sum.count) -
                           g.y * (scan.y[i] - sum.y / sum.count);
-    roughness.values.push_back(sum.count >= 3 ? height * std::sqrt(sum.count / (sum.count - 1)) : kNoValue);
+    roughness.values.push_back(sum.count >= 3 ? height * std::sqrt(sum.count / (sum.count - 1))
+                                              : LikenessStatistic::kNone);
     if (scan.px.empty()) continue;
     const double x = scan.px[i] - scan.x[i], y = scan.py[i] - scan.y[i], z = scan.pz[i] - scan.z[i];
     const double lengths = std::sqrt((x * x + y * y + z * z) * (g.x * g.x + g.y * g.y + 1));
@@ -239,7 +239,7 @@ void set_maps(const BinnedScans& scans, Likeness& likeness) {
   const ReturnSums sums = scans.sums(original_sides());
   for (std::size_t side = 0; side < 2; ++side) {
     likeness.counts.at(side) = Grid<double>(likeness.grid, 0);
-    likeness.elevations.at(side) = Grid<double>(likeness.grid, kNoValue);
+    likeness.elevations.at(side) = Grid<double>(likeness.grid, LikenessStatistic::kNone);
     for (std::size_t i = 0; i < scans.bins().size(); ++i) {
       const ReturnSum& sum = sums.at(side)[i];
       if (sum.count == 0) continue;
