@@ -354,10 +354,10 @@ TEST(Evaluate, AssumptionsAreOfTheRegionsBinsWithReturns) {
   for (const BinIndex bin : Bins({2, 2}, {9, 9})) dem.count->at(bin) = 0;
   EXPECT_EQ(evaluate(dem, small()).metrics.assumptions, (AssumptionMetrics{5, 0.5}));
   dem.count->at({5, 5}) = 1;
-  dem.count->at({5, 6}) = 4;
-  EXPECT_EQ(evaluate(dem, small()).metrics.assumptions, (AssumptionMetrics{5, 0.5, 2.5, 0.5}));
-  dem.count->at({6, 5}) = 7;
-  EXPECT_EQ(evaluate(dem, small()).metrics.assumptions, (AssumptionMetrics{5, 0.5, 4.0, 1.0 / 3}));
+  dem.count->at({5, 6}) = 1000;
+  EXPECT_EQ(evaluate(dem, small()).metrics.assumptions, (AssumptionMetrics{5, 0.5, 500.5, 0.5}));
+  dem.count->at({6, 5}) = 700;
+  EXPECT_EQ(evaluate(dem, small()).metrics.assumptions, (AssumptionMetrics{5, 0.5, 700.0, 1.0 / 3}));
   dem.truth.reset();
   EXPECT_EQ(evaluate(dem, small()).metrics.assumptions->truth_spacing_m, std::nullopt);
   dem.count.emplace(GridSpec::centered(4, 1));
