@@ -5,10 +5,11 @@
   bench/bench_threads.py [--bin build/release/bin] [--folder DIR] [--turns 3] [--draws 12] [--landings 12] [--works NAME ...] [--threads N ...]
 
 The scan is the paper's Example 2. A turn runs each work with each number of threads, one after the other; the best of the turns counts. The
-times are those of the whole tool, and of the phase "draw" for draws, whose runs also read a scan and write maps once. The serial share is that of
-Amdahl's law, T(n) = T(1) (s + (1 - s) / n), by least squares of T. GB/s is an estimate, not a measurement, because most machines count no
-transfers of memory: it divides by the wall time the bytes that the work passes at least, BYTES in this script. A copy of 256 MB by as many processes
-shows how much the machine can move. Files take 1.3 GB for a while.
+times are those of the whole tool, and of the phase "draw" for draws, whose runs also read a scan and write maps once. The column "of processes" is
+the speed-up of as many processes of one thread at once, which share nothing: what the machine allows. The serial share is that of Amdahl's law,
+T(n) = T(1) (s + (1 - s) / n), by least squares of T. GB/s is an estimate, not a measurement, because most machines count no transfers of memory:
+it divides by the wall time the bytes that the work passes at least, BYTES in this script. A copy of 256 MB by as many processes shows how much the
+machine can move. Files take 1.3 GB for a while, and 0.5 GB for each further process.
 
 Prints times as they are: measure on a machine that does nothing else.
 """
@@ -40,13 +41,24 @@ class Bench:
     def path(self, name):
         return os.path.join(self.folder, name)
 
-    def run(self, threads, tool, *arguments):
-        """The summary of a tool that must succeed."""
-        command = [os.path.join(self.options.bin, tool), *map(str, arguments), "-O", "--json", "-t", str(threads)]
-        result = subprocess.run(command, capture_output=True, text=True, check=False)
-        if result.returncode != 0:
-            sys.exit(f"{' '.join(command)}\nexit {result.returncode}: {result.stderr}")
-        return json.loads(result.stdout)
+    def run(self, words, threads=0, processes=1):
+        """The summary of each of so many processes at once, which write files of their own and must succeed."""
+        output = words.index("-o") + 1
+        running = []
+        for i in range(processes):
+            own = [*words[:output], words[output].replace(".h5", f"-{i}.h5") if i else words[output], *words[output + 1:]]
+            command = [os.path.join(self.options.bin, own[0]), *own[1:], "-O", "--json", "-t", str(threads)]
+            running.append(subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True))
+        printed = [process.communicate() for process in running]
+        for process, (_, message) in zip(running, printed):
+            if process.returncode != 0:
+                sys.exit(f"{' '.join(process.args)}\nexit {process.returncode}: {message}")
+        return [json.loads(text) for text, _ in printed]
+
+    def slowest(self, words, threads, processes):
+        """Its wall and CPU seconds and peak bytes."""
+        parts = [(summary["phases"]["draw"] if words[0] == "monte-carlo" else summary, summary) for summary in self.run(words, threads, processes)]
+        return max((part["wall_s"], part["cpu_s"], summary["peak_memory_bytes"]) for part, summary in parts)
 
     def config(self, name, **values):
         with open(self.path(name), "w", encoding="utf-8") as file:
@@ -70,19 +82,18 @@ class Bench:
                 "landings": ["monte-carlo", *landings, "--set", f"draws={self.options.landings}", "-o", self.path("draws.h5")]}
 
     def measure(self):
-        """{work: {threads: the best (wall, CPU) seconds and peak bytes}}."""
-        works, best = self.works(), {}
-        self.run(0, "terrain-gen", "-c", os.path.join(PRESETS, "paper.terrain.json"), "-o", self.path("terrain.h5"))
+        """{work: {(threads, processes): the best of slowest()}}, with as many processes of one thread as threads."""
+        works = self.works()
+        best = {name: {} for name in self.options.works or works}
+        self.run(["terrain-gen", "-c", os.path.join(PRESETS, "paper.terrain.json"), "-o", self.path("terrain.h5")])
         for name in ("scan-sim", "regrid"):
-            self.run(0, *works[name])
+            self.run(works[name])
         for _ in range(self.options.turns):
-            for name in self.options.works or works:
+            for name, rows in best.items():
                 for threads in self.options.threads:
-                    summary = self.run(threads, *works[name])
-                    part = summary["phases"]["draw"] if works[name][0] == "monte-carlo" else summary
-                    row = (part["wall_s"], part["cpu_s"], summary["peak_memory_bytes"])
-                    old = best.setdefault(name, {}).get(threads, row)
-                    best[name][threads] = min(old, row)
+                    for key in {(threads, 1), (1, threads)}:
+                        row = self.slowest(works[name], *key)
+                        rows[key] = min(rows.get(key, row), row)
         return best
 
 
@@ -123,13 +134,15 @@ def main():
     with tempfile.TemporaryDirectory(prefix="landfall-threads-", dir=options.folder) as folder:
         best = Bench(options, folder).measure()
     counts = {"verdict": options.draws, "full": options.draws, "traced": options.draws, "landings": options.landings}
-    print("| work | threads | s | CPU s | speed-up | serial share | peak GB | GB/s, estimated |\n|---|---|---|---|---|---|---|---|")
+    print("| work | threads | s | CPU s | speed-up | of processes | serial share | peak GB | GB/s, estimated |\n|---|---|---|---|---|---|---|---|---|")
     for name, rows in best.items():
-        share = serial_share({threads: row[0] for threads, row in rows.items()})
-        for threads, (wall, cpu, peak) in rows.items():
+        share = serial_share({threads: rows[threads, 1][0] for threads in options.threads})
+        for threads in options.threads:
+            wall, cpu, peak = rows[threads, 1]
+            alone = rows[1, 1][0]
             moved = f"{BYTES[name] * counts.get(name, 1) / wall / 1e9:.1f}" if name in BYTES else ""
-            print(f"| {name} | {threads} | {wall:.2f} | {cpu:.2f} | {rows[1][0] / wall:.2f} | {f'{100 * share:.0f} %' if threads > 1 else ''} | "
-                  f"{peak / 1e9:.2f} | {moved} |", flush=True)
+            print(f"| {name} | {threads} | {wall:.2f} | {cpu:.2f} | {alone / wall:.2f} | {threads * alone / rows[1, threads][0]:.2f} | "
+                  f"{f'{100 * share:.0f} %' if threads > 1 else ''} | {peak / 1e9:.2f} | {moved} |", flush=True)
     for threads in options.threads:
         print(f"copy by {threads}: {copied_by(threads) / 1e9:.1f} GB/s")
 
