@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstddef>
 #include <functional>
 #include <limits>
 #include <string>
@@ -18,7 +19,6 @@
 #include "base/returns/point_status.h"
 #include "chain/evaluation/fail_flag.h"
 #include "chain/evaluation/failure_cause.h"
-#include "chain/evaluation/median.h"
 #include "chain/evaluation/parameters.h"
 #include "chain/hazards/measures.h"
 #include "store/config/dem_config.h"
@@ -51,7 +51,9 @@ GridSpec window_of(const GridSpec& map, BinIndex bin, std::int64_t reach) {
 double median(std::vector<double> values) {
   std::erase_if(values, [](double value) { return !std::isfinite(value); });
   if (values.empty()) return kNan;
-  return median_of(values);
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::ranges::nth_element(values, middle);
+  return values.size() % 2 == 1 ? *middle : (*std::max_element(values.begin(), middle) + *middle) / 2;
 }
 
 const LandfallFileReader& with_layers(const LandfallFileReader& evaluation) {

@@ -45,14 +45,15 @@ struct ReturnNumbers {
 
 /// The numbers of the region's bins that hold returns.
 ReturnNumbers numbers_of(const Grid<std::int32_t>& count, const BinMask& region) {
+  const std::vector<ReturnNumbers> pieces =
+      by_piece(region.spec().size(), [&](std::size_t begin, std::size_t end) {
+        ReturnNumbers piece;
+        for (std::size_t i = begin; i < end; ++i)
+          if (region.values()[i] != 0 && count.values()[i] > 0) piece.add(count.values()[i]);
+        return piece;
+      });
   ReturnNumbers result;
-  for (const ReturnNumbers& piece : by_piece(region.spec().size(), [&](std::size_t begin, std::size_t end) {
-         ReturnNumbers numbers;
-         for (std::size_t i = begin; i < end; ++i)
-           if (region.values()[i] != 0 && count.values()[i] > 0) numbers.add(count.values()[i]);
-         return numbers;
-       }))
-    result.add(piece);
+  for (const ReturnNumbers& piece : pieces) result.add(piece);
   return result;
 }
 
