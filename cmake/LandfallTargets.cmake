@@ -199,15 +199,6 @@ function(landfall_plugin name)
   install(TARGETS ${plugin} LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR}/landfall)
 endfunction()
 
-# landfall_uses_regex(a.cpp ...): sources with std::regex, whose states g++ 12 takes for uninitialised when a sanitizer is on
-# (GCC bug 105562).
-function(landfall_uses_regex)
-  if(LANDFALL_SANITIZE)
-    set_source_files_properties(${ARGN} PROPERTIES
-      COMPILE_OPTIONS $<$<CXX_COMPILER_ID:GNU>:-Wno-maybe-uninitialized>)
-  endif()
-endfunction()
-
 # landfall_precompiled_tests(): what nearly every unit test includes is parsed once, which is half of such a test's time.
 # An executable, for a header goes only with units that are compiled for the same kind of target.
 # CMAKE_DISABLE_PRECOMPILE_HEADERS=ON does without.
