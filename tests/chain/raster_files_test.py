@@ -18,7 +18,7 @@ import netCDF4
 import numpy as np
 
 import raster_readers as readers
-from harness import ROOT, SANITIZED, ToolTest, read_bytes, tool, without_warnings, write_file
+from harness import ROOT, SANITIZED, ToolTest, fork, read_bytes, tool, without_warnings, write_file
 import landfall
 from raster_readers import Cells, Degrees, Rotated
 
@@ -132,7 +132,7 @@ class Forked(Run):
 
     def __init__(self, config):  # pylint: disable=super-init-not-called
         with tempfile.TemporaryFile("w+", encoding="utf-8") as said:
-            process = os.fork()
+            process = fork()
             if process == 0:
                 code = 86
                 try:

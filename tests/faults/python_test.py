@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Damaged files in Python: landfall.open and every plot command refuse a file with one landfall.Error, or show what the intact file holds.
 
-Each file is tried in a child process, so that a signal ends the child alone. LANDFALL_TEST_LONG=1 tries 2,000 bits of files with their
+Files are tried in child processes, so that a signal ends a child alone. LANDFALL_TEST_LONG=1 tries 2,000 bits of files with their
 seal and 500 of files without it (docs/quality/tests.md); LANDFALL_TEST_SEED chooses others.
 """
 import collections
@@ -23,7 +23,7 @@ import h5py
 import matplotlib
 import numpy as np
 
-from harness import EVAL, HAZARD, REGRID, ROOT, SCAN, TERRAIN, ChainTest, read_bytes, write_file
+from harness import EVAL, HAZARD, REGRID, ROOT, SCAN, TERRAIN, ChainTest, fork, read_bytes, write_file
 from harness.commands import run_command
 from hdf5_test import metadata_places, seal_begin
 
@@ -41,7 +41,7 @@ IS_LONG = bool(os.environ.get("LANDFALL_TEST_LONG"))
 SEALED, UNSEALED = (2000, 500) if IS_LONG else (36, 9)
 SEED = int(os.environ.get("LANDFALL_TEST_SEED", "1"))
 HOSTILE = os.path.join(ROOT, "..", "shared", "data", "hostile")
-MEMORY_BYTES, LONGEST_S = 6 << 30, 120
+MEMORY_BYTES, LONGEST_S, TASKS_OF_A_CHILD = 6 << 30, 120, 20
 GROUPS = {"terrain": ["features"], "populations": ["features"], "scan": ["pulses", "detector"], "evaluation": ["holes"], "hazards": ["sites"],
           "draws": ["draws"], "landings": ["draws"]}
 ROCKS = {"grid": {"half_width_m": 6, "resolution_m": 0.2}, "seed": 3, "patterns": [
@@ -73,14 +73,12 @@ def open_all(path, kind):
 
 def draw(path, plot, folder):
     """A hash of the figures that a plot command writes."""
+    for figure in glob.glob(os.path.join(folder, "*")):  # of a command that then failed
+        os.remove(figure)
     name = os.path.join(folder, {plot_eval: "f-", plot_study: ""}.get(plot, "f.png"))
     more = {plot_profile: ["--from=-2,-1.5", "--to=2,1.5"], plot_compare: [path]}.get(plot, [])
     plot.main([path, *more, "-O", "--dpi", "50", "-o", name])
-    figures = sorted(glob.glob(os.path.join(folder, "*")))
-    found = hashlib.sha256(b"".join(map(read_bytes, figures))).hexdigest()
-    for figure in figures:
-        os.remove(figure)
-    return found
+    return hashlib.sha256(b"".join(map(read_bytes, sorted(glob.glob(os.path.join(folder, "*")))))).hexdigest()
 
 
 def outcome(task):
@@ -96,7 +94,7 @@ def outcome(task):
 def in_child(*tasks):
     """The outcomes of tasks, in order, in a child process; of one that ends the child ("signal", number), without those after it."""
     reading, writing = os.pipe()
-    child = os.fork()
+    child = fork()
     if not child:
         with contextlib.suppress(BaseException):
             os.close(reading)
@@ -118,6 +116,14 @@ def in_child(*tasks):
     _, status = os.waitpid(child, 0)
     end = os.waitstatus_to_exitcode(status)
     return outcomes + [("signal", end)] if end else outcomes
+
+
+def outcomes_of(tasks):
+    """The outcome of each task. Many share a child, in which Python copies whatever it touches; what ends a child leaves the rest to another one."""
+    found = []
+    while len(found) < len(tasks):
+        found += in_child(*tasks[len(found):len(found) + TASKS_OF_A_CHILD])
+    return found
 
 
 def write_results(path):
@@ -157,16 +163,18 @@ class EachKind(ChainTest):
         self.damaged, self.figures = self.path("damaged.h5"), self.path("figures")
         os.mkdir(self.figures)
 
-    def tasks(self, kind, with_plots=True):
-        yield "open", lambda: open_all(self.damaged, kind)
-        for plot in PLOTS.get(kind, []) if with_plots else []:
-            yield plot.__name__, lambda plot=plot: draw(self.damaged, plot, self.figures)
+    def reader(self, kind, content, plot=None):
+        """A task: writes a file, and opens or draws it."""
+        def task():
+            self.write(self.damaged, content)
+            return draw(self.damaged, plot, self.figures) if plot else open_all(self.damaged, kind)
+        return task
 
 
 class DamagedFiles(EachKind):
     def attack(self, count, is_sealed, with_plots=True):
-        """Flips `count` bits, half of them in metadata, and yields what was tried, kind, reader and outcome."""
-        choose, outcomes = random.Random(f"{SEED} {is_sealed}"), collections.Counter()
+        """Flips `count` bits, half of them in metadata. Returns what was tried, kind, plot (None: open) and outcome of each reading."""
+        choose, tried, tasks = random.Random(f"{SEED} {is_sealed}"), [], []
         intact = {kind: read_bytes(path) for kind, path in self.files.items()}
         places = {kind: metadata_places(path) for kind, path in self.files.items()}
         for number in range(count):
@@ -175,30 +183,26 @@ class DamagedFiles(EachKind):
             at = choose.choice(places[kind]) if choose.random() < 0.5 or not is_sealed else choose.randrange(len(content))
             bit = choose.randrange(8)
             content[at] ^= 1 << bit
-            self.write(self.damaged, content)
-            names, tasks = zip(*self.tasks(kind, with_plots))
-            for name, found in zip(names, in_child(*tasks)):
-                outcomes[found[0]] += 1
-                yield {"kind": kind, "reader": name, "at": at, "bit": bit}, kind, name, found
-        print(f"{count} bits, {'sealed' if is_sealed else 'unsealed'}: {dict(outcomes)}", file=sys.stderr)
-
-    def intact(self, kind, reader):
-        """The outcome of a reader for the intact file."""
-        self.write(self.damaged, read_bytes(self.files[kind]))
-        return in_child(dict(self.tasks(kind))[reader])[0]
+            for plot in (None, *PLOTS.get(kind, []))[:None if with_plots else 1]:
+                tried.append(({"kind": kind, "reader": plot and plot.__name__, "at": at, "bit": bit}, kind, plot))
+                tasks.append(self.reader(kind, content, plot))
+        outcomes = outcomes_of(tasks)
+        print(f"{count} bits, {'sealed' if is_sealed else 'unsealed'}: {dict(collections.Counter(what for what, _ in outcomes))}", file=sys.stderr)
+        return [(*one, found) for one, found in zip(tried, outcomes)]
 
     def test_a_bit_of_a_file_with_its_seal(self):
         """Refused, or the same contents and figures: a bit in a layer that a figure does not show changes nothing of it."""
-        known, refused = {}, 0
-        for tried, kind, reader, found in self.attack(SEALED, True):
+        outcomes = self.attack(SEALED, True)
+        accepted = list(dict.fromkeys((kind, plot) for _, kind, plot, found in outcomes if found[0] != "refused"))
+        intact = dict(zip(accepted, outcomes_of([self.reader(kind, read_bytes(self.files[kind]), plot) for kind, plot in accepted])))
+        refused = 0
+        for tried, kind, plot, found in outcomes:
             refused += found[0] == "refused"
             with self.subTest(**tried):
                 if found[0] == "refused":
                     self.assertRegex(found[1], r"\A[^\n]*damaged\.h5[^\n]*\Z")
-                    continue
-                if (kind, reader) not in known:
-                    known[kind, reader] = self.intact(kind, reader)
-                self.assertEqual(found, known[kind, reader])
+                else:
+                    self.assertEqual(found, intact[kind, plot])
         self.assertGreater(refused, SEALED)
 
     def test_a_bit_of_the_metadata_of_a_file_without_its_seal(self):
@@ -209,18 +213,21 @@ class DamagedFiles(EachKind):
 
     def test_a_bit_of_the_results_of_a_study(self):
         """Each is refused: its values have no checksums of their own."""
-        choose, content = random.Random(SEED), read_bytes(self.files["results"])
-        self.assertEqual(self.intact("results", "open")[0], "right")
+        choose, content, places, tasks = random.Random(SEED), read_bytes(self.files["results"]), [], []
         for _ in range(400 if IS_LONG else 20):
             at, damaged = choose.randrange(len(content)), bytearray(content)
             damaged[at] ^= 1 << choose.randrange(8)
-            self.write(self.damaged, damaged)
+            places.append(at)
+            tasks.append(self.reader("results", damaged))
+        (what, text), *outcomes = outcomes_of([self.reader("results", content), *tasks])
+        self.assertEqual(what, "right", text)
+        for at, (what, text) in zip(places, outcomes):
             with self.subTest(at=at):
-                self.assertEqual(in_child(lambda: open_all(self.damaged, "results"))[0][0], "refused")
+                self.assertEqual(what, "refused", text)
 
     def test_the_outcomes_are_told_apart(self):
         """Checks the attack itself: a signal, a traceback, and other contents."""
-        self.assertEqual(in_child(lambda: 1, lambda: os.kill(os.getpid(), signal.SIGSEGV), lambda: 2), [("right", 1), ("signal", -signal.SIGSEGV)])
+        self.assertEqual(outcomes_of([lambda: 1, lambda: os.kill(os.getpid(), signal.SIGSEGV), lambda: 2]), [("right", 1), ("signal", -signal.SIGSEGV), ("right", 2)])
         self.assertEqual(in_child(lambda: {}["x"])[0][0], "traceback")
         self.write(self.damaged, read_bytes(self.files["dem"]))
         before = in_child(lambda: open_all(self.damaged, "dem"))[0]
@@ -304,13 +311,16 @@ class HostileFiles(ChainTest):
     def test_each_is_refused_or_read_by_open_and_the_commands_of_its_kind(self):
         figures = self.path("figures")
         os.mkdir(figures)
+        tried, tasks = [], []
         for path in sorted(glob.glob(os.path.join(HOSTILE, "*.h5"))):
             name = os.path.basename(path)
             kind = next(kind for word, kind in self.KINDS.items() if word in name)
             for plot in (None, *PLOTS.get(kind, [])):
-                with self.subTest(name=name, plot=plot):
-                    what, text = in_child(lambda path=path, plot=plot: draw(path, plot, figures) if plot else open_all(path, None))[0]
-                    self.assertEqual(what, "right" if name in self.RIGHT else "refused", text)
+                tried.append((name, plot))
+                tasks.append(lambda path=path, plot=plot: draw(path, plot, figures) if plot else open_all(path, None))
+        for (name, plot), (what, text) in zip(tried, outcomes_of(tasks)):
+            with self.subTest(name=name, plot=plot):
+                self.assertEqual(what, "right" if name in self.RIGHT else "refused", text)
 
 
 if __name__ == "__main__":

@@ -10,6 +10,8 @@ import traceback
 import h5py  # pylint: disable=unused-import
 import matplotlib.pyplot  # pylint: disable=unused-import
 
+from harness import fork
+
 COMMANDS = os.path.join(os.environ["LANDFALL_ROOT"], "python", "commands")
 
 
@@ -20,7 +22,7 @@ def run_command(name, *arguments, cwd=None):
     with tempfile.TemporaryFile("w+", encoding="utf-8") as out, tempfile.TemporaryFile("w+", encoding="utf-8") as err:
         sys.stdout.flush()
         sys.stderr.flush()
-        process = os.fork()
+        process = fork()
         if process == 0:
             become(words, cwd, out, err)
         code = os.waitstatus_to_exitcode(os.waitpid(process, 0)[1])
