@@ -12,6 +12,7 @@
 #include <algorithm>
 #include <array>
 #include <sstream>
+#include <stdexcept>
 #include <vector>
 
 #include "base/core/error.h"
@@ -68,7 +69,8 @@ std::string not_expected(const CLI::App& app, const std::string& arguments) {
 std::vector<std::string> matched(const std::string& text, const std::string& pattern) {
   std::array<regmatch_t, 8> spans;
   regex_t expression;
-  if (regcomp(&expression, ("^" + pattern + "$").c_str(), REG_EXTENDED) != 0) return {};
+  if (regcomp(&expression, ("^" + pattern + "$").c_str(), REG_EXTENDED) != 0)
+    throw std::logic_error("no expression: " + pattern);
   const bool found = regexec(&expression, text.c_str(), spans.size(), spans.data(), 0) == 0;
   regfree(&expression);
   std::vector<std::string> groups;
@@ -98,7 +100,7 @@ std::string plain_message(const CLI::App& app, const CLI::ParseError& error) {
   if (is("Could not convert: (\\S+) = (.*)"))
     return is_flag(app, part[1]) ? part[1] + " does not take a value"
                                  : part[1] + ": '" + part[2] + "' is not a number";
-  if (is("(\\S+): Value (.*) not in range \\[?(\\S+) (to|-) ([^] ]+)]?"))
+  if (is("(\\S+): Value (.*) not in range \\[?(\\S+) (to|-) ([^][:space:]]+)]?"))
     return part[1] + ": " + part[2] + " is not in [" + part[3] + ", " + part[5] + "]";
   if (is("(\\S+): (.*) not in \\{(.*)\\}"))
     return part[1] + ": " + part[2] + " is not one of " + spaced(part[3]);
