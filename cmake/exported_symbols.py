@@ -1,6 +1,7 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Writes the version script of liblandfall.so: it exports the tools' start functions and what some objects need, and hides all else.
+"""Writes the version script of liblandfall.so: it exports the tools' start functions, the functions for Python
+(lib/app/python/engine.h) and what some objects need, and hides all else.
 
 usage: exported_symbols.py NM OUTPUT OBJECT...
 
@@ -21,7 +22,7 @@ def main():
     names = {row[0] for row in rows if len(row) > 1 and row[1] in SHARED and "8landfall" in row[0]}
     with open(output, "w", encoding="utf-8") as file:
         file.write("{\nglobal:\n" + "".join(f"  {name};\n" for name in sorted(names)) +
-                   "  _ZN8landfall*5startE*;\n  _ZN3hwy8platform15TimerResolutionEv;\nlocal:\n  *;\n};\n")
+                   "  _ZN8landfall*5startE*;\n  landfall_*;\n  _ZN3hwy8platform15TimerResolutionEv;\nlocal:\n  *;\n};\n")
 
 
 if __name__ == "__main__":

@@ -44,10 +44,9 @@ ONLY_IN = {
     r"zlib": {"store/hdf5"},
     r"png\.h": {"formats/picture"},
     # base/core: a header that several rooms share
-    r"nlohmann/": {"base/core", "store/config", "store/files", "app/runs", "app/cli", "app/host", "app/report"},
+    r"nlohmann/": {"base/core", "store/config", "store/files", "app/runs", "app/cli", "app/host", "app/python", "app/report"},
     r"CLI/": {"app/cli"},
-    r"pybind11/": {"app/python"},
-    r"(iostream|fstream|chrono|ctime)$": {"store/config", "store/files", "formats/mesh", "base/core", "base/output", "app/cli", "app/python"},
+    r"(iostream|fstream|chrono|ctime)$": {"store/config", "store/files", "formats/mesh", "base/core", "base/output", "app/cli"},
 }
 
 INCLUDE = re.compile(r'^\s*#\s*include\s+[<"]([^>"]+)[>"]')

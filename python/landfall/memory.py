@@ -292,13 +292,13 @@ class Lidar:
         numbers = _array(k, "k", 1)
         if not np.array_equal(numbers, np.round(numbers)):
             raise UsageError("k: pulses have whole numbers")
-        count, none = numbers.size, np.empty(0)
-        times = none if t_s is None else _array(t_s, "t_s", 1)
-        if t_s is not None and times.size != count:
+        count = numbers.size
+        times = None if t_s is None else _array(t_s, "t_s", 1)
+        if times is not None and times.size != count:
             raise UsageError(f"t_s: {times.size} times of {count} pulses")
         truth = _poses((position_m, attitude), "position_m and attitude", count)
-        estimates = none if estimate is None else _poses(estimate, "estimate", count)
-        nominals = none if nominal is None else _poses(nominal, "nominal", count)
+        estimates = None if estimate is None else _poses(estimate, "estimate", count)
+        nominals = None if nominal is None else _poses(nominal, "nominal", count)
         return self._lidar.pulses(numbers.astype(np.int64), truth, estimates, nominals, times, self._threads)
 
 

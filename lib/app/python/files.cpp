@@ -1,110 +1,101 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include <pybind11/numpy.h>
-#include <pybind11/stl.h>
-#include <pybind11/stl/filesystem.h>
-
 #include <memory>
+#include <nlohmann/json.hpp>
 #include <utility>
 #include <variant>
 
-#include "app/python/module.h"
+#include "app/python/engine.h"
 #include "store/files/landfall_file.h"
 #include "store/hdf5/memory_file.h"
 
 namespace landfall::python {
 namespace {
 
-namespace py = pybind11;
-
-py::dtype dtype_of(h5::Type type) {
+/// numpy's name of a type.
+const char* type_name(h5::Type type) {
   switch (type) {
     case h5::Type::float64:
-      return py::dtype::of<double>();
+      return "f8";
     case h5::Type::float32:
-      return py::dtype::of<float>();
+      return "f4";
     case h5::Type::int64:
-      return py::dtype::of<std::int64_t>();
+      return "i8";
     case h5::Type::int32:
-      return py::dtype::of<std::int32_t>();
+      return "i4";
     case h5::Type::int8:
       break;
   }
-  return py::dtype::of<std::int8_t>();
+  return "i1";
 }
 
-/// An array over memory of the library, which lives as long as the array.
-py::array array_of(std::shared_ptr<const h5::MemoryArray> values) {
-  const std::vector<py::ssize_t> shape(values->shape.begin(), values->shape.end());
-  const py::dtype dtype = dtype_of(values->type);
-  const void* const first = values->values.data();
-  auto* const owner = new std::shared_ptr<const h5::MemoryArray>(std::move(values));
-  const py::capsule capsule(
-      owner, [](void* held) { delete static_cast<std::shared_ptr<const h5::MemoryArray>*>(held); });
-  py::array array(dtype, shape, first, capsule);
-  array.attr("flags").attr("writeable") = false;
-  return array;
-}
-
-py::object object_of(h5::MemoryFile::Content content) {
-  if (const auto* const text = std::get_if<std::string>(&content)) return py::str(*text);
-  return array_of(std::get<std::shared_ptr<const h5::MemoryArray>>(std::move(content)));
-}
-
-/// A file in memory.
-class File {
- public:
-  explicit File(const std::string& name) : file_(name) {}
-  [[nodiscard]] const std::string& name() const { return file_.name(); }
-
-  /// The names of a group's members, in their order, and whether each is a group.
-  [[nodiscard]] std::vector<std::pair<std::string, bool>> members(const std::string& group) const {
-    std::vector<std::pair<std::string, bool>> names;
-    for (h5::MemoryFile::Member& member : file_.members(group))
-      names.emplace_back(std::move(member.name), member.is_group);
-    return names;
-  }
-
-  /// Attributes as Python's str, numpy's numbers or arrays.
-  [[nodiscard]] py::dict attributes(const std::string& path) const {
-    py::dict result;
-    for (auto& [name, content] : file_.attributes(path)) {
-      const py::object value = object_of(std::move(content));
-      const bool is_scalar = py::isinstance<py::array>(value) && py::cast<py::array>(value).ndim() == 0;
-      result[name.c_str()] = is_scalar ? value[py::tuple()] : value;
-    }
-    return result;
-  }
-
-  /// The values of a dataset: an array, or the text.
-  [[nodiscard]] py::object values(const std::string& path) const { return object_of(file_.values(path)); }
-
-  void load(const std::filesystem::path& path) {
-    const py::gil_scoped_release unlock;
-    file_.load(path);
-  }
-
-  void save(const std::filesystem::path& path, bool overwrite) {
-    const py::gil_scoped_release unlock;
-    save_file(file_, {path, overwrite});
-  }
-
- private:
-  h5::MemoryFile file_;
+struct File : Object {
+  explicit File(const char* name) : file(name) {}
+  h5::MemoryFile file;
 };
+
+struct Values : Object {
+  explicit Values(h5::MemoryFile::Content values) : content(std::move(values)) {}
+  h5::MemoryFile::Content content;
+};
+
+/// A text, or the type and shape of an array with what `of_array` says of its values.
+template <class OfArray>
+nlohmann::json described(const h5::MemoryFile::Content& content, const OfArray& of_array) {
+  if (const auto* const text = std::get_if<std::string>(&content)) return *text;
+  const h5::MemoryArray& array = *std::get<std::shared_ptr<const h5::MemoryArray>>(content);
+  nlohmann::json description = {{"type", type_name(array.type)}, {"shape", array.shape}};
+  of_array(array.values, description);
+  return description;
+}
 
 }  // namespace
 
-void bind_files(py::module_& module) {
-  if (!h5::is_built_for_threads())
-    throw py::import_error("runs of several threads need an HDF5 that was built with --enable-threadsafe");
-  py::class_<File, std::shared_ptr<File>>(module, "File")
-      .def(py::init<const std::string&>())
-      .def_property_readonly("name", &File::name)
-      .def("members", &File::members)
-      .def("attributes", &File::attributes)
-      .def("values", &File::values)
-      .def("load", &File::load)
-      .def("save", &File::save);
+Object* landfall_new_file(const char* name) {
+  return object_of([&] { return new File(name); });
+}
+
+bool landfall_file_load(Object* file, const char* path) {
+  return succeeds([&] { as<File>(file).file.load(path); });
+}
+
+bool landfall_file_save(Object* file, const char* path, bool overwrite) {
+  return succeeds([&] { save_file(as<File>(file).file, {path, overwrite}); });
+}
+
+const char* landfall_file_members(Object* file, const char* group) {
+  return text_of([&] {
+    nlohmann::json members = nlohmann::json::array();
+    for (const h5::MemoryFile::Member& member : as<File>(file).file.members(group))
+      members.push_back({member.name, member.is_group});
+    return members.dump();
+  });
+}
+
+const char* landfall_file_attributes(Object* file, const char* path) {
+  return text_of([&] {
+    nlohmann::json attributes = nlohmann::json::object();
+    for (const auto& [name, content] : as<File>(file).file.attributes(path))
+      attributes[name] = described(content, [](const h5::GrowingBytes& values, nlohmann::json& description) {
+        nlohmann::json& bytes = description["bytes"] = nlohmann::json::array();
+        for (std::size_t i = 0; i < values.size(); ++i)
+          bytes.push_back(std::to_integer<unsigned>(values.data()[i]));
+      });
+    return attributes.dump();
+  });
+}
+
+Object* landfall_new_values(Object* file, const char* path) {
+  return object_of([&] { return new Values(as<File>(file).file.values(path)); });
+}
+
+const char* landfall_values(Object* values) {
+  return text_of([&] {
+    return described(as<Values>(values).content,
+                     [](const h5::GrowingBytes& bytes, nlohmann::json& description) {
+                       description["address"] = reinterpret_cast<std::uintptr_t>(bytes.data());
+                     })
+        .dump();
+  });
 }
 
 }  // namespace landfall::python

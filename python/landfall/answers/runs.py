@@ -305,7 +305,7 @@ class Runner:
 
 
 def _engine():
-    """The extension module of these tools; None where they have none."""
+    """The library of these tools within this process; None where it is not found."""
     try:
         from landfall import engine
     except Error:
