@@ -79,8 +79,8 @@ function(landfall_builds_fast target)
   target_compile_options(${target} PRIVATE $<$<CONFIG:Release>:-Og>)
 endfunction()
 
-# landfall_unity_groups(target SOURCES a.cpp ... ALONE b.cpp ...): with LANDFALL_UNITY compiles up to 120 sources at a time, or up to 48
-# where more than four processors share the work.
+# landfall_unity_groups(target SOURCES a.cpp ... ALONE b.cpp ...): with LANDFALL_UNITY compiles all sources at a time, up to 120 where
+# memory is less than 12 GB, or up to 48 where more than four processors share the work.
 function(landfall_unity_groups target)
   if(NOT LANDFALL_UNITY)
     return()
@@ -88,12 +88,15 @@ function(landfall_unity_groups target)
   cmake_parse_arguments(arg "" "" "SOURCES;ALONE" ${ARGN})
   list(REMOVE_ITEM arg_SOURCES ${arg_ALONE})
   cmake_host_system_information(RESULT processors QUERY NUMBER_OF_LOGICAL_CORES)
+  cmake_host_system_information(RESULT memory_mb QUERY TOTAL_PHYSICAL_MEMORY)
+  list(LENGTH arg_SOURCES count)
   if(processors GREATER 4)
     set(most 48)
-  else()
+  elseif(memory_mb LESS 12000)
     set(most 120)
+  else()
+    set(most ${count})
   endif()
-  list(LENGTH arg_SOURCES count)
   math(EXPR groups "(${count} + ${most} - 1) / ${most}")
   set(place 0)
   foreach(source IN LISTS arg_SOURCES)
@@ -103,9 +106,11 @@ function(landfall_unity_groups target)
   endforeach()
   set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_MODE GROUP)
   # g++ takes unnamed namespaces of files that another one includes for those of headers. It would take up to a
-  # sixteenth of a group's time to free memory: the largest takes 2.5 GB.
-  target_compile_options(${target} PRIVATE $<$<CXX_COMPILER_ID:GNU>:-Wno-subobject-linkage>
-                                           $<$<CXX_COMPILER_ID:GNU>:--param=ggc-min-expand=1000>)
+  # sixteenth of a group's time to free memory: the largest takes 2.5 GB, or all sources of app 4.4 GB.
+  target_compile_options(${target} PRIVATE
+    $<$<CXX_COMPILER_ID:GNU>:-Wno-subobject-linkage>
+    $<$<CXX_COMPILER_ID:GNU>:--param=ggc-min-expand=1000>
+    $<$<AND:$<CXX_COMPILER_ID:GNU>,$<EQUAL:${most},${count}>>:--param=ggc-min-heapsize=8000000>)
 endfunction()
 
 # landfall_kernel_unit(target a.cpp ...): in place of sources of this folder that include themselves once per instruction set, one unit
@@ -130,15 +135,15 @@ function(landfall_generates target)
   set_property(GLOBAL APPEND PROPERTY LANDFALL_GENERATED ${target})
 endfunction()
 
-# landfall_library(name [FAST] FOLDERS folder a.cpp ... [EXCEPT folder b.cpp ...] LINKS landfall::chain ... [PRIVATE_LINKS ...]
-#                  [PRECOMPILED name] [ALONE c.cpp ...] [KERNELS d.cpp ...])
+# landfall_library(name [FAST] [APART] FOLDERS folder a.cpp ... [EXCEPT folder b.cpp ...] [WITH name] LINKS landfall::chain ...
+#                  [PRIVATE_LINKS ...] [PRECOMPILED name] [ALONE c.cpp ...] [KERNELS d.cpp ...])
 # A static library landfall::<name> of all units of the folders and files, but EXCEPT and those of the plugins and libraries before it. FAST:
-# landfall_builds_fast.
+# landfall_builds_fast. APART: no part of liblandfall.so; another library has its units too, WITH it.
 # LANDFALL_UNITY compiles its units together; scripts/check_unity.py finds names that would collide. ALONE: units that include
 # themselves once per instruction set, or a header that no other unit shall see. KERNELS: units of the first kind that may be one
 # unit, landfall_kernel_unit.
 function(landfall_library name)
-  cmake_parse_arguments(arg "FAST" "PRECOMPILED" "FOLDERS;EXCEPT;LINKS;PRIVATE_LINKS;ALONE;KERNELS" ${ARGN})
+  cmake_parse_arguments(arg "FAST;APART" "PRECOMPILED;WITH" "FOLDERS;EXCEPT;LINKS;PRIVATE_LINKS;ALONE;KERNELS" ${ARGN})
   foreach(kind FOLDERS EXCEPT)
     set(${kind})
     foreach(place IN LISTS arg_${kind})
@@ -153,12 +158,21 @@ function(landfall_library name)
   get_property(taken GLOBAL PROPERTY LANDFALL_TAKEN)
   list(REMOVE_ITEM FOLDERS ${EXCEPT} ${taken})
   set_property(GLOBAL APPEND PROPERTY LANDFALL_TAKEN ${FOLDERS})
-  add_library(landfall_${name} STATIC ${FOLDERS})
+  if(arg_WITH)
+    get_target_property(others landfall_${arg_WITH} SOURCES)
+    list(APPEND FOLDERS ${others})
+  endif()
+  if(NOT TARGET landfall_${name})
+    add_library(landfall_${name} STATIC)
+  endif()
+  target_sources(landfall_${name} PRIVATE ${FOLDERS})
   get_property(generated GLOBAL PROPERTY LANDFALL_GENERATED)
   add_dependencies(landfall_${name} ${generated})
   add_library(landfall::${name} ALIAS landfall_${name})
   target_link_libraries(landfall_${name} PUBLIC landfall_flags ${arg_LINKS} PRIVATE ${arg_PRIVATE_LINKS})
-  set_property(GLOBAL APPEND PROPERTY LANDFALL_LIBRARIES landfall_${name})
+  if(NOT arg_APART)
+    set_property(GLOBAL APPEND PROPERTY LANDFALL_LIBRARIES landfall_${name})
+  endif()
   if(arg_PRECOMPILED AND NOT LANDFALL_UNITY)
     target_precompile_headers(landfall_${name} REUSE_FROM precompiled_${arg_PRECOMPILED})
     landfall_uses_precompiled_strings(landfall_${name})

@@ -134,6 +134,7 @@ def units_of(folder: pathlib.Path, places):
 
 def violations(root: pathlib.Path):
     taken = set()  # A source is of the first library that names it, and the plugins stand before them.
+    libraries = {}
     lists = sorted(root.glob("lib/**/CMakeLists.txt"), key=lambda path: -len(path.parts))
     for list_file in [*lists, *sorted(root.glob("tests/unit/**/CMakeLists.txt"))]:
         text = re.sub(r"#.*", "", list_file.read_text()).replace("${CMAKE_SOURCE_DIR}", str(root.resolve()))
@@ -147,6 +148,8 @@ def violations(root: pathlib.Path):
             units = [unit for unit in units if unit.resolve() not in {other.resolve() for other in left_out}]
             if root / "lib" in list_file.parents:
                 taken.update(units)
+                libraries[library] = units
+            units += [unit for name in words["WITH"] for unit in libraries[name]]
             apart = units_of(list_file.parent, words["ALONE"] + words["KERNELS"])
             files = [unit for unit in units if unit not in apart]
             rooms = sorted({unit.parent for unit in files})

@@ -15,7 +15,7 @@
 namespace landfall {
 namespace {
 
-constexpr int kInterrupts[] = {SIGINT, SIGTERM, SIGHUP};
+constexpr int kPassedOn[] = {SIGINT, SIGTERM, SIGHUP};
 
 volatile std::sig_atomic_t child_process = 0;  // NOLINT(*-avoid-non-const-global-variables): of a handler
 volatile std::sig_atomic_t signal_at_interrupts = 0;  // NOLINT(*-avoid-non-const-global-variables)
@@ -30,7 +30,7 @@ extern "C" void pass_on(int number, siginfo_t* from, void* /*context*/) {
 
 /// A signal that the parent chose to ignore (nohup) stays ignored.
 void pass_on_interrupts() {
-  for (const int each : kInterrupts) {
+  for (const int each : kPassedOn) {
     struct sigaction before {};
     ::sigaction(each, nullptr, &before);
     if (before.sa_handler == SIG_IGN) continue;
@@ -44,7 +44,7 @@ void pass_on_interrupts() {
 sigset_t interrupts() {
   sigset_t set;
   ::sigemptyset(&set);
-  for (const int each : kInterrupts) ::sigaddset(&set, each);
+  for (const int each : kPassedOn) ::sigaddset(&set, each);
   return set;
 }
 

@@ -14,7 +14,7 @@
 namespace landfall::cli {
 namespace {
 
-ScanPair pair_of(const std::string& text) {
+ScanPair scan_pair(const std::string& text) {
   const std::size_t colon = text.rfind(':');
   if (colon == std::string::npos || colon == 0 || colon + 1 == text.size())
     throw UsageError("--pair " + text + ": expected SCAN:TERRAIN");
@@ -36,7 +36,7 @@ DrawsSources DrawsOptions::sources() const {
   if (engine != "cpu")
     sources.device = {.on_failure = engine == "opencl" ? DeviceFailure::throws : DeviceFailure::falls_back,
                       .use = std::make_shared<DeviceUse>()};
-  for (const std::string& pair : pairs) sources.pairs.push_back(pair_of(pair));
+  for (const std::string& pair : pairs) sources.pairs.push_back(scan_pair(pair));
   if (sources.pairs.empty()) sources.pairs.push_back({traces() ? "" : inputs.front(), terrain});
   return sources;
 }

@@ -18,13 +18,13 @@
 namespace landfall {
 namespace {
 
-enum class Format { landfall, geotiff, mesh };
+enum class TerrainFormat { landfall, geotiff, mesh };
 
-Format format_of(const std::filesystem::path& output) {
+TerrainFormat terrain_format(const std::filesystem::path& output) {
   const std::string extension = file_extension(output);
-  if (extension == ".h5" || extension == ".nc") return Format::landfall;
-  if (extension == ".tif" || extension == ".tiff") return Format::geotiff;
-  if (extension == ".obj" || extension == ".ply") return Format::mesh;
+  if (extension == ".h5" || extension == ".nc") return TerrainFormat::landfall;
+  if (extension == ".tif" || extension == ".tiff") return TerrainFormat::geotiff;
+  if (extension == ".obj" || extension == ".ply") return TerrainFormat::mesh;
   throw UsageError("output " + output.string() + ": extension '" + extension +
                    "' is not one of .h5 and .nc (terrain), .tif and .tiff (GeoTIFF), .obj and .ply (mesh)");
 }
@@ -38,14 +38,15 @@ struct Origin {
 /// Writes a terrain in another format than .h5.
 void write_export(const TerrainOutput& output, const TriangulatedGrid& grid, const Origin& origin) {
   output.phase("write", [&](const ProgressCallback& progress) {
-    if (format_of(output.file.path) == Format::mesh) return write_mesh_file(output.file, grid, progress);
+    if (terrain_format(output.file.path) == TerrainFormat::mesh)
+      return write_mesh_file(output.file, grid, progress);
     const std::string software = source_line(output.provenance.tool);
     write_geotiff(output.file, {{{&grid.nodes()}}, origin.crs_wkt, software, origin.file_id}, progress);
   });
 }
 
 void write_export(const TerrainOutput& output, const IndexedTriangles& mesh) {
-  if (format_of(output.file.path) == Format::geotiff)
+  if (terrain_format(output.file.path) == TerrainFormat::geotiff)
     throw UsageError("output " + output.file.path.string() +
                      ": a mesh cannot be written as GeoTIFF; use .obj or .ply");
   output.phase("write",
@@ -99,7 +100,7 @@ TerrainContent build_mesh(const MeshImport& import, TerrainOutput& output) {
     content.mesh = read_clean_mesh(import, output.provenance, warn, progress);
   });
   require_sound(mesh, import.path);
-  if (format_of(output.file.path) == Format::landfall)
+  if (terrain_format(output.file.path) == TerrainFormat::landfall)
     write_own(output, [&](LandfallFileWriter& file) { write_mesh_terrain(file, mesh); });
   else
     write_export(output, mesh);
@@ -217,7 +218,7 @@ std::vector<std::string> input_files(const TerrainConfig& config, const std::fil
 }
 
 TerrainContent build_terrain(const TerrainConfig& config, const RasterRules& rules, TerrainOutput output) {
-  const bool is_own = format_of(output.file.path) == Format::landfall;
+  const bool is_own = terrain_format(output.file.path) == TerrainFormat::landfall;
   if (config.mesh) return build_mesh(*config.mesh, output);
   std::vector<std::string> warnings;
   if (config.model.albedo && !is_own)
@@ -264,7 +265,7 @@ TerrainInput make_terrain(const TerrainConfig& config, const MeetingRules& rules
 }
 
 TerrainContent export_terrain(const std::string& path, const TerrainOutput& output) {
-  if (format_of(output.file.path) == Format::landfall)
+  if (terrain_format(output.file.path) == TerrainFormat::landfall)
     throw UsageError("--from " + path + " is a terrain.h5 already; name a .tif, .obj or .ply output");
   TerrainInput terrain;
   output.phase("read", [&](const ProgressCallback& progress) { terrain = read_terrain(path, progress); });

@@ -100,8 +100,8 @@ lidar::Pulse pulse_of(const PulseArrays& pulses, std::size_t i) {
   return pulse;
 }
 
-struct Lidar : Object {
-  Lidar(const char* config, lidar::IntersectAll trace)
+struct HeldLidar : Object {
+  HeldLidar(const char* config, lidar::IntersectAll trace)
       : instrument(config, std::move(trace), "the configuration") {}
   lidar::Instrument instrument;
 };
@@ -139,14 +139,14 @@ bool landfall_surface_first_hit(Object* surface, std::size_t count, const double
 
 Object* landfall_new_lidar(const char* config, Object* surface) {
   return object_of([&] {
-    return new Lidar(config,
-                     surface == nullptr ? trace_in_python : traced_by(as<Surface>(surface).scene.engine));
+    return new HeldLidar(config,
+                         surface == nullptr ? trace_in_python : traced_by(as<Surface>(surface).scene.engine));
   });
 }
 
 const char* landfall_lidar(Object* lidar) {
   return text_of([&] {
-    const lidar::Instrument& instrument = as<Lidar>(lidar).instrument;
+    const lidar::Instrument& instrument = as<HeldLidar>(lidar).instrument;
     nlohmann::json description = {{"pulse_rate_hz", instrument.pulse_rate_hz()},
                                   {"pixel_count", instrument.pixel_count()},
                                   {"pulse_limit", nullptr},
@@ -160,7 +160,7 @@ Object* landfall_new_rays(Object* lidar, const PulseArrays* pulse) {
   return object_of([&] {
     auto rays = std::make_unique<Rays>();
     wanted_rays = rays.get();
-    const bool is_done = succeeds([&] { (void)as<Lidar>(lidar).instrument.step(pulse_of(*pulse, 0)); });
+    const bool is_done = succeeds([&] { (void)as<HeldLidar>(lidar).instrument.step(pulse_of(*pulse, 0)); });
     wanted_rays = nullptr;
     return is_done ? rays.release() : nullptr;
   });
@@ -179,7 +179,7 @@ const char* landfall_rays(Object* rays) {
 bool landfall_lidar_pulses(Object* lidar, const PulseArrays* pulses, const double* ranges_m, void* records,
                            std::size_t threads) {
   return succeeds([&] {
-    const lidar::Instrument& instrument = as<Lidar>(lidar).instrument;
+    const lidar::Instrument& instrument = as<HeldLidar>(lidar).instrument;
     const std::size_t pixels = instrument.pixel_count();
     auto* const out = static_cast<lidar::PixelReturn*>(records);
     const auto steps = [&](std::size_t begin, std::size_t end) {

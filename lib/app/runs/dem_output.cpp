@@ -66,12 +66,12 @@ std::vector<std::string> warnings_of(const UncertaintyInputs& inputs, const Unce
 /// fills some bins twice and leaves others empty.
 std::vector<std::string> edge_warnings(const Scans& scans, const std::vector<EdgeSample>& edges,
                                        double resolution_m) {
-  constexpr std::int64_t kMinReturns = 20;
+  constexpr std::int64_t kFewest = 20;
   constexpr double kShare = 0.05;
   std::vector<std::string> warnings;
   for (std::size_t i = 0; i < edges.size(); ++i) {
     const double share = static_cast<double>(edges[i].on_edge) / static_cast<double>(edges[i].count);
-    if (edges[i].count < kMinReturns || share <= kShare) continue;
+    if (edges[i].count < kFewest || share <= kShare) continue;
     warnings.push_back(scans[i]->file().name() + ": " + percent_text(share) + " of its first " +
                        grouped(edges[i].count) + " returns lie on an edge between bins of " +
                        number_text(resolution_m) +

@@ -92,7 +92,7 @@ void require_valid(const DrawsConfig& config, const DrawSpan& span) {
 }
 
 DrawsTruth read_truth(const RangeFile& scan, const ProgressCallback& progress) {
-  constexpr std::int64_t kPulsesPerPiece = 4096;
+  constexpr std::int64_t kPulsesAtOnce = 4096;
   RangeFile file(scan.file().name());
   const nlohmann::json& detector = scan.file().config().at("detector");
   const auto pixels = detector.at("rows").get<std::size_t>() * detector.at("columns").get<std::size_t>();
@@ -100,8 +100,8 @@ DrawsTruth read_truth(const RangeFile& scan, const ProgressCallback& progress) {
   DrawsTruth truth;
   truth.ranges_m.resize(scan.pulse_count() * pixels);
   if (file.keeps_echoes()) truth.echoes.resize(truth.ranges_m.size());
-  for (std::int64_t first = 0; first < pulses; first += kPulsesPerPiece) {
-    const RecordedRanges piece = file.read({first, std::min(kPulsesPerPiece, pulses - first)}, pixels);
+  for (std::int64_t first = 0; first < pulses; first += kPulsesAtOnce) {
+    const RecordedRanges piece = file.read({first, std::min(kPulsesAtOnce, pulses - first)}, pixels);
     const auto row = first * static_cast<std::int64_t>(pixels);
     std::ranges::copy(piece.ranges_m, truth.ranges_m.begin() + row);
     std::ranges::copy(piece.echoes, truth.echoes.begin() + row);

@@ -12,7 +12,7 @@ namespace landfall {
 namespace {
 
 /// Maps the progress of a part to the interval [begin, end] of the whole.
-ProgressCallback part_of(const ProgressCallback& whole, double begin, double end) {
+ProgressCallback share_of(const ProgressCallback& whole, double begin, double end) {
   return [whole, begin, end](double fraction) { report(whole, begin + fraction * (end - begin)); };
 }
 
@@ -32,7 +32,7 @@ EngineMaker maker_of(EngineKind kind, const ProgressCallback& progress = {}) {
   };
 }
 
-const char* name_of(EngineKind kind) { return kind == EngineKind::cgal ? "cgal" : "heightfield"; }
+const char* engine_name_of(EngineKind kind) { return kind == EngineKind::cgal ? "cgal" : "heightfield"; }
 
 Scene windowed_scene(LargeTerrainInput large, const SceneRequest& request) {
   Scene scene{TerrainIdentity(large)};
@@ -42,7 +42,7 @@ Scene windowed_scene(LargeTerrainInput large, const SceneRequest& request) {
   scene.surface = scene.window;
   if (!traced) return scene;
   scene.engine = scene.window;
-  scene.engine_name = name_of(request.engine);
+  scene.engine_name = engine_name_of(request.engine);
   return scene;
 }
 
@@ -52,19 +52,19 @@ Scene with_engine(const TerrainInput& terrain, EngineKind kind, const ProgressCa
     scene.engine = make_cgal_engine(terrain.mesh, progress);
   else
     scene.engine = maker_of(kind, progress)(terrain.grid);
-  scene.engine_name = terrain.mesh ? name_of(EngineKind::cgal) : name_of(kind);
+  scene.engine_name = terrain.mesh ? engine_name_of(EngineKind::cgal) : engine_name_of(kind);
   return scene;
 }
 
 Scene loaded_scene(const SceneRequest& request, const ProgressCallback& progress) {
   const bool traced = request.use == SceneUse::rays;
-  const TerrainInput terrain = read_terrain(request.terrain, part_of(progress, 0, traced ? 0.5 : 1));
+  const TerrainInput terrain = read_terrain(request.terrain, share_of(progress, 0, traced ? 0.5 : 1));
   if (!traced) return {TerrainIdentity(terrain), terrain.surface};
   if (terrain.mesh && request.engine == EngineKind::heightfield)
     throw UsageError(
         request.terrain.string() + ": is a mesh, which the engine heightfield cannot trace; use cgal or auto",
         "engine");
-  return with_engine(terrain, request.engine, part_of(progress, 0.5, 1));
+  return with_engine(terrain, request.engine, share_of(progress, 0.5, 1));
 }
 
 }  // namespace

@@ -71,7 +71,7 @@ bool fits(CloudField field, ColumnUnit::Kind kind) {
 
 bool has_unit(CloudField field) { return field <= CloudField::z || field == CloudField::t; }
 
-std::string listed(const std::vector<std::string>& names) {
+std::string first_names(const std::vector<std::string>& names) {
   constexpr std::size_t kShown = 20;
   std::string list;
   for (std::size_t i = 0; i < std::min(names.size(), kShown); ++i)
@@ -95,7 +95,7 @@ std::size_t chosen_column(const std::vector<std::string>& names, CloudField fiel
   if (count > 1) refuse_choice(field, column, file + " has that column twice; give its number");
   if (count == 1) return static_cast<std::size_t>(std::ranges::find(names, column) - names.begin());
   if (const auto number = column_number(column, names.size())) return *number;
-  refuse_choice(field, column, file + " has no such column; it has " + listed(names));
+  refuse_choice(field, column, file + " has no such column; it has " + first_names(names));
 }
 
 void take_choice(CloudColumns& columns, const std::vector<std::string>& names, const ColumnChoice& choice,
@@ -241,7 +241,7 @@ CloudTable cloud_columns(const std::vector<std::string>& names, const ColumnChoi
   CloudTable table = matched(names, choice, file);
   if (!has_position(table.columns)) {
     const char* const missing = !table.columns[0] ? "x" : !table.columns[1] ? "y" : "z";
-    throw FormatError(file + ": no column is recognised as " + missing + "; it has " + listed(names) +
+    throw FormatError(file + ": no column is recognised as " + missing + "; it has " + first_names(names) +
                       ": name it with --columns x=...,y=...,z=...");
   }
   check_units(table, names, choice, file);

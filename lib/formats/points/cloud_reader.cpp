@@ -69,7 +69,7 @@ Format text_format(std::string_view begin, bool is_all, Format promised) {
   return promised == Format::text || holds_rows_of_points(head) ? Format::text : Format::none;
 }
 
-Format format_of(const CloudBytes& file, Format promised) {
+Format format_in(const CloudBytes& file, Format promised) {
   const std::vector<std::byte> bytes = beginning_of_text(file);
   const std::string_view begin = without_byte_order_mark(text_of(bytes));
   if (begin.starts_with("LASF")) return Format::las;
@@ -102,13 +102,13 @@ void require_no_choice(const CloudBytes& file, const ColumnChoice& choice, const
 bool is_cloud_file(const std::filesystem::path& path) {
   const Format promised = promised_format(path);
   if (!std::filesystem::is_regular_file(status_of(path))) return promised != Format::none;
-  return format_of(CloudBytes(path), promised) != Format::none;
+  return format_in(CloudBytes(path), promised) != Format::none;
 }
 
 std::unique_ptr<CloudReader> open_cloud(const std::filesystem::path& path, const ColumnChoice& choice) {
   auto file = std::make_unique<CloudBytes>(path);
   if (file->size() == 0) file->fail("is empty");
-  switch (format_of(*file, promised_format(path))) {
+  switch (format_in(*file, promised_format(path))) {
     case Format::las:
       require_las(*file);
       require_no_choice(*file, choice, "LAS");

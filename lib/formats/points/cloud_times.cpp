@@ -20,7 +20,7 @@ struct UnitName {
   double per_second;
 };
 /// In the order of TimeUnit.
-constexpr std::array<UnitName, 4> kUnits = {{{"s", 1}, {"ms", 1e3}, {"us", 1e6}, {"ns", 1e9}}};
+constexpr std::array<UnitName, 4> kTimeUnits = {{{"s", 1}, {"ms", 1e3}, {"us", 1e6}, {"ns", 1e9}}};
 
 /// A time with its base; whole ones with all digits.
 std::string time_text(double t, std::int64_t base) {
@@ -32,14 +32,14 @@ std::string time_text(double t, std::int64_t base) {
 }  // namespace
 
 TimeUnit time_unit(const std::string& text) {
-  for (std::size_t i = 0; i < kUnits.size(); ++i)
-    if (text == kUnits[i].name) return static_cast<TimeUnit>(i);
+  for (std::size_t i = 0; i < kTimeUnits.size(); ++i)
+    if (text == kTimeUnits[i].name) return static_cast<TimeUnit>(i);
   throw UsageError("--time-unit: '" + text + "' is not one of s, ms, us, ns");
 }
 
-double per_second(TimeUnit unit) { return kUnits[static_cast<std::size_t>(unit)].per_second; }
+double per_second(TimeUnit unit) { return kTimeUnits[static_cast<std::size_t>(unit)].per_second; }
 
-const char* name_of(TimeUnit unit) { return kUnits[static_cast<std::size_t>(unit)].name; }
+const char* name_of(TimeUnit unit) { return kTimeUnits[static_cast<std::size_t>(unit)].name; }
 
 TimeScale time_scale(const std::string& name, const CloudInfo& info, std::optional<TimeUnit> unit,
                      const TimeExtent& times) {
@@ -49,7 +49,7 @@ TimeScale time_scale(const std::string& name, const CloudInfo& info, std::option
   if (!is_known && !unit && largest > kLargestSeconds)
     throw FormatError(name + ": a time of " + time_text(times.last, info.time_base) +
                       " is not in seconds: give its unit with --time-unit ms, us or ns (s keeps it)");
-  const UnitName& from = kUnits[static_cast<std::size_t>(unit.value_or(TimeUnit::s))];
+  const UnitName& from = kTimeUnits[static_cast<std::size_t>(unit.value_or(TimeUnit::s))];
   TimeScale scale{.origin = -base, .per_second = from.per_second, .clock = info.clock};
   if (from.per_second > 1 && largest > kLargestSeconds) {
     scale.origin = times.first;

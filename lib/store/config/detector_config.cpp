@@ -11,7 +11,7 @@ namespace {
 using Json = nlohmann::json;
 
 /// Empty if pixels are evenly spaced, or if the configuration is only checked and no table is read.
-std::vector<ImagePoint> positions_of(const Json& json, const ComponentContext& context) {
+std::vector<ImagePoint> image_points(const Json& json, const ComponentContext& context) {
   const Json& distribution = json.at("distribution");
   if (!distribution.is_object() || !context.load_table) return {};
   const NumberTable table =
@@ -53,7 +53,7 @@ Detector make_detector(const Json& json, const ComponentContext& context) {
     detector.field_of_view = FullFieldOfView{kRadiansPerDegree * x, kRadiansPerDegree * y};
   }
   detector.fill_factor = json.at("fill_factor").get<double>();
-  detector.points = positions_of(json, context);
+  detector.points = image_points(json, context);
   detector.distortion = distortion_of(json, context);
   detector.estimator = {range_rule_of(json.at("estimator")), json.at("range_resolution_m").get<double>()};
   return perspective_detector(detector);

@@ -34,7 +34,7 @@ Json number_of(const std::string& text, const char* option) {
   return *number;
 }
 
-Json pair_of(const std::string& text, const char* option) {
+Json option_pair(const std::string& text, const char* option) {
   const std::size_t comma = text.find(',');
   if (comma == std::string::npos)
     throw UsageError(std::string(option) + ": '" + abbreviated(text) +
@@ -52,8 +52,9 @@ Json nodata_of(const std::string& text) {
 
 Json imported_base(const ImportOptions& options) {
   Json base = {{"type", "dem"}, {"path", options.from}};
-  if (!options.center.empty()) base["center"] = pair_of(options.center, "--center");
-  if (!options.center_pixel.empty()) base["center_pixel"] = pair_of(options.center_pixel, "--center-pixel");
+  if (!options.center.empty()) base["center"] = option_pair(options.center, "--center");
+  if (!options.center_pixel.empty())
+    base["center_pixel"] = option_pair(options.center_pixel, "--center-pixel");
   if (!options.band.empty()) base["band"] = number_of(options.band, "--band");
   if (!options.interpolation.empty()) base["interpolation"] = options.interpolation;
   if (!options.datum.empty()) base["datum"] = options.datum;
@@ -162,7 +163,7 @@ void complete_import(JsonSource& source, const ImportOptions& options, const Sit
 
 Json import_section(const std::string& from, const std::string& center) {
   Json section = {{"from", from}};
-  if (!center.empty()) section["center"] = pair_of(center, "--center");
+  if (!center.empty()) section["center"] = option_pair(center, "--center");
   return section;
 }
 

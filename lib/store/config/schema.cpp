@@ -52,7 +52,7 @@ std::string listed(const Json& values) {
   return joined(values, ", ", [](const Json& value) { return value.dump(); });
 }
 
-std::string type_name(const Json& value) {
+std::string json_type(const Json& value) {
   if (value.is_number_integer()) return "integer";
   return value.is_number() ? "number" : value.type_name();
 }
@@ -173,7 +173,7 @@ class Resolver {
     if (!schema.contains("type")) return;
     const std::string type = schema["type"].get<std::string>();
     if (has_type(value, type)) return;
-    fail(pointer, shown(value) + " is of type " + type_name(value) + ", not " + type + form_of_array(schema));
+    fail(pointer, shown(value) + " is of type " + json_type(value) + ", not " + type + form_of_array(schema));
   }
 
   void check_choice(const Json& schema, const Json& value, const std::string& pointer) const {

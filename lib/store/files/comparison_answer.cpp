@@ -30,7 +30,7 @@ Value number_in(const OrderedJson& json) {
 }
 
 /// The number at a dotted path.
-Value at_path(const OrderedJson& json, const std::string& path) {
+Value number_of_path(const OrderedJson& json, const std::string& path) {
   const OrderedJson* at = &json;
   for (const std::string& part : split_at(path, '.')) {
     const auto found = at->is_object() ? at->find(part) : at->end();
@@ -44,7 +44,7 @@ Value at_path(const OrderedJson& json, const std::string& path) {
 Value largest_at(const OrderedJson& json, const std::string& paths) {
   Value largest;
   for (const std::string& path : split_words(paths))
-    if (const Value found = at_path(json, path)) largest = std::max(largest.value_or(*found), *found);
+    if (const Value found = number_of_path(json, path)) largest = std::max(largest.value_or(*found), *found);
   return largest;
 }
 
@@ -127,7 +127,7 @@ void set_signs(AnswerPoint& point, const OrderedJson& a, const OrderedJson& b, b
 std::string shares_text(const dictionary::Requirement& words, Value value_a, Value value_b,
                         const OrderedJson& a, const OrderedJson& b) {
   const auto share = [&](Value value, const OrderedJson& file) -> Value {
-    const Value bins = at_path(file["metrics"], "region.bin_count");
+    const Value bins = number_of_path(file["metrics"], "region.bin_count");
     const auto axes = static_cast<double>(std::string_view(words.footprints).size());
     return value && bins && *bins > 0 ? Value(*value / (*bins * axes)) : std::nullopt;
   };
@@ -141,7 +141,7 @@ AnswerPoint requirement_point(const dictionary::Requirement& words, const Ordere
   const Value worst_a = largest_at(a["metrics"], words.worst);
   const Value worst_b = largest_at(b["metrics"], words.worst);
   const std::string limit_path = std::string("config.limits.") + words.worst_limit;
-  const Value limit_a = at_path(a, limit_path), limit_b = at_path(b, limit_path);
+  const Value limit_a = number_of_path(a, limit_path), limit_b = number_of_path(b, limit_path);
   set_signs(point, in_a, in_b, words.at_least, share_sign(worst_a, worst_b, limit_a, limit_b, false));
   if (!in_a.is_object() || !in_b.is_object()) return point;
   const bool counts_footprints = words.unit == std::string_view("footprints");
@@ -167,7 +167,7 @@ AnswerPoint own_point(const std::string& name, const OrderedJson& in_a, const Or
   AnswerPoint point{name, 0, 0, "", {}};
   const OrderedJson& any = in_b.is_object() ? in_b : in_a;
   const bool at_least = any.value("at_least", false);
-  const auto number = [](const OrderedJson& side, const char* key) { return at_path(side, key); };
+  const auto number = [](const OrderedJson& side, const char* key) { return number_of_path(side, key); };
   const Value value_a = number(in_a, "value"), value_b = number(in_b, "value");
   const Value limit_a = number(in_a, "limit"), limit_b = number(in_b, "limit");
   set_signs(point, in_a, in_b, at_least, share_sign(value_a, value_b, limit_a, limit_b, at_least));
@@ -210,7 +210,8 @@ AnswerPoint number_point(const std::string& name, const std::string& key, Value 
 std::vector<AnswerPoint> hazard_points(const OrderedJson& a, const OrderedJson& b) {
   std::vector<AnswerPoint> points;
   const auto add = [&](const char* name, const char* key, const char* share) {
-    points.push_back(number_point(name, key, at_path(a["score"], key), at_path(b["score"], key)));
+    points.push_back(
+        number_point(name, key, number_of_path(a["score"], key), number_of_path(b["score"], key)));
     points.back().text += share;
   };
   add("missed hazards", "missed_hazard_frac", " of the true hazards");

@@ -40,7 +40,7 @@ std::optional<h5::Type> integer_type(std::size_t size, bool is_signed) {
   return std::nullopt;
 }
 
-std::optional<h5::Type> type_of(hid_t dataset) {
+std::optional<h5::Type> column_type(hid_t dataset) {
   const h5::Handle type(H5Dget_type(dataset), H5Tclose);
   const std::size_t size = H5Tget_size(type.get());
   switch (H5Tget_class(type.get())) {
@@ -103,7 +103,7 @@ std::vector<ContentInfo> datasets(const NamedGroup& group, std::span<const char*
     if (!object) fail_reading(group.name + name);
     if (H5Iget_type(object.get()) != H5I_DATASET) continue;
     const h5::Handle space(H5Dget_space(object.get()), H5Sclose);
-    const std::optional<h5::Type> type = type_of(object.get());
+    const std::optional<h5::Type> type = column_type(object.get());
     if (!type || !wanted(h5::extent_of(space.get()))) continue;
     result.push_back({name, *type, text_of(object.get(), "units"), text_of(object.get(), "long_name")});
   }

@@ -30,13 +30,13 @@ struct TableGroup {
 /// twice; depth and number are limited.
 std::vector<TableGroup> groups_of(hid_t root, const TableColumns& wanted) {
   constexpr std::size_t kMaxGroups = 1000;
-  constexpr int kMaxLevels = 4;
+  constexpr int kDeepest = 4;
   std::vector<TableGroup> groups;
   const std::function<void(hid_t, const std::string&, int)> visit = [&](hid_t group, const std::string& path,
                                                                         int level) {
     if (groups.size() == kMaxGroups) return;
     groups.push_back({path.empty() ? "/" : path, list_datasets(group)});
-    if (level == kMaxLevels || has_columns(groups.front().names(), wanted)) return;
+    if (level == kDeepest || has_columns(groups.front().names(), wanted)) return;
     for (const std::string& name : list_groups(group))
       visit(h5::open_group(group, name).get(), path + "/" + name, level + 1);
   };

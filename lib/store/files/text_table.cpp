@@ -50,7 +50,7 @@ char separator_of(std::string_view line) {
 }
 
 /// A cell without blanks around it and without quotes around that.
-std::string unquoted(std::string_view cell) {
+std::string cell_text(std::string_view cell) {
   cell = trimmed(cell);
   const bool has_quotes =
       cell.size() > 1 && (cell.front() == '"' || cell.front() == '\'') && cell.back() == cell.front();
@@ -66,10 +66,10 @@ std::vector<std::string> cells_of(std::string_view line, char separator) {
     quoted ^= line[i] == '"';
     const bool ends = separator == ' ' ? is_blank(line[i]) : line[i] == separator;
     if (quoted || !ends) continue;
-    if (separator != ' ' || i > begin) cells.push_back(unquoted(line.substr(begin, i - begin)));
+    if (separator != ' ' || i > begin) cells.push_back(cell_text(line.substr(begin, i - begin)));
     begin = i + 1;
   }
-  cells.push_back(unquoted(line.substr(begin)));
+  cells.push_back(cell_text(line.substr(begin)));
   return cells;
 }
 

@@ -11,14 +11,14 @@ namespace landfall {
 namespace {
 
 template <class... Shapes>
-std::vector<std::string> names_of(const std::variant<Shapes...>& /*any*/) {
+std::vector<std::string> kinds_of(const std::variant<Shapes...>& /*any*/) {
   return {Shapes::kName...};
 }
 
 }  // namespace
 
 const std::vector<std::string>& feature_kinds() {
-  static const std::vector<std::string> kKinds = names_of(FeatureShape{});
+  static const std::vector<std::string> kKinds = kinds_of(FeatureShape{});
   return kKinds;
 }
 

@@ -31,10 +31,10 @@ double ice_block_reach() {
 const double kLongerAxis = 1 / std::sqrt(kAxisRatio);
 
 PopulationKind rocks() { return {"rock", RandomStream::rock_population, kLongerAxis / 2, false}; }
-PopulationKind ice_blocks() {
+PopulationKind ice_block_kind() {
   return {"ice block", RandomStream::ice_block_population, ice_block_reach(), false};
 }
-PopulationKind craters() { return {"crater", RandomStream::crater_population, 0.75, true}; }
+PopulationKind crater_kind() { return {"crater", RandomStream::crater_population, 0.75, true}; }
 
 /// The objects as features; shape(sampler, object) makes the shape of one.
 template <class F>
@@ -78,11 +78,11 @@ void IceBlockPattern::validate(const std::string& owner) const {
 }
 
 void IceBlockPattern::require_bounded(const PatternSite& site) const {
-  static_cast<void>(PopulationSampler(population, ice_blocks(), site));
+  static_cast<void>(PopulationSampler(population, ice_block_kind(), site));
 }
 
 std::vector<Feature> IceBlockPattern::features(const PatternSite& site) const {
-  const PopulationSampler sampler(population, ice_blocks(), site);
+  const PopulationSampler sampler(population, ice_block_kind(), site);
   return features_of(sampler, [&](const ScatteredObject& object) {
     const double tilt_rad = max_tilt_rad * (2 * sampler.uniform(object, kTiltDraw) - 1);
     return IceBlock{object.diameter_m, kAxisRatio * object.diameter_m, height_m(sampler, object),
@@ -96,11 +96,11 @@ void CraterPattern::validate(const std::string& owner) const {
 }
 
 void CraterPattern::require_bounded(const PatternSite& site) const {
-  static_cast<void>(PopulationSampler(population, craters(), site));
+  static_cast<void>(PopulationSampler(population, crater_kind(), site));
 }
 
 std::vector<Feature> CraterPattern::features(const PatternSite& site) const {
-  const PopulationSampler sampler(population, craters(), site);
+  const PopulationSampler sampler(population, crater_kind(), site);
   return features_of(sampler, [&](const ScatteredObject& object) {
     const double freshness = freshness_min + (1 - freshness_min) * sampler.uniform(object, kFreshnessDraw);
     return Crater{object.diameter_m, 0, freshness};
