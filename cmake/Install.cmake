@@ -7,7 +7,7 @@ install(DIRECTORY studies DESTINATION ${share} USE_SOURCE_PERMISSIONS PATTERN __
 install(DIRECTORY schemas DESTINATION ${share} REGEX "(chain|draws|study|sensitivity|design).schema.json" EXCLUDE)
 install(DIRECTORY ${CMAKE_BINARY_DIR}/schemas DESTINATION ${share})
 install(FILES Makefile.studies DESTINATION ${share})
-install(DIRECTORY python DESTINATION ${share} USE_SOURCE_PERMISSIONS PATTERN __pycache__ EXCLUDE)
+install(DIRECTORY python DESTINATION ${share} USE_SOURCE_PERMISSIONS PATTERN __pycache__ EXCLUDE PATTERN ".*" EXCLUDE)
 install(DIRECTORY lib/app/report/web DESTINATION ${share}/lib/app/report)
 # `import landfall` in Debian's python3: a link, so that there is one copy.
 file(MAKE_DIRECTORY ${CMAKE_BINARY_DIR}/dist-packages)
