@@ -56,13 +56,20 @@ def _argument(value: typing.Any) -> typing.Any:
         return ctypes.c_int64(value)
     if isinstance(value, float):
         return ctypes.c_double(value)
-    return os.fsencode(value) if isinstance(value, (str, os.PathLike)) else value
+    return _bytes(value) if isinstance(value, (str, os.PathLike)) else value
+
+
+def _bytes(text: Path) -> bytes:
+    found = os.fspath(text).encode(errors="surrogateescape")
+    if b"\0" in found:
+        raise errors.UsageError(f"{os.fspath(text)}: a text holds a null character")
+    return found
 
 
 def _failure() -> BaseException:
     kind, function = ctypes.c_char_p(), _library.landfall_failure
     function.restype = ctypes.c_char_p
-    message, name = os.fsdecode(function(ctypes.byref(kind))), (kind.value or b"").decode()
+    message, name = function(ctypes.byref(kind)).decode(errors="surrogateescape"), (kind.value or b"").decode()
     return (getattr(errors, name, None) or getattr(builtins, name))(message)
 
 
@@ -200,7 +207,7 @@ def run(words: typing.Sequence[str], standard_input: str,
         progress: typing.Callable[[str, float], None] | None) -> tuple[int, str, list[str], str]:
     """Runs a tool: (exit code, message, warnings, printed text)."""
     text = standard_input.encode()
-    task = _Object("run", (ctypes.c_char_p * len(words))(*map(os.fsencode, words)), len(words), text, len(text))
+    task = _Object("run", (ctypes.c_char_p * len(words))(*map(_bytes, words)), len(words), text, len(text))
     if progress is None and threading.current_thread() is not threading.main_thread():
         _call("run_start", task)  # Python delivers Ctrl-C to its main thread only
     else:

@@ -225,6 +225,7 @@ class InMemory(unittest.TestCase):
                 "coordinate y does not increase": lambda: landfall.Terrain.from_array(self.raster(y=[2, 1, 0]), 1),
                 "transpose it": lambda: landfall.Terrain.from_array(self.raster().transpose(), 1),
                 "coordinate y has steps of 1 m": lambda: landfall.Terrain.from_array(self.raster(), 2),
+                "a text holds a null character": lambda: landfall.evaluate("dem.h5\0"),
                 "weight: no gridding": lambda: landfall.grid([1], [1], [1], weight=[1]),
                 "resolution_m is missing": lambda: landfall.hazards(np.zeros((9, 9))),
                 "not in [0, 4096]": lambda: landfall.Terrain(TERRAIN, threads=-1),

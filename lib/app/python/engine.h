@@ -23,7 +23,7 @@ class Object {
   Object& operator=(const Object&) = delete;
 };
 
-/// The object as the type that it has. Throws Error.
+/// The object as the type that it has. Throws std::bad_cast.
 template <class Type>
 Type& as(Object* object) {
   return dynamic_cast<Type&>(*object);
