@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The library of the tools within this process: the functions of lib/app/python/engine.h, with arrays of numpy."""
 import builtins
+import concurrent.futures
 import ctypes
 import glob
 import json
@@ -110,7 +111,7 @@ class File(_Object):
 
     def values(self, path: str) -> typing.Any:
         """The values of a dataset: an array, or the text."""
-        values = _Values(self, path)
+        values = _Memory("values", self, path)
         return values.text if values.text is not None else np.asarray(values)
 
     def load(self, path: Path) -> None:
@@ -120,12 +121,12 @@ class File(_Object):
         _call("file_save", self, path, overwrite)
 
 
-class _Values(_Object):
+class _Memory(_Object):
     """A text, or the memory of the library beneath an array, which keeps this."""
 
-    def __init__(self, file: File, path: str) -> None:
-        super().__init__("values", file, path)
-        content = _json("values", self)
+    def __init__(self, kind: str, *arguments: typing.Any) -> None:
+        super().__init__(kind, *arguments)
+        content = _json(kind, self)
         self.text = content if isinstance(content, str) else None
         if self.text is None:
             self.__array_interface__ = {"version": 3, "typestr": np.dtype(content["type"]).str, "shape": tuple(content["shape"]),
@@ -185,21 +186,17 @@ class Lidar(_Object):
             return records
         for place, record in enumerate(records):
             pulse = pulses[place]
-            ranges_m = _traced(_Object("rays", self, ctypes.byref(pulse)), self._trace)
+            ranges_m = _traced(np.asarray(_Memory("rays", self, ctypes.byref(pulse))), self._trace)
             _call("lidar_pulses", self, ctypes.byref(pulse), ranges_m, record, threads)
         return records
 
 
-def _traced(rays: _Object, trace: Trace) -> Numbers:
-    found = _json("rays", rays)
-    count = found["count"]
-    if count == 0:
+def _traced(rays: Numbers, trace: Trace) -> Numbers:
+    if len(rays) == 0:
         return np.empty(0)
-    origins, directions = (np.frombuffer((ctypes.c_double * (3 * count)).from_address(found[name])).reshape(count, 3).copy()
-                           for name in ("origins_m", "directions"))
-    ranges_m = trace(origins, directions)
-    if ranges_m.size != count:
-        raise errors.UsageError(f"terrain: the function returned {ranges_m.size} ranges of {count} rays")
+    ranges_m = trace(rays[:, 0].copy(), rays[:, 1].copy())
+    if ranges_m.size != len(rays):
+        raise errors.UsageError(f"terrain: the function returned {ranges_m.size} ranges of {len(rays)} rays")
     return ranges_m
 
 
@@ -218,29 +215,23 @@ def run(words: typing.Sequence[str], standard_input: str,
 
 def _run_beside(task: _Object, progress: typing.Callable[[str, float], None] | None) -> None:
     """On another thread, so that this one can pass on the progress, and end the run by an exception."""
-    failures: list[BaseException] = []
-
-    def start() -> None:
+    with concurrent.futures.ThreadPoolExecutor(1) as other:
+        run_there = other.submit(_call, "run_start", task)
         try:
-            _call("run_start", task)
-        except BaseException as error:  # pylint: disable=broad-exception-caught
-            failures.append(error)
-    thread = threading.Thread(target=start)
-    thread.start()
-    try:
-        while thread.is_alive():
-            thread.join(0.02)
-            fraction = ctypes.c_double()
-            phase = _call("run_phase", task, ctypes.byref(fraction), returns=ctypes.c_char_p).decode(errors="replace")
-            if progress is not None and phase and thread.is_alive():
-                progress(phase, fraction.value)
-    except BaseException:
-        _call("run_cancel", task)
-        raise
-    finally:
-        thread.join()
-    if failures:
-        raise failures[0]
+            while not concurrent.futures.wait([run_there], 0.02).done:
+                if progress is not None:
+                    _pass_on(task, progress)
+        except BaseException:
+            _call("run_cancel", task)
+            raise
+    run_there.result()
+
+
+def _pass_on(task: _Object, progress: typing.Callable[[str, float], None]) -> None:
+    fraction = ctypes.c_double()
+    phase = _call("run_phase", task, ctypes.byref(fraction), returns=ctypes.c_char_p).decode(errors="replace")
+    if phase:
+        progress(phase, fraction.value)
 
 
 def write_terrain(name: str, z: Numbers, resolution_m: float, crs: str, center: typing.Sequence[float]) -> None:

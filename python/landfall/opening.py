@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 # Python lets the tools check a file. `landfall.open` and the Python commands run `landfall-info --check`, which opens
 # the file as every tool does, before h5py opens it. A second implementation of lib/store/hdf5/guard/metadata_check.h,
-# lib/store/hdf5/guard/file_screening.h and lib/store/hdf5/guard/file_seal.h in Python would differ from the first one sooner or
-# later. The price is one process for each file. Where the program is not found, the file is refused: a check that is silently left out is none. `check=False` leaves it out for
-# a file that the caller trusts.
+# lib/store/hdf5/guard/file_screening.h and lib/store/hdf5/guard/file_seal.h in Python would differ from the first one
+# sooner or later. The price is one process for each file. Where the program is not found, the file is refused: a check
+# that is silently left out is none. `check=False` leaves it out for a file that the caller trusts.
 #
 # HDF5 loads no plug-in in a Python process from the first `landfall.open` on, not only for the file that is opened:
 # HDF5 has one switch for a process, and looks for a filter when values are read, long after the file is opened. Filters

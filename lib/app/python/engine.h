@@ -103,7 +103,7 @@ Object* landfall_new_lidar(const char* config, Object* surface);
 const char* landfall_lidar(Object* lidar);
 /// The rays of the first pulse of a lidar without a surface.
 Object* landfall_new_rays(Object* lidar, const PulseArrays* pulse);
-/// JSON: {"count", "origins_m", "directions"}; the addresses of vectors of shape (count, 3), frame D.
+/// JSON as of landfall_values(): origins, metres, and directions, frame D, of shape (count, 2, 3).
 const char* landfall_rays(Object* rays);
 /// `records` gets count * pixels records. A lidar without a surface takes one pulse, and the ranges of its
 /// rays.

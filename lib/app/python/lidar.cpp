@@ -44,10 +44,9 @@ lidar::IntersectAll traced_by(std::shared_ptr<const RayEngine> engine) {
   };
 }
 
-/// The rays of one pulse, which Python traces: vectors of shape (count, 3).
+/// The rays of one pulse, which Python traces.
 struct Rays : Object {
-  std::vector<double> origins_m, directions;
-  std::size_t count = 0;
+  std::vector<lidar::Ray> rays;
 };
 
 thread_local Rays* wanted_rays = nullptr;             ///< get the rays of the pulse, which then misses
@@ -58,12 +57,7 @@ void trace_in_python(std::span<const lidar::Ray> rays, std::span<double> ranges_
     std::copy_n(known_ranges_m, rays.size(), ranges_m.begin());
     return;
   }
-  Rays& wanted = *wanted_rays;
-  for (const lidar::Ray& ray : rays) {
-    wanted.origins_m.insert(wanted.origins_m.end(), ray.origin_m.begin(), ray.origin_m.end());
-    wanted.directions.insert(wanted.directions.end(), ray.direction.begin(), ray.direction.end());
-  }
-  wanted.count = rays.size();
+  wanted_rays->rays.assign(rays.begin(), rays.end());
   std::ranges::fill(ranges_m, std::numeric_limits<double>::quiet_NaN());
 }
 
@@ -168,10 +162,11 @@ Object* landfall_new_rays(Object* lidar, const PulseArrays* pulse) {
 
 const char* landfall_rays(Object* rays) {
   return text_of([&] {
-    const Rays& held = as<Rays>(rays);
-    return nlohmann::json({{"count", held.count},
-                           {"origins_m", reinterpret_cast<std::uintptr_t>(held.origins_m.data())},
-                           {"directions", reinterpret_cast<std::uintptr_t>(held.directions.data())}})
+    static_assert(sizeof(lidar::Ray) == 6 * sizeof(double));
+    const std::vector<lidar::Ray>& held = as<Rays>(rays).rays;
+    const nlohmann::json shape = {held.size(), 2, 3};
+    return nlohmann::json(
+               {{"type", "f8"}, {"shape", shape}, {"address", reinterpret_cast<std::uintptr_t>(held.data())}})
         .dump();
   });
 }
