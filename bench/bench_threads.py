@@ -7,7 +7,8 @@
 The scan is the paper's Example 2. A turn runs each work with each number of threads, one after the other; the best of the turns counts. The
 times are those of the whole tool, and of the phase "draw" for draws, whose runs also read a scan and write maps once. The column "of processes" is
 the speed-up of as many processes of one thread at once, which share nothing: what the machine allows. The serial share is that of Amdahl's law,
-T(n) = T(1) (s + (1 - s) / n), by least squares of T. GB/s is an estimate, not a measurement, because most machines count no transfers of memory:
+T(n) = T(1) (s + (1 - s) / n), by least squares of T; "idle" is the share of the threads' time in which they do not run, by their CPU time, which
+does not depend on how fast a busy machine is. GB/s is an estimate, not a measurement, because most machines count no transfers of memory:
 it divides by the wall time the bytes that the work passes at least, BYTES in this script. A copy of 256 MB by as many processes shows how much the
 machine can move. Files take 1.3 GB for a while, and 0.5 GB for each further process.
 
@@ -134,7 +135,8 @@ def main():
     with tempfile.TemporaryDirectory(prefix="landfall-threads-", dir=options.folder) as folder:
         best = Bench(options, folder).measure()
     counts = {"verdict": options.draws, "full": options.draws, "traced": options.draws, "landings": options.landings}
-    print("| work | threads | s | CPU s | speed-up | of processes | serial share | peak GB | GB/s, estimated |\n|---|---|---|---|---|---|---|---|---|")
+    print("| work | threads | s | CPU s | speed-up | of processes | serial share | idle | peak GB | GB/s, estimated |")
+    print("|---|---|---|---|---|---|---|---|---|---|")
     for name, rows in best.items():
         share = serial_share({threads: rows[threads, 1][0] for threads in options.threads})
         for threads in options.threads:
@@ -142,7 +144,8 @@ def main():
             alone = rows[1, 1][0]
             moved = f"{BYTES[name] * counts.get(name, 1) / wall / 1e9:.1f}" if name in BYTES else ""
             print(f"| {name} | {threads} | {wall:.2f} | {cpu:.2f} | {alone / wall:.2f} | {threads * alone / rows[1, threads][0]:.2f} | "
-                  f"{f'{100 * share:.0f} %' if threads > 1 else ''} | {peak / 1e9:.2f} | {moved} |", flush=True)
+                  f"{f'{100 * share:.0f} %' if threads > 1 else ''} | {100 * (1 - cpu / (threads * wall)):.1f} % | "
+                  f"{peak / 1e9:.2f} | {moved} |", flush=True)
     for threads in options.threads:
         print(f"copy by {threads}: {copied_by(threads) / 1e9:.1f} GB/s")
 
