@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Runs a command of schemas/dictionary/tools.json that is a module of the package landfall: start.py 'plot dem' ARGUMENTS, as `landfall plot dem`
 does. In a clone each file of commands/ is a link to this program, which then runs the module of the link's name."""
-import importlib
+import importlib.util
 import json
 import os
 import sys
@@ -40,7 +40,8 @@ def main():
             shared.import_matplotlib()
         command = importlib.import_module(f"landfall.{module}")
     except ModuleNotFoundError as error:
-        sys.exit(f"{name}: {sys.executable} has no module {error.name}; apt-get install python3-{error.name}")
+        packages = {error.name, *(each for each in ("h5py", "matplotlib", "numpy") if importlib.util.find_spec(each) is None)}
+        sys.exit(f"{name}: {sys.executable} has no module {error.name}; apt-get install {' '.join(f'python3-{each}' for each in sorted(packages))}")
     shared.run(command.main)
 
 

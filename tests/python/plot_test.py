@@ -3,12 +3,13 @@
 """Tests of plot_dem.py, plot_eval.py and plot_plan.py on small files that the tests make."""
 import json
 import os
+import subprocess
 import unittest
 
 import h5py
 import numpy as np
 
-from harness import ToolTest, read_bytes
+from harness import ROOT, ToolTest, read_bytes
 from harness.commands import run_command
 from landfall import dictionary, files
 from landfall.plot import maps, plot_command, plot_compare, plot_dem, plot_eval, plot_plan, scales
@@ -212,6 +213,12 @@ class PlotDemTest(ScriptTest):
         self.expect_failure(2, "positive length", "plot_dem.py", "dem.h5", "--footprint-m", "-1")
         self.expect_failure(2, ".png", "plot_dem.py", "dem.h5", "-o", "dem.jpg")
         self.expect_failure(2, "folder missing does not exist", "plot_dem.py", "dem.h5", "-o", "missing/dem.png")
+
+    def test_all_missing_packages_are_named_at_once(self):
+        words = ["/usr/bin/python3", "-S", os.path.join(ROOT, "python", "start.py"), "plot dem"]
+        result = subprocess.run(words, capture_output=True, text=True, check=False)
+        self.assertEqual((result.returncode, result.stderr), (1, "landfall plot dem: /usr/bin/python3 has no module matplotlib; "
+                                                              "apt-get install python3-h5py python3-matplotlib python3-numpy\n"))
 
 
 class PlotEvalTest(ScriptTest):
