@@ -6,6 +6,7 @@ import json
 import os
 import re
 import subprocess
+import tempfile
 import unittest
 
 import yaml
@@ -30,6 +31,16 @@ class Versions(unittest.TestCase):
                                   capture_output=True, text=True).stdout
             self.assertIn(VERSION, words.split(), tool)
         self.assertEqual(text("packaging", "changelog").split("\n")[0].split(" ")[:2], ["landfall", f"({VERSION})"])
+
+    def test_a_clone_whose_commit_git_cannot_tell(self):
+        with tempfile.TemporaryDirectory(prefix="landfall-version-") as folder:
+            os.mkdir(os.path.join(folder, ".git"))
+            with open(os.path.join(folder, "CMakeLists.txt"), "w", encoding="utf-8") as file:
+                file.write(f"cmake_minimum_required(VERSION 3.25)\nproject(clone NONE)\nadd_subdirectory({ROOT}/lib/store/files files)\n")
+            configured = subprocess.run(["cmake", "-S", folder, "-B", f"{folder}/build", "-DGIT_EXECUTABLE=/bin/false"], check=True,
+                                        capture_output=True, text=True)
+            self.assertIn("Files will not name the commit that made them: git: 1", configured.stderr)
+            self.assertIn(b'#define LANDFALL_GIT "unknown"\n', read_bytes(f"{folder}/build/include/store/files/version.h"))
 
     def test_the_latest_release_of_the_changelog_has_the_version(self):
         releases = [release for release in RELEASES if release[0] != "Unreleased"]
