@@ -40,8 +40,9 @@ def main():
             shared.import_matplotlib()
         command = importlib.import_module(f"landfall.{module}")
     except ModuleNotFoundError as error:
-        packages = {error.name, *(each for each in ("h5py", "matplotlib", "numpy") if importlib.util.find_spec(each) is None)}
-        sys.exit(f"{name}: {sys.executable} has no module {error.name}; apt-get install {' '.join(f'python3-{each}' for each in sorted(packages))}")
+        modules = sorted({error.name, "h5py", "matplotlib", "numpy"})
+        missing = [f"python3-{module}" for module in modules if module == error.name or importlib.util.find_spec(module) is None]
+        sys.exit(f"{name}: {sys.executable} has no module {error.name}; apt-get install {' '.join(missing)}")
     shared.run(command.main)
 
 
