@@ -7,8 +7,8 @@
 The scan is the paper's Example 2. A turn runs each work with each number of threads, one after the other; the best of the turns counts. The
 times are those of the whole tool, and of the phase "draw" for draws, whose runs also read a scan and write maps once. The column "of processes" is
 the speed-up of as many processes of one thread at once, which share nothing: what the machine allows. The serial share is that of Amdahl's law,
-T(n) = T(1) (s + (1 - s) / n), by least squares of T; "idle" is the share of the threads' time in which they do not run, by their CPU time, which
-does not depend on how fast a busy machine is. GB/s is an estimate, not a measurement, because most machines count no transfers of memory:
+T(n) = T(1) (s + (1 - s) / n), by least squares of T; "idle" is the share of the threads' time in which they do not run, by their CPU time; on
+a virtual machine also what the hypervisor takes. GB/s is an estimate, not a measurement, because most machines count no transfers of memory:
 it divides by the wall time the bytes that the work passes at least, BYTES in this script. A copy of 256 MB by as many processes shows how much the
 machine can move. Files take 1.3 GB for a while, and 0.5 GB for each further process.
 
